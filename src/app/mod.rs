@@ -1,0 +1,1 @@
+//! What the analyst sees and decides: state and commands. Knows no widget.

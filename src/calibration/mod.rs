@@ -1,0 +1,148 @@
+//! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
+
+use crate::first_return::FirstReturns;
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Survey};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// Which scale turns samples into metres.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ScaleMode {
+    /// Pixels per metre measured at a flat spot, `PPD = p / d`.
+    FlatSpot,
+    /// The range that the recorder states for each ping.
+    Header,
+}
+
+/// `calibration.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CalibrationSettings {
+    /// Which scale turns samples into metres.
+    pub mode: ScaleMode,
+    /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
+    pub pings: Option<PingRange>,
+}
+
+impl Default for CalibrationSettings {
+    fn default() -> Self {
+        Self {
+            mode: ScaleMode::Header,
+            pings: None,
+        }
+    }
+}
+
+/// A range of side-scan pings, written `A..B` (B excluded).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct PingRange {
+    /// First ping.
+    pub start: usize,
+    /// One past the last ping.
+    pub end: usize,
+}
+
+impl From<PingRange> for String {
+    fn from(range: PingRange) -> String {
+        format!("{}..{}", range.start, range.end)
+    }
+}
+
+impl TryFrom<String> for PingRange {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        let parsed = text.split_once("..").and_then(|(start, end)| {
+            Some(PingRange {
+                start: start.trim().parse().ok()?,
+                end: end.trim().parse().ok()?,
+            })
+        });
+        parsed
+            .filter(|range| range.start < range.end)
+            .ok_or_else(|| {
+                format!(
+                    "a ping range is written A..B with A < B, for example 400..600; got `{text}`"
+                )
+            })
+    }
+}
+
+/// A stretch of the track where the recorded depth hardly changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatSpot {
+    /// Side-scan pings of the stretch.
+    pub pings: Range<usize>,
+    /// Median recorded depth, metres.
+    pub depth_m: f64,
+    /// Slope of the recorded depth along the track, metres a metre.
+    pub slope: f64,
+    /// Standard deviation of the recorded depth about its line, metres.
+    pub scatter_m: f64,
+}
+
+/// A scale with its spread, in u8 samples a metre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Median over the pings used.
+    pub px_per_m: f64,
+    /// Robust standard deviation (1.4826 MAD) over the pings used.
+    pub spread_px_per_m: f64,
+    /// Picks used, both sides.
+    pub picks: usize,
+}
+
+/// Robust straight line `r = k d + b` of first-return range against recorded depth over the whole log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthFit {
+    /// Slope; about 1 when the fan covers nadir, above 1 when the inner edge of the beam is tilted.
+    pub k: f64,
+    /// Offset, metres: draft, pulse lead, keel offset.
+    pub b_m: f64,
+    /// Robust standard deviation about the line, metres.
+    pub spread_m: f64,
+    /// Picks used.
+    pub picks: usize,
+}
+
+/// How picks become slant ranges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Which scale is in force.
+    pub mode: ScaleMode,
+    /// Where `ppd` was measured, if anywhere.
+    pub flat_spot: Option<FlatSpot>,
+    /// Pixels per metre at the flat spot.
+    pub ppd: Option<Scale>,
+    /// The scale that the log's headers imply (median over the log).
+    pub header: Option<Scale>,
+    /// Range against depth over the whole log.
+    pub fit: Option<DepthFit>,
+    /// What does not agree, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Ranks the flattest stretches of the track, flattest first, at most `count`, not overlapping.
+pub fn flat_spots(
+    _survey: &Survey,
+    _navigation: &Navigation,
+    _count: usize,
+    _progress: &Progress,
+) -> Result<Vec<FlatSpot>, Cancelled> {
+    todo!()
+}
+
+/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
+pub fn calibrate(
+    _survey: &Survey,
+    _navigation: &Navigation,
+    _returns: &FirstReturns,
+    _spots: &[FlatSpot],
+    _settings: &CalibrationSettings,
+    _progress: &Progress,
+) -> Result<Calibration, Cancelled> {
+    todo!()
+}

@@ -1,0 +1,161 @@
+//! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
+
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Survey};
+use serde::{Deserialize, Serialize};
+
+/// Where a first return is placed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Geometry {
+    /// `z = r cos(alpha_2)`, `y = r sin(alpha_2)`, as printed in the paper.
+    Published,
+    /// As published, with `PPD` measured so that the depth at the flat spot is reproduced.
+    SelfConsistent,
+    /// `z = r`, `y = 0`: the first return is straight below.
+    Nadir,
+    /// The specular foot: the first return lies where the bottom is square to the beam.
+    Slope,
+}
+
+/// `cloud.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CloudSettings {
+    /// Where a first return is placed.
+    pub geometry: Geometry,
+    /// Angle of the first return from the vertical, degrees; 16 in the published code.
+    pub alpha2_deg: f64,
+}
+
+impl Default for CloudSettings {
+    fn default() -> Self {
+        Self {
+            geometry: Geometry::Slope,
+            alpha2_deg: 16.0,
+        }
+    }
+}
+
+/// `outliers.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OutlierSettings {
+    /// Radius of the sphere around a point, metres.
+    pub radius_m: f64,
+    /// A point is kept when the sphere holds more than this many points, itself included (Open3D's legacy rule).
+    pub min_neighbors: usize,
+}
+
+impl Default for OutlierSettings {
+    fn default() -> Self {
+        Self {
+            radius_m: 3.011,
+            min_neighbors: 10,
+        }
+    }
+}
+
+/// What measured a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum PointSource {
+    /// The recorder's own depth.
+    DownScan,
+    /// The first return to port.
+    Port,
+    /// The first return to starboard.
+    Starboard,
+}
+
+impl PointSource {
+    /// `downscan`, `port`, `starboard`, as in `cloud.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            PointSource::DownScan => "downscan",
+            PointSource::Port => "port",
+            PointSource::Starboard => "starboard",
+        }
+    }
+}
+
+/// One point, and where it came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudPoint {
+    /// What measured it.
+    pub source: PointSource,
+    /// The side-scan ping; for a sounding the side-scan ping nearest in time (0 in a log without side-scan).
+    pub ping: u32,
+    /// The sounding for down-scan points.
+    pub sounding: Option<u32>,
+    /// First return in u8 samples outward; NaN for a sounding.
+    pub sample: f32,
+    /// Metres east of the survey's origin.
+    pub east_m: f64,
+    /// Metres north of the survey's origin.
+    pub north_m: f64,
+    /// Elevation, metres, negative below the transducer.
+    pub z_m: f64,
+}
+
+/// All points, before the outlier filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointCloud {
+    /// Soundings first, then port and starboard in ping order.
+    pub points: Vec<CloudPoint>,
+    /// Pings that gave no side-scan point because they have no heading.
+    pub zero_heading: usize,
+}
+
+/// Slant range of a pick by the calibration in force, metres; NaN without a pick. The only place where samples become metres.
+pub fn slant_range_m(
+    _survey: &Survey,
+    _calibration: &Calibration,
+    _ping: usize,
+    _side: crate::survey::Side,
+    _sample: f32,
+) -> f64 {
+    todo!()
+}
+
+/// Builds the cloud.
+pub fn build(
+    _survey: &Survey,
+    _navigation: &Navigation,
+    _returns: &FirstReturns,
+    _calibration: &Calibration,
+    _settings: &CloudSettings,
+    _progress: &Progress,
+) -> Result<PointCloud, Cancelled> {
+    todo!()
+}
+
+/// Radius outlier removal over the side-scan points of the cloud (soundings are always kept), as the published code does.
+/// One flag per point.
+pub fn keep_points(
+    _cloud: &PointCloud,
+    _settings: &OutlierSettings,
+    _progress: &Progress,
+) -> Result<Vec<bool>, Cancelled> {
+    todo!()
+}
+
+/// Agreement of side-scan depths with recorded depths at the same ping.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Residuals {
+    /// Number of side-scan points compared.
+    pub n: usize,
+    /// Mean of (side-scan depth minus recorded depth); positive is deeper.
+    pub mean_m: f64,
+    /// Median.
+    pub median_m: f64,
+    /// Standard deviation (n - 1).
+    pub sd_m: f64,
+    /// Root mean square.
+    pub rms_m: f64,
+    /// Mean absolute.
+    pub mae_m: f64,
+    /// 95th percentile of the absolute value.
+    pub p95_m: f64,
+}

@@ -1,0 +1,1 @@
+//! Files that other programs open: CSV, PLY, LAZ; written aside, then renamed.

@@ -1,0 +1,115 @@
+//! The first sonar return: where, on each side of each ping, the bottom is first heard.
+
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Side, Survey};
+use serde::{Deserialize, Serialize};
+
+/// What a sample of the picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SampleMode {
+    /// The recorded bytes.
+    #[default]
+    Bytes,
+    /// Four bytes read as one little-endian int32, as the published code does: a picture of a quarter of the columns.
+    Words,
+}
+
+/// `image.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImageSettings {
+    /// Bytes, or the published int32 words.
+    pub samples: SampleMode,
+}
+
+/// How the first return is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// The first sample beyond the dead zone whose normalised intensity reaches the threshold.
+    Threshold,
+    /// The bottom edge as a whole line, among the samples that reach the threshold.
+    Tracker,
+}
+
+/// `first_return.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FirstReturnSettings {
+    /// How the first return is found.
+    pub method: Method,
+    /// Normalised intensity, 0 to 1, that a sample must reach to count as a return.
+    pub threshold: f32,
+    /// Slant range around the transducer that is ignored (ring-down), metres.
+    pub dead_zone_m: f64,
+    /// A pick nearer than the recorded depth by more than this is flagged as canopy or obstacle, metres.
+    pub canopy_margin_m: f64,
+}
+
+impl Default for FirstReturnSettings {
+    fn default() -> Self {
+        Self {
+            method: Method::Tracker,
+            threshold: 0.3,
+            dead_zone_m: 0.5,
+            canopy_margin_m: 0.15,
+        }
+    }
+}
+
+/// Where the bottom was first heard on one side of one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pick {
+    /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no pick.
+    pub sample: f32,
+    /// 0 (a guess) to 1 (certain); 0 when there is no pick.
+    pub confidence: f32,
+    /// Nearer than the recorded depth by more than the margin: canopy, fish or another obstacle.
+    pub canopy: bool,
+}
+
+impl Pick {
+    /// No return found.
+    pub const NONE: Pick = Pick {
+        sample: f32::NAN,
+        confidence: 0.0,
+        canopy: false,
+    };
+
+    /// Whether a return was found.
+    pub fn is_some(&self) -> bool {
+        !self.sample.is_nan()
+    }
+}
+
+/// The first return of every side-scan ping.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FirstReturns {
+    /// One entry per [`Survey::side_scan`] ping.
+    pub port: Vec<Pick>,
+    /// One entry per [`Survey::side_scan`] ping.
+    pub starboard: Vec<Pick>,
+    /// What the search should say about itself (for example words whose sign bit defeats the threshold).
+    pub warnings: Vec<String>,
+}
+
+impl FirstReturns {
+    /// The picks of one side.
+    pub fn side(&self, side: Side) -> &[Pick] {
+        match side {
+            Side::Port => &self.port,
+            Side::Starboard => &self.starboard,
+        }
+    }
+}
+
+/// Finds the first return on both sides of every ping.
+pub fn detect(
+    _survey: &Survey,
+    _image: &ImageSettings,
+    _settings: &FirstReturnSettings,
+    _progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    todo!()
+}

@@ -1,0 +1,31 @@
+//! Bathyscope: from the log of a low-cost side-scan fish-finder to a depth map and a 3D point cloud.
+//!
+//! Data flows one way, and so do the dependencies between the rooms below (a test guards it):
+//!
+//! ```text
+//! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --bathymetry--> depth map
+//!                      |                           ^ calibration (pixels per metre)    |
+//!                      '--waterfall: picture tiles                                     '--export
+//! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it.
+//! ```
+//!
+//! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared
+//! as `Arc`. Coordinates inside are SI: metres east and north of the survey's origin, radians clockwise from north,
+//! depth positive down (`depth_m`), elevation positive up (`z_m`). Degrees and feet exist only at the edges.
+
+pub mod app;
+pub mod bathymetry;
+pub mod calibration;
+pub mod cli;
+pub mod cloud;
+pub mod export;
+pub mod first_return;
+pub mod formats;
+pub mod geo;
+pub mod pipeline;
+pub mod progress;
+pub mod render;
+pub mod simulation;
+pub mod survey;
+pub mod ui;
+pub mod waterfall;

@@ -1,0 +1,175 @@
+//! The results of the stages, each tagged with the settings that made it.
+
+use super::Settings;
+use crate::calibration::{self, Calibration, FlatSpot};
+use crate::cloud::{self, PointCloud};
+use crate::first_return::{self, FirstReturns};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Survey, navigate};
+use std::sync::Arc;
+
+/// A stage of the pipeline, in the order of the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Position and heading of every ping, and the flat stretches of the track.
+    Navigation,
+    /// First return on both sides.
+    FirstReturn,
+    /// Scales.
+    Calibration,
+    /// Points.
+    Cloud,
+    /// Which points the outlier filter keeps.
+    Outliers,
+}
+
+impl Stage {
+    /// All stages in order.
+    pub const ALL: [Stage; 5] = [
+        Stage::Navigation,
+        Stage::FirstReturn,
+        Stage::Calibration,
+        Stage::Cloud,
+        Stage::Outliers,
+    ];
+
+    /// What the stage does, for a progress line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Navigation => "track",
+            Stage::FirstReturn => "first return",
+            Stage::Calibration => "calibration",
+            Stage::Cloud => "cloud",
+            Stage::Outliers => "outliers",
+        }
+    }
+
+    /// The first stage whose result differs between two settings; `None` when all results are the same.
+    pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
+        if old.heading != new.heading || old.projection != new.projection {
+            Some(Stage::Navigation)
+        } else if old.image != new.image || old.first_return != new.first_return {
+            Some(Stage::FirstReturn)
+        } else if old.calibration != new.calibration {
+            Some(Stage::Calibration)
+        } else if old.cloud != new.cloud {
+            Some(Stage::Cloud)
+        } else if old.outliers != new.outliers {
+            Some(Stage::Outliers)
+        } else {
+            None
+        }
+    }
+}
+
+/// What the pipeline made of a survey with some settings. Cheap to clone: every part is shared.
+#[derive(Clone, Debug)]
+pub struct Products {
+    /// The settings that made them.
+    pub settings: Settings,
+    /// Position and heading of every ping.
+    pub navigation: Arc<Navigation>,
+    /// Ranked flat stretches.
+    pub flat_spots: Arc<Vec<FlatSpot>>,
+    /// First returns.
+    pub returns: Arc<FirstReturns>,
+    /// Scales.
+    pub calibration: Arc<Calibration>,
+    /// All points.
+    pub cloud: Arc<PointCloud>,
+    /// One flag per point: kept by the outlier filter.
+    pub kept: Arc<Vec<bool>>,
+}
+
+/// How many flat stretches are ranked.
+const FLAT_SPOTS: usize = 8;
+
+/// Runs the stages whose results differ from `previous` (same survey), or all of them.
+pub fn run(
+    survey: &Survey,
+    settings: &Settings,
+    previous: Option<&Products>,
+    progress: &Progress,
+    mut on_stage: impl FnMut(Stage),
+) -> Result<Products, Cancelled> {
+    let stale = match previous {
+        Some(previous) => Stage::first_stale(&previous.settings, settings),
+        None => Some(Stage::Navigation),
+    };
+    let reuse = |stage: Stage| previous.filter(|_| stale.is_none_or(|first| stage < first));
+    let mut begin = |stage: Stage| {
+        on_stage(stage);
+        progress.check()
+    };
+
+    let (navigation, flat_spots) = match reuse(Stage::Navigation) {
+        Some(old) => (old.navigation.clone(), old.flat_spots.clone()),
+        None => {
+            begin(Stage::Navigation)?;
+            let navigation = navigate(survey, &settings.heading, settings.projection, progress)?;
+            let spots = calibration::flat_spots(survey, &navigation, FLAT_SPOTS, progress)?;
+            (Arc::new(navigation), Arc::new(spots))
+        }
+    };
+    // The first return depends on neither position nor heading: a change of heading source must not run the tracker again.
+    let same_returns = previous.filter(|old| {
+        old.settings.image == settings.image && old.settings.first_return == settings.first_return
+    });
+    let returns = match same_returns {
+        Some(old) => old.returns.clone(),
+        None => {
+            begin(Stage::FirstReturn)?;
+            Arc::new(first_return::detect(
+                survey,
+                &settings.image,
+                &settings.first_return,
+                progress,
+            )?)
+        }
+    };
+    let calibration = match reuse(Stage::Calibration) {
+        Some(old) => old.calibration.clone(),
+        None => {
+            begin(Stage::Calibration)?;
+            let settings = &settings.calibration;
+            Arc::new(calibration::calibrate(
+                survey,
+                &navigation,
+                &returns,
+                &flat_spots,
+                settings,
+                progress,
+            )?)
+        }
+    };
+    let cloud = match reuse(Stage::Cloud) {
+        Some(old) => old.cloud.clone(),
+        None => {
+            begin(Stage::Cloud)?;
+            Arc::new(cloud::build(
+                survey,
+                &navigation,
+                &returns,
+                &calibration,
+                &settings.cloud,
+                progress,
+            )?)
+        }
+    };
+    let kept = match reuse(Stage::Outliers) {
+        Some(old) => old.kept.clone(),
+        None => {
+            begin(Stage::Outliers)?;
+            Arc::new(cloud::keep_points(&cloud, &settings.outliers, progress)?)
+        }
+    };
+    Ok(Products {
+        settings: settings.clone(),
+        navigation,
+        flat_spots,
+        returns,
+        calibration,
+        cloud,
+        kept,
+    })
+}

@@ -1,0 +1,248 @@
+//! All settings of the pipeline under the keys that scripts use, and the two presets.
+
+use crate::calibration::{CalibrationSettings, ScaleMode};
+use crate::cloud::{CloudSettings, Geometry, OutlierSettings};
+use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::survey::{HeadingSettings, HeadingSource, Projection};
+use serde::{Deserialize, Serialize};
+
+/// Settings that cannot be understood, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SettingsError(pub String);
+
+/// A named set of settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The paper's formulas to the digit, so that its figures can be reproduced.
+    Published,
+    /// What measures best on surveys of known truth.
+    #[default]
+    Recommended,
+}
+
+impl Preset {
+    /// `published` or `recommended`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::Published => "published",
+            Preset::Recommended => "recommended",
+        }
+    }
+}
+
+/// Everything that decides what the pipeline computes. The field names are the setting keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// `projection`.
+    pub projection: Projection,
+    /// `image.*`.
+    pub image: ImageSettings,
+    /// `first_return.*`.
+    pub first_return: FirstReturnSettings,
+    /// `calibration.*`.
+    pub calibration: CalibrationSettings,
+    /// `cloud.*`.
+    pub cloud: CloudSettings,
+    /// `heading.*`.
+    pub heading: HeadingSettings,
+    /// `outliers.*`.
+    pub outliers: OutlierSettings,
+}
+
+impl Settings {
+    /// The settings of a preset.
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Recommended => Self::default(),
+            Preset::Published => Self {
+                projection: Projection::Mercator,
+                image: ImageSettings {
+                    samples: SampleMode::Words,
+                },
+                first_return: FirstReturnSettings {
+                    method: Method::Threshold,
+                    threshold: 0.30,
+                    ..FirstReturnSettings::default()
+                },
+                calibration: CalibrationSettings {
+                    mode: ScaleMode::FlatSpot,
+                    pings: None,
+                },
+                cloud: CloudSettings {
+                    geometry: Geometry::Published,
+                    alpha2_deg: 16.0,
+                },
+                heading: HeadingSettings {
+                    source: HeadingSource::Steps,
+                    ..HeadingSettings::default()
+                },
+                outliers: OutlierSettings {
+                    radius_m: 3.011,
+                    min_neighbors: 10,
+                },
+            },
+        }
+    }
+
+    /// The preset that these settings are, if any; the choice of the flat spot does not count.
+    pub fn is_preset(&self) -> Option<Preset> {
+        let mut plain = self.clone();
+        plain.calibration.pings = None;
+        [Preset::Recommended, Preset::Published]
+            .into_iter()
+            .find(|&preset| plain == Self::preset(preset))
+    }
+
+    /// Lays the keys of a TOML text over these settings.
+    pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
+        let over: toml::Table = text
+            .parse()
+            .map_err(|error| SettingsError(format!("settings: {error}")))?;
+        let mut table = self.to_table()?;
+        merge(&mut table, over);
+        table
+            .try_into()
+            .map_err(|error| SettingsError(format!("settings: {error}")))
+    }
+
+    /// Applies one `key=value`, for example `first_return.threshold=0.35`.
+    pub fn with_assignment(&self, assignment: &str) -> Result<Self, SettingsError> {
+        let (key, value) = assignment.split_once('=').ok_or_else(|| {
+            SettingsError(format!(
+                "a setting is written key=value; got `{assignment}`"
+            ))
+        })?;
+        let (key, value) = (key.trim(), value.trim());
+        // A bare word is a string; numbers and booleans stay what TOML says they are.
+        let as_toml = format!("{key} = {value}");
+        let quoted = format!("{key} = {}", toml::Value::String(value.to_owned()));
+        let text = if as_toml.parse::<toml::Table>().is_ok() {
+            as_toml
+        } else {
+            quoted
+        };
+        self.with_toml(&text).map_err(|error| {
+            SettingsError(format!(
+                "`{key}` cannot be `{value}`: {}",
+                one_line(&error.0)
+            ))
+        })
+    }
+
+    fn to_table(&self) -> Result<toml::Table, SettingsError> {
+        toml::Table::try_from(self).map_err(|error| SettingsError(format!("settings: {error}")))
+    }
+
+    /// Refuses values that no stage can work with.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let rules = [
+            (
+                (0.0..=1.0).contains(&self.first_return.threshold),
+                "first_return.threshold must lie between 0 and 1",
+            ),
+            (
+                (0.0..=50.0).contains(&self.first_return.dead_zone_m),
+                "first_return.dead_zone_m must lie between 0 and 50",
+            ),
+            (
+                (0.0..=10.0).contains(&self.first_return.canopy_margin_m),
+                "first_return.canopy_margin_m must lie between 0 and 10",
+            ),
+            (
+                (0.0..90.0).contains(&self.cloud.alpha2_deg),
+                "cloud.alpha2_deg must lie between 0 and 90",
+            ),
+            (
+                self.outliers.radius_m > 0.0 && self.outliers.radius_m.is_finite(),
+                "outliers.radius_m must be above 0",
+            ),
+            (
+                self.outliers.min_neighbors >= 1,
+                "outliers.min_neighbors must be at least 1",
+            ),
+            (
+                (0.2..=120.0).contains(&self.heading.window_s),
+                "heading.window_s must lie between 0.2 and 120",
+            ),
+        ];
+        rules
+            .iter()
+            .find(|(holds, _)| !holds)
+            .map_or(Ok(()), |(_, rule)| Err(SettingsError((*rule).to_owned())))
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .next_back()
+        .unwrap_or_default()
+        .to_owned()
+}
+
+fn merge(base: &mut toml::Table, over: toml::Table) {
+    for (key, value) in over {
+        match (base.get_mut(&key), value) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(value)) => merge(inner, value),
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assignments_take_bare_words_numbers_and_ranges() {
+        let settings = Settings::default()
+            .with_assignment("first_return.method=threshold")
+            .and_then(|s| s.with_assignment("first_return.threshold = 0.41"))
+            .and_then(|s| s.with_assignment("calibration.pings=400..600"))
+            .and_then(|s| s.with_assignment("outliers.min_neighbors=4"))
+            .unwrap();
+        assert_eq!(settings.first_return.method, Method::Threshold);
+        assert_eq!(settings.first_return.threshold, 0.41);
+        assert_eq!(
+            settings.calibration.pings.map(String::from),
+            Some("400..600".to_owned())
+        );
+        assert_eq!(settings.outliers.min_neighbors, 4);
+    }
+
+    #[test]
+    fn unknown_keys_and_bad_values_are_named() {
+        let unknown = Settings::default()
+            .with_assignment("first_return.treshold=0.3")
+            .unwrap_err();
+        assert!(unknown.0.contains("treshold"), "{unknown}");
+        let bad = Settings::default()
+            .with_assignment("cloud.geometry=flat")
+            .unwrap_err();
+        assert!(bad.0.contains("flat"), "{bad}");
+        assert!(Settings::default().with_assignment("nonsense").is_err());
+    }
+
+    #[test]
+    fn presets_are_recognised_whatever_the_flat_spot() {
+        for preset in [Preset::Published, Preset::Recommended] {
+            let settings = Settings::preset(preset)
+                .with_assignment("calibration.pings=1..9")
+                .unwrap();
+            assert_eq!(settings.is_preset(), Some(preset));
+        }
+        assert_eq!(
+            Settings::default()
+                .with_assignment("cloud.alpha2_deg=12")
+                .unwrap()
+                .is_preset(),
+            None
+        );
+    }
+}

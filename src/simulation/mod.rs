@@ -1,0 +1,1 @@
+//! Simulated surveys of known truth, written as valid SL2.

@@ -1,0 +1,197 @@
+//! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
+
+mod navigation;
+mod samples;
+mod track;
+
+pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
+pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
+pub use track::{Fix, Track};
+
+use std::path::PathBuf;
+
+/// The side of the boat that a beam looks to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Side {
+    /// Left of the boat, looking forward.
+    Port,
+    /// Right of the boat, looking forward.
+    Starboard,
+}
+
+impl Side {
+    /// Both sides, port first.
+    pub const BOTH: [Side; 2] = [Side::Port, Side::Starboard];
+
+    /// `port` or `starboard`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Side::Port => "port",
+            Side::Starboard => "starboard",
+        }
+    }
+}
+
+/// What a channel of the log recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ChannelKind {
+    /// Traditional sonar, first transducer element or frequency.
+    Primary,
+    /// Traditional sonar, second frequency.
+    Secondary,
+    /// Down-imaging sonar.
+    DownScan,
+    /// Side-scan, port side only.
+    Port,
+    /// Side-scan, starboard side only.
+    Starboard,
+    /// Side-scan, both sides in one frame.
+    Composite,
+    /// A channel that Bathyscope counts but does not use, with the recorder's number for it.
+    Other(u16),
+}
+
+impl ChannelKind {
+    /// A word or two for tables and messages.
+    pub fn name(self) -> String {
+        match self {
+            ChannelKind::Primary => "primary".into(),
+            ChannelKind::Secondary => "secondary".into(),
+            ChannelKind::DownScan => "down-scan".into(),
+            ChannelKind::Port => "side-scan port".into(),
+            ChannelKind::Starboard => "side-scan starboard".into(),
+            ChannelKind::Composite => "side-scan".into(),
+            ChannelKind::Other(number) => format!("channel {number}"),
+        }
+    }
+}
+
+/// One channel of the log: a summary for `info` and the open dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// What it recorded.
+    pub kind: ChannelKind,
+    /// The recorder's own number or name of the channel, as text.
+    pub recorder_name: String,
+    /// Frequency in kHz where the recorder states it.
+    pub frequency_khz: Option<f32>,
+    /// Pings read.
+    pub ping_count: usize,
+    /// First and last time, seconds after the log's time zero; may be negative.
+    pub time_span_s: Option<(f64, f64)>,
+    /// Fewest and most samples in a ping (of one side, for side-scan).
+    pub sample_count: (usize, usize),
+    /// Smallest near and largest far limit of the recorded range, metres.
+    pub range_m: Option<(f32, f32)>,
+}
+
+/// One side-scan ping: what was heard on one or both sides at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SidePing {
+    /// Seconds after the log's time zero; may be negative.
+    pub time_s: f64,
+    /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when there is none.
+    pub depth_m: f32,
+    /// The port samples, if that side was recorded for this ping.
+    pub port: Option<SideSpan>,
+    /// The starboard samples, if that side was recorded for this ping.
+    pub starboard: Option<SideSpan>,
+}
+
+impl SidePing {
+    /// The samples of one side.
+    pub fn side(&self, side: Side) -> Option<&SideSpan> {
+        match side {
+            Side::Port => self.port.as_ref(),
+            Side::Starboard => self.starboard.as_ref(),
+        }
+    }
+}
+
+/// One depth that the recorder's own bottom lock gave. Pings that repeat it are dropped by the reader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sounding {
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// Metres below the transducer (keel offset removed where the log states one).
+    pub depth_m: f32,
+}
+
+/// What can be done with the survey's side-scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SideScanState {
+    /// There is a picture.
+    Usable,
+    /// The log holds no side-scan frames.
+    Absent,
+    /// There are frames but no picture: no transducer was connected, the range is stuck (metres given).
+    Noise {
+        /// The stuck range, metres.
+        range_m: f32,
+    },
+}
+
+/// Where the bytes came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The files read, the one that was opened first.
+    pub files: Vec<PathBuf>,
+    /// Format in words, for example `Lowrance SL2 (version 1)`.
+    pub format: String,
+    /// Bytes in all files together.
+    pub byte_count: u64,
+}
+
+/// Something that is wrong with the log but did not keep the rest from being read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Index into [`Source::files`] and byte offset, where there is a place.
+    pub place: Option<(usize, u64)>,
+    /// One sentence: what, and what was done about it.
+    pub text: String,
+}
+
+/// A recorded survey. All vectors are in time order.
+#[derive(Debug)]
+pub struct Survey {
+    /// Where it was read from.
+    pub source: Source,
+    /// Unix seconds of the log's time zero, when the recorder knew the time.
+    pub start_unix_s: Option<f64>,
+    /// What each channel holds.
+    pub channels: Vec<Channel>,
+    /// The side-scan pings, both sides joined.
+    pub side_scan: Vec<SidePing>,
+    /// Whether the side-scan is worth drawing.
+    pub side_scan_state: SideScanState,
+    /// Depths under the boat.
+    pub soundings: Vec<Sounding>,
+    /// Positions, courses and compass headings.
+    pub track: Track,
+    /// What was wrong with the log.
+    pub warnings: Vec<Warning>,
+    /// The bytes that the sample spans point into, one entry a file.
+    pub bytes: Vec<Bytes>,
+}
+
+impl Survey {
+    /// The samples of one side of one ping; `None` when the ping or the side was not recorded.
+    pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
+        let span = self.side_scan.get(ping)?.side(side)?;
+        Samples::new(self.bytes.get(usize::from(span.file))?, span)
+    }
+
+    /// The survey's name for people: the opened file's stem.
+    pub fn name(&self) -> String {
+        let stem = self.source.files.first().and_then(|file| file.file_stem());
+        stem.map_or_else(
+            || "survey".into(),
+            |stem| stem.to_string_lossy().into_owned(),
+        )
+    }
+
+    /// Whether the side-scan can be processed.
+    pub fn has_side_scan(&self) -> bool {
+        self.side_scan_state == SideScanState::Usable
+    }
+}

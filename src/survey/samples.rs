@@ -1,0 +1,150 @@
+//! Echo samples of one side of a ping, borrowed from the mapped file.
+
+use std::sync::Arc;
+
+/// The bytes of one file: mapped, or held in memory (a simulated survey, a test).
+#[derive(Clone, Debug)]
+pub enum Bytes {
+    /// A read-only memory map.
+    Mapped(Arc<memmap2::Mmap>),
+    /// Bytes in memory.
+    Held(Arc<[u8]>),
+}
+
+impl std::ops::Deref for Bytes {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match self {
+            Bytes::Mapped(map) => map,
+            Bytes::Held(bytes) => bytes,
+        }
+    }
+}
+
+/// Which end of the stored samples is nearest to the boat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The first stored sample is at the transducer.
+    NearToFar,
+    /// The last stored sample is at the transducer (the port half of a composite frame).
+    FarToNear,
+}
+
+/// How a sample is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// One byte.
+    U8,
+    /// Two bytes, little-endian, of which `value >> shift` fits a byte.
+    U16 {
+        /// Bits to drop.
+        shift: u8,
+    },
+}
+
+/// Where the samples of one side of a ping lie, and the slant range that they cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideSpan {
+    /// Index into [`super::Survey::bytes`].
+    pub file: u16,
+    /// How a sample is stored.
+    pub encoding: Encoding,
+    /// Which end is nearest.
+    pub order: Order,
+    /// Byte offset of the first stored sample.
+    pub offset: u64,
+    /// Number of samples.
+    pub count: u32,
+    /// Slant range at the near edge of the nearest sample, metres.
+    pub near_m: f32,
+    /// Slant range at the far edge of the farthest sample, metres.
+    pub far_m: f32,
+}
+
+impl SideSpan {
+    /// Metres of slant range that one sample covers, as the recorder states it.
+    pub fn metres_per_sample(&self) -> f64 {
+        f64::from(self.far_m - self.near_m) / f64::from(self.count.max(1))
+    }
+
+    /// Slant range at a distance of `sample` samples outward from the nearest edge, metres, by the recorder's scale.
+    pub fn range_m(&self, sample: f64) -> f64 {
+        f64::from(self.near_m) + sample * self.metres_per_sample()
+    }
+
+    /// Inverse of [`SideSpan::range_m`].
+    pub fn sample_at(&self, range_m: f64) -> f64 {
+        (range_m - f64::from(self.near_m)) / self.metres_per_sample()
+    }
+}
+
+/// The samples of one side of a ping; index 0 is nearest to the boat whatever the file's order.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples<'a> {
+    stored: &'a [u8],
+    encoding: Encoding,
+    order: Order,
+}
+
+impl<'a> Samples<'a> {
+    /// `None` when the span lies outside the bytes.
+    pub fn new(bytes: &'a [u8], span: &SideSpan) -> Option<Self> {
+        let width = match span.encoding {
+            Encoding::U8 => 1,
+            Encoding::U16 { .. } => 2,
+        };
+        let start = usize::try_from(span.offset).ok()?;
+        let end = start.checked_add((span.count as usize).checked_mul(width)?)?;
+        let stored = bytes.get(start..end)?;
+        Some(Self {
+            stored,
+            encoding: span.encoding,
+            order: span.order,
+        })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        match self.encoding {
+            Encoding::U8 => self.stored.len(),
+            Encoding::U16 { .. } => self.stored.len() / 2,
+        }
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.stored.is_empty()
+    }
+
+    /// The sample `index` steps outward from the boat. Panics beyond the last, as a slice does.
+    pub fn get(&self, index: usize) -> u8 {
+        let stored = match self.order {
+            Order::NearToFar => index,
+            Order::FarToNear => self.len() - 1 - index,
+        };
+        match self.encoding {
+            Encoding::U8 => self.stored[stored],
+            Encoding::U16 { shift } => {
+                let value =
+                    u16::from_le_bytes([self.stored[2 * stored], self.stored[2 * stored + 1]]);
+                (value >> shift).min(255) as u8
+            }
+        }
+    }
+
+    /// The stored bytes when they are one byte a sample, with their order; the fast way for whole-survey passes.
+    pub fn stored_u8(&self) -> Option<(&'a [u8], Order)> {
+        (self.encoding == Encoding::U8).then_some((self.stored, self.order))
+    }
+
+    /// Replaces `out` with all samples, nearest first.
+    pub fn copy_outward(&self, out: &mut Vec<u8>) {
+        out.clear();
+        match self.stored_u8() {
+            Some((bytes, Order::NearToFar)) => out.extend_from_slice(bytes),
+            Some((bytes, Order::FarToNear)) => out.extend(bytes.iter().rev()),
+            None => out.extend((0..self.len()).map(|index| self.get(index))),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! Where the boat was: the fixes as recorded.
+
+use crate::geo::{LocalFrame, LonLat};
+
+/// One recorded position with what came with it. Recorders repeat the last fix for many pings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+    /// WGS84 position.
+    pub position: LonLat,
+    /// Course over ground, radians clockwise from north; NaN when not recorded.
+    pub cog_rad: f32,
+    /// Compass heading, radians clockwise from north; NaN when not recorded (no compass).
+    pub compass_rad: f32,
+    /// Speed over ground, metres a second; NaN when not recorded.
+    pub speed_mps: f32,
+}
+
+/// The boat's track. Position between fixes, and heading, come from [`super::navigate`].
+#[derive(Clone, Debug)]
+pub struct Track {
+    /// One entry per record that carries a position, repeats included, in time order.
+    pub fixes: Vec<Fix>,
+    /// Local frame with its origin at the first fix. All `east_m`, `north_m` of the survey are in it.
+    pub frame: LocalFrame,
+}
+
+impl Track {
+    /// A track through `fixes`, which the caller has put in time order.
+    pub fn new(fixes: Vec<Fix>) -> Self {
+        let origin = fixes.first().map_or(
+            LonLat {
+                lon_deg: 0.0,
+                lat_deg: 0.0,
+            },
+            |fix| fix.position,
+        );
+        Self {
+            fixes,
+            frame: LocalFrame::new(origin),
+        }
+    }
+}

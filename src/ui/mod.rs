@@ -1,0 +1,1 @@
+//! egui only: reads state, pushes commands.

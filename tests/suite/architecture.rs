@@ -1,0 +1,162 @@
+//! The borders between the rooms: data flows one way, and the widgets and the GPU stay where they belong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Rooms in the order of the data; a room may name those before it in its own row, never the others.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("geo", &[]),
+    ("survey", &["geo", "progress"]),
+    ("formats", &["survey", "geo", "progress"]),
+    ("simulation", &["survey", "geo", "progress", "formats"]),
+    ("waterfall", &["survey", "progress", "first_return"]),
+    ("first_return", &["survey", "progress"]),
+    (
+        "calibration",
+        &["survey", "geo", "progress", "first_return"],
+    ),
+    (
+        "cloud",
+        &["survey", "geo", "progress", "first_return", "calibration"],
+    ),
+    ("bathymetry", &["survey", "geo", "progress", "cloud"]),
+    (
+        "export",
+        &[
+            "survey",
+            "geo",
+            "progress",
+            "first_return",
+            "calibration",
+            "cloud",
+            "bathymetry",
+        ],
+    ),
+    (
+        "pipeline",
+        &[
+            "survey",
+            "geo",
+            "progress",
+            "first_return",
+            "calibration",
+            "cloud",
+            "bathymetry",
+            "export",
+            "formats",
+        ],
+    ),
+    (
+        "app",
+        &[
+            "survey",
+            "geo",
+            "progress",
+            "first_return",
+            "calibration",
+            "cloud",
+            "bathymetry",
+            "export",
+            "formats",
+            "pipeline",
+            "waterfall",
+            "simulation",
+        ],
+    ),
+    ("render", &["progress"]),
+];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder)
+            .expect("a folder of the source tree")
+            .flatten()
+        {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                found.push(path);
+            }
+        }
+    }
+    found
+}
+
+fn source() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The code of a file without its line comments.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("a readable source file");
+    text.lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+#[test]
+fn rooms_name_only_rooms_before_them() {
+    let rooms: Vec<&str> = MAY_USE
+        .iter()
+        .map(|(room, _)| *room)
+        .chain(["ui", "cli"])
+        .collect();
+    let mut offences = Vec::new();
+    for (room, may_use) in MAY_USE {
+        for path in rust_files(&source().join(room)) {
+            let code = code(&path);
+            for other in &rooms {
+                let names_it = code.contains(&format!("crate::{other}::"))
+                    || code.contains(&format!("crate::{other};"))
+                    || code.contains(&format!("bathyscope::{other}"));
+                if other != room && names_it && !may_use.contains(other) {
+                    offences.push(format!("{} names crate::{other}", path.display()));
+                }
+            }
+        }
+    }
+    assert!(offences.is_empty(), "{offences:#?}");
+}
+
+#[test]
+fn only_ui_names_egui_and_only_ui_and_render_name_wgpu() {
+    let mut offences = Vec::new();
+    for path in rust_files(&source()) {
+        let relative = path
+            .strip_prefix(source())
+            .expect("a path below src")
+            .to_string_lossy()
+            .into_owned();
+        let code = code(&path);
+        let in_ui = relative.starts_with("ui/");
+        let names_egui = ["egui::", "egui_tiles", "eframe::", "egui_wgpu"]
+            .iter()
+            .any(|name| code.contains(name));
+        if names_egui && !in_ui {
+            offences.push(format!("{relative} names egui"));
+        }
+        if code.contains("wgpu::") && !in_ui && !relative.starts_with("render/") {
+            offences.push(format!("{relative} names wgpu"));
+        }
+    }
+    assert!(offences.is_empty(), "{offences:#?}");
+}
+
+#[test]
+fn files_stay_small_enough_to_read() {
+    let long: Vec<String> = rust_files(&source())
+        .into_iter()
+        .filter_map(|path| {
+            let lines = fs::read_to_string(&path)
+                .expect("a readable source file")
+                .lines()
+                .count();
+            (lines > 600).then(|| format!("{}: {lines} lines", path.display()))
+        })
+        .collect();
+    assert!(long.is_empty(), "{long:#?}");
+}

@@ -1,0 +1,5 @@
+//! One test binary: building and linking it once is what keeps CI short.
+//! A module a room; `support` finds the real recordings and simulated surveys.
+
+mod architecture;
+mod support;
