@@ -1,1 +1,21 @@
-//! What the analyst sees and decides: state and commands. Knows no widget.
+//! What the analyst sees and decides: state, commands and undo. Knows no widget and draws nothing.
+//!
+//! The window reads [`App`] and pushes [`Command`]s; [`App::apply`] is the only place that changes state, and
+//! [`App::poll`] collects what the workers finished.
+
+mod action;
+mod command;
+mod history;
+mod loader;
+mod options;
+mod state;
+
+pub use action::{Action, Keys};
+pub use command::Command;
+pub use history::History;
+pub use loader::{LoadStatus, Origin};
+pub use options::{
+    CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
+    ThemeChoice, View, ViewOptions, WaterfallOptions,
+};
+pub use state::{App, Jobs, Mark, Notice, Reveal};

@@ -1,1 +1,38 @@
-//! egui only: reads state, pushes commands.
+//! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
+
+pub mod theme;
+pub mod views;
+
+use crate::app::{App, Command};
+
+/// What a panel or view gets: the state to read, the list to push wishes to.
+pub struct ViewContext<'a> {
+    /// The state; read only.
+    pub app: &'a App,
+    /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
+    pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
+    /// Wishes, applied after the frame.
+    pub commands: &'a mut Vec<Command>,
+}
+
+impl ViewContext<'_> {
+    /// Pushes a wish.
+    pub fn push(&mut self, command: Command) {
+        self.commands.push(command);
+    }
+}
+
+/// What the shell asks of a view besides drawing itself; menu, keys and palette lead here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewRequest {
+    /// Show everything.
+    Fit,
+    /// Enlarge about the centre.
+    ZoomIn,
+    /// Reduce about the centre.
+    ZoomOut,
+    /// Look from above (3D only).
+    Top,
+    /// Look from the south (3D only).
+    Side,
+}

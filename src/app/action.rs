@@ -1,0 +1,91 @@
+//! The command table: one place for names, hints and keys; menus, palette, key handling and F1 read it.
+
+/// A key combination, as text that the window turns into its own key type: `Ctrl+Shift+Z`, `[`, `F11`.
+pub type Keys = &'static str;
+
+macro_rules! actions {
+    ($($variant:ident, $label:literal, $keys:expr, $hint:literal;)*) => {
+        /// A command without arguments.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Action {
+            $(#[doc = $hint] $variant,)*
+        }
+
+        impl Action {
+            /// All actions, in the order of the help page.
+            pub const ALL: &'static [Action] = &[$(Action::$variant,)*];
+
+            /// Name in menus and the palette.
+            pub fn label(self) -> &'static str {
+                match self { $(Action::$variant => $label,)* }
+            }
+
+            /// Its key, if it has one.
+            pub fn keys(self) -> Option<Keys> {
+                match self { $(Action::$variant => $keys,)* }
+            }
+
+            /// What it does, in a sentence.
+            pub fn hint(self) -> &'static str {
+                match self { $(Action::$variant => $hint,)* }
+            }
+        }
+    };
+}
+
+actions! {
+    Open, "Open survey…", Some("Ctrl+O"), "Opens a log: SL2, SL3, Humminbird DAT or SON, XTF.";
+    OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
+    Export, "Export products…", Some("Ctrl+E"), "Writes cloud, first returns and report into a folder.";
+    Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
+    Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings.";
+    Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
+    Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
+    Help, "Keys and commands", Some("F1"), "Shows this list.";
+    Cancel, "Cancel processing", None, "Stops the step that is running; the last result stays.";
+    FocusWaterfall, "Waterfall", Some("1"), "Moves the keyboard to the waterfall.";
+    FocusMap, "Map", Some("2"), "Moves the keyboard to the map.";
+    FocusCloud, "3D cloud", Some("3"), "Moves the keyboard to the 3D cloud.";
+    Maximise, "Maximise view", Some("F11"), "Gives the whole centre to the focused view, or gives it back.";
+    LayoutSurvey, "Layout: survey", None, "Waterfall above, map and 3D cloud below.";
+    LayoutWaterfall, "Layout: waterfall only", None, "Shows the waterfall alone.";
+    LayoutMap, "Layout: map only", None, "Shows the map alone.";
+    LayoutCloud, "Layout: 3D cloud only", None, "Shows the 3D cloud alone.";
+    Fit, "Fit view", Some("F"), "Shows everything in the focused view.";
+    ZoomIn, "Zoom in", Some("+"), "Enlarges the focused view.";
+    ZoomOut, "Zoom out", Some("-"), "Reduces the focused view.";
+    TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
+    SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
+    PreviousPing, "Previous ping", Some("ArrowLeft"), "Selects the ping before.";
+    NextPing, "Next ping", Some("ArrowRight"), "Selects the ping after.";
+    Back25, "Back 25 pings", Some("Shift+ArrowLeft"), "Selects the ping 25 earlier.";
+    Forward25, "Forward 25 pings", Some("Shift+ArrowRight"), "Selects the ping 25 later.";
+    FirstPing, "First ping", Some("Home"), "Selects the first ping.";
+    LastPing, "Last ping", Some("End"), "Selects the last ping.";
+    ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
+    ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
+    FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
+    CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
+    OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";
+    Theme, "Light or dark", Some("L"), "Switches between the light and the dark theme.";
+    Orientation, "Turn the waterfall", Some("V"), "Time to the right, or down the screen.";
+    PresetRecommended, "Preset: recommended", None, "Takes the settings that measure best on surveys of known truth.";
+    PresetPublished, "Preset: published", None, "Takes the paper's settings to the digit.";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Action;
+    use std::collections::HashMap;
+
+    #[test]
+    fn no_two_actions_share_a_key() {
+        let mut taken = HashMap::new();
+        for action in Action::ALL {
+            if let Some(keys) = action.keys() {
+                let other = taken.insert(keys, action.label());
+                assert_eq!(other, None, "{keys} is {} and {other:?}", action.label());
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Everything the window can ask for.
+
+use super::{Action, LayoutPreset, Mark, View, ViewOptions};
+use crate::calibration::PingRange;
+use crate::pipeline::{Preset, Settings};
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A wish of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
+/// and are carried out by the shell.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// One of the commands of the table: menu, palette or key.
+    Do(Action),
+    /// Open a log.
+    Open(PathBuf),
+    /// Open the bundled demo survey.
+    OpenDemo,
+    /// Change processing settings. One undo step ends with the first change that is not `live`.
+    Change {
+        /// The new settings.
+        settings: Box<Settings>,
+        /// What changed, for the undo menu: `threshold`, `preset`.
+        label: &'static str,
+        /// The analyst is still dragging.
+        live: bool,
+    },
+    /// Take all settings of a preset.
+    UsePreset(Preset),
+    /// Calibrate at these side-scan pings.
+    CalibrateAt(PingRange),
+    /// Change how things are shown.
+    Show(Box<ViewOptions>),
+    /// What the pointer is over; `None` when it left.
+    Hover(Option<Mark>),
+    /// Select, without moving any view.
+    Select(Option<Mark>),
+    /// Select, and bring the place into all other views.
+    Reveal(Mark),
+    /// The waterfall shows these pings now.
+    Visible(Range<usize>),
+    /// Move the keyboard focus to a view.
+    Focus(View),
+    /// Arrange the views.
+    Layout(LayoutPreset),
+    /// Write all products into a folder.
+    Export(PathBuf),
+    /// Forget a notice.
+    Dismiss(usize),
+}

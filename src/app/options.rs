@@ -1,0 +1,212 @@
+//! How things are shown: saved between runs, never part of a result.
+
+use serde::{Deserialize, Serialize};
+
+/// A view of the centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum View {
+    /// Side-scan picture over ping and range.
+    Waterfall,
+    /// Track, depth map and flat stretches from above.
+    Map,
+    /// Point cloud.
+    Cloud,
+}
+
+impl View {
+    /// All views in the order of their number keys.
+    pub const ALL: [View; 3] = [View::Waterfall, View::Map, View::Cloud];
+
+    /// Title on the tab.
+    pub fn title(self) -> &'static str {
+        match self {
+            View::Waterfall => "Waterfall",
+            View::Map => "Map",
+            View::Cloud => "3D cloud",
+        }
+    }
+}
+
+/// An arrangement of the views to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LayoutPreset {
+    /// Waterfall above, map and cloud below.
+    Survey,
+    /// One view alone.
+    Only(View),
+}
+
+/// Dark or light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ThemeChoice {
+    /// Dark, as waterfalls are.
+    #[default]
+    Dark,
+    /// Light.
+    Light,
+}
+
+/// Colours of echo strength.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ColourMap {
+    /// Black to copper: what fish-finders and their users are used to.
+    #[default]
+    Copper,
+    /// Black to white.
+    Grey,
+    /// White to black.
+    InverseGrey,
+    /// Black over brown to yellow.
+    Gold,
+    /// Perceptually even (viridis).
+    Viridis,
+}
+
+impl ColourMap {
+    /// All maps in the order of the menu.
+    pub const ALL: [ColourMap; 5] = [
+        ColourMap::Copper,
+        ColourMap::Grey,
+        ColourMap::InverseGrey,
+        ColourMap::Gold,
+        ColourMap::Viridis,
+    ];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            ColourMap::Copper => "copper",
+            ColourMap::Grey => "grey",
+            ColourMap::InverseGrey => "inverse grey",
+            ColourMap::Gold => "gold",
+            ColourMap::Viridis => "viridis",
+        }
+    }
+}
+
+/// Which way time runs in the waterfall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Orientation {
+    /// Time runs to the right; port is up, starboard down.
+    #[default]
+    Horizontal,
+    /// Time runs down the screen; port is left, starboard right.
+    Vertical,
+}
+
+/// Colours of the two sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SideColours {
+    /// Starboard red, port blue, as in the paper.
+    #[default]
+    Paper,
+    /// Port red, starboard green, as at sea.
+    Maritime,
+}
+
+/// Waterfall display.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct WaterfallOptions {
+    /// Colours of echo strength.
+    pub colour_map: ColourMap,
+    /// Added to the normalised intensity, -1 to 1.
+    pub brightness: f32,
+    /// Factor about mid-grey, 0.1 to 10.
+    pub contrast: f32,
+    /// Exponent, 0.2 to 5; above 1 lifts the dark.
+    pub gamma: f32,
+    /// Which way time runs.
+    pub orientation: Orientation,
+    /// Draw the first return.
+    pub first_return: bool,
+    /// Draw range lines.
+    pub range_lines: bool,
+}
+
+impl Default for WaterfallOptions {
+    fn default() -> Self {
+        Self {
+            colour_map: ColourMap::default(),
+            brightness: 0.0,
+            contrast: 1.0,
+            gamma: 1.0,
+            orientation: Orientation::default(),
+            first_return: true,
+            range_lines: true,
+        }
+    }
+}
+
+/// Map display.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct MapOptions {
+    /// Draw the interpolated depth map.
+    pub depth_map: bool,
+    /// Draw the track.
+    pub track: bool,
+    /// Draw the ranked flat stretches.
+    pub flat_spots: bool,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            depth_map: true,
+            track: true,
+            flat_spots: true,
+        }
+    }
+}
+
+/// What the colour of a point says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CloudColour {
+    /// Down-scan, port or starboard.
+    #[default]
+    Source,
+    /// Depth.
+    Depth,
+}
+
+/// Cloud display.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CloudOptions {
+    /// What the colour of a point says.
+    pub colour: CloudColour,
+    /// Factor on z.
+    pub vertical_exaggeration: f32,
+    /// Diameter of a point, screen points.
+    pub point_size: f32,
+    /// Draw the points that the outlier filter would remove, in a third colour; otherwise they are left out.
+    pub outlier_preview: bool,
+}
+
+impl Default for CloudOptions {
+    fn default() -> Self {
+        Self {
+            colour: CloudColour::default(),
+            vertical_exaggeration: 5.0,
+            point_size: 3.0,
+            outlier_preview: false,
+        }
+    }
+}
+
+/// All display options.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ViewOptions {
+    /// Dark or light.
+    pub theme: ThemeChoice,
+    /// Colours of the two sides.
+    pub side_colours: SideColours,
+    /// Waterfall.
+    pub waterfall: WaterfallOptions,
+    /// Map.
+    pub map: MapOptions,
+    /// Cloud.
+    pub cloud: CloudOptions,
+}
