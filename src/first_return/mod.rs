@@ -1,8 +1,21 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first heard.
+//!
+//! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
+//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth.
+
+mod canopy;
+mod normalise;
+mod threshold;
+mod tracker;
+mod words;
+
+pub use normalise::Normalisation;
+pub use threshold::ThresholdIndex;
 
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// What a sample of the picture is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -106,10 +119,44 @@ impl FirstReturns {
 
 /// Finds the first return on both sides of every ping.
 pub fn detect(
-    _survey: &Survey,
-    _image: &ImageSettings,
-    _settings: &FirstReturnSettings,
-    _progress: &Progress,
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
-    todo!()
+    match settings.method {
+        Method::Threshold => {
+            let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
+            Ok(index.detect(survey, settings.threshold, settings.canopy_margin_m))
+        }
+        Method::Tracker => {
+            let normalisation =
+                Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+            let pings = 0..survey.side_scan.len();
+            track_range(survey, &normalisation, settings, pings, progress)
+        }
+    }
+}
+
+/// The tracker over some pings only; the same picks as over the whole survey.
+///
+/// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture, kept by the caller
+/// ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping of `pings`.
+pub fn track_range(
+    survey: &Survey,
+    normalisation: &Normalisation,
+    settings: &FirstReturnSettings,
+    pings: Range<usize>,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    let mut sides = tracker::track(survey, normalisation, settings, pings.clone(), progress)?;
+    for (side, picks) in Side::BOTH.into_iter().zip(&mut sides) {
+        canopy::flag(survey, side, pings.start, picks, settings.canopy_margin_m);
+    }
+    let [port, starboard] = sides;
+    Ok(FirstReturns {
+        port,
+        starboard,
+        warnings: normalisation.warning().into_iter().collect(),
+    })
 }

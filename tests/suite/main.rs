@@ -2,4 +2,5 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod first_return;
 mod support;

@@ -1,0 +1,197 @@
+//! First returns on made pictures, simulated ponds and real recordings.
+
+use bathyscope::first_return::{
+    FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
+};
+use bathyscope::progress::Progress;
+use bathyscope::survey::{
+    Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
+};
+
+/// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.
+fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
+    let half = rows[0].len() / 2;
+    let span = |row: usize, side: Side| SideSpan {
+        file: 0,
+        encoding: Encoding::U8,
+        order: if side == Side::Port {
+            Order::FarToNear
+        } else {
+            Order::NearToFar
+        },
+        offset: (row * 2 * half + if side == Side::Port { 0 } else { half }) as u64,
+        count: half as u32,
+        near_m: 0.0,
+        far_m,
+    };
+    let side_scan = (0..rows.len()).map(|row| SidePing {
+        time_s: row as f64 * 0.05,
+        depth_m,
+        port: Some(span(row, Side::Port)),
+        starboard: Some(span(row, Side::Starboard)),
+    });
+    Survey {
+        source: Source {
+            files: vec!["made.sl2".into()],
+            format: "made".into(),
+            byte_count: 0,
+        },
+        start_unix_s: None,
+        channels: Vec::new(),
+        side_scan: side_scan.collect(),
+        side_scan_state: SideScanState::Usable,
+        soundings: Vec::new(),
+        track: Track::new(Vec::new()),
+        warnings: Vec::new(),
+        bytes: vec![Bytes::Held(rows.concat().into())],
+    }
+}
+
+/// A small generator, so that the pictures are the same on every machine.
+struct Noise(u64);
+
+impl Noise {
+    fn byte(&mut self) -> u8 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 56) as u8
+    }
+}
+
+/// Rows of noise up to `water`, and up to `water + bottom` from the edge on.
+fn noisy_rows(
+    count: usize,
+    half: usize,
+    edge: impl Fn(usize) -> usize,
+    water: u8,
+    bottom: u8,
+) -> Vec<Vec<u8>> {
+    let mut noise = Noise(7);
+    (0..count)
+        .map(|row| {
+            let mut side = |at: usize| {
+                let quiet = noise.byte() % water.max(1);
+                if at >= edge(row) {
+                    quiet + noise.byte() % bottom + bottom / 2
+                } else {
+                    quiet
+                }
+            };
+            let mut cells: Vec<u8> = (0..half).rev().map(&mut side).collect();
+            cells.extend((0..half).map(&mut side));
+            cells
+        })
+        .collect()
+}
+
+/// The paper's normalisation and threshold, written down plainly: over the row as stored, middle zero, min-max, first hit.
+fn by_definition(
+    rows: &[Vec<u8>],
+    samples: SampleMode,
+    dead: usize,
+    level: f64,
+) -> Vec<[Option<usize>; 2]> {
+    let word = match samples {
+        SampleMode::Bytes => 1,
+        SampleMode::Words => 4,
+    };
+    let pictures: Vec<Vec<f64>> = rows
+        .iter()
+        .map(|row| {
+            let middle = row.len() / word / 2;
+            row.chunks(word)
+                .map(|bytes| match bytes {
+                    [byte] => f64::from(*byte),
+                    four => f64::from(i32::from_le_bytes(four.try_into().expect("four bytes"))),
+                })
+                .enumerate()
+                .map(|(column, value)| {
+                    let outward = if column >= middle {
+                        column - middle
+                    } else {
+                        middle - 1 - column
+                    };
+                    if outward * word < dead { 0.0 } else { value }
+                })
+                .collect()
+        })
+        .collect();
+    let lowest = pictures
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::INFINITY, f64::min);
+    let highest = pictures
+        .iter()
+        .flatten()
+        .copied()
+        .fold(f64::NEG_INFINITY, f64::max);
+    pictures
+        .iter()
+        .map(|row| {
+            let middle = row.len() / 2;
+            let passes = |value: f64| (value - lowest) / (highest - lowest) >= level;
+            let first = dead.div_ceil(word);
+            let port = (first..middle).find(|&at| passes(row[middle - 1 - at]));
+            let starboard = (first..middle).find(|&at| passes(row[middle + at]));
+            [port.map(|at| at * word), starboard.map(|at| at * word)]
+        })
+        .collect()
+}
+
+fn sample(pick: &Pick) -> Option<usize> {
+    pick.is_some().then_some(pick.sample as usize)
+}
+
+#[test]
+fn threshold_is_the_paper_s_for_every_level_and_both_pictures() {
+    let rows = noisy_rows(40, 400, |row| 150 + row, 90, 80);
+    let survey = composite(&rows, 4.0, f32::NAN);
+    for samples in [SampleMode::Bytes, SampleMode::Words] {
+        let image = ImageSettings { samples };
+        let index =
+            ThresholdIndex::build(&survey, &image, 0.5, &Progress::new()).expect("not cancelled");
+        for level in [0.05, 0.2, 0.301, 0.5, 0.6, 0.77, 0.99, 1.0] {
+            let found = index.detect(&survey, level, 0.15);
+            let expected = by_definition(&rows, samples, 50, f64::from(level) - 1e-6);
+            for (ping, [port, starboard]) in expected.iter().enumerate() {
+                assert_eq!(
+                    sample(&found.port[ping]),
+                    *port,
+                    "{samples:?} {level} port {ping}"
+                );
+                assert_eq!(
+                    sample(&found.starboard[ping]),
+                    *starboard,
+                    "{samples:?} {level} starboard {ping}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn tracker_follows_a_slope_under_noise() {
+    let edge = |row: usize| 300 + row / 2;
+    let rows = noisy_rows(300, 800, edge, 60, 90);
+    let survey = composite(&rows, 8.0, 3.5);
+    let settings = FirstReturnSettings {
+        method: Method::Tracker,
+        ..Default::default()
+    };
+    let found = detect(
+        &survey,
+        &ImageSettings::default(),
+        &settings,
+        &Progress::new(),
+    )
+    .expect("not cancelled");
+    for side in Side::BOTH {
+        for (ping, pick) in found.side(side).iter().enumerate() {
+            let off = f64::from(pick.sample) - edge(ping) as f64;
+            assert!(off.abs() < 4.0, "{side:?} {ping}: off by {off} samples");
+        }
+    }
+}
