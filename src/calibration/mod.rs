@@ -1,8 +1,13 @@
 //! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
 
-use crate::first_return::FirstReturns;
-use crate::progress::{Cancelled, Progress};
-use crate::survey::{Navigation, Survey};
+mod calibrate;
+mod flat_spots;
+mod robust;
+mod scale;
+
+pub use calibrate::calibrate;
+pub use flat_spots::flat_spots;
+
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -123,26 +128,4 @@ pub struct Calibration {
     pub fit: Option<DepthFit>,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
-}
-
-/// Ranks the flattest stretches of the track, flattest first, at most `count`, not overlapping.
-pub fn flat_spots(
-    _survey: &Survey,
-    _navigation: &Navigation,
-    _count: usize,
-    _progress: &Progress,
-) -> Result<Vec<FlatSpot>, Cancelled> {
-    todo!()
-}
-
-/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
-pub fn calibrate(
-    _survey: &Survey,
-    _navigation: &Navigation,
-    _returns: &FirstReturns,
-    _spots: &[FlatSpot],
-    _settings: &CalibrationSettings,
-    _progress: &Progress,
-) -> Result<Calibration, Cancelled> {
-    todo!()
 }

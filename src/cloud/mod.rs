@@ -1,9 +1,16 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 
-use crate::calibration::Calibration;
-use crate::first_return::FirstReturns;
-use crate::progress::{Cancelled, Progress};
-use crate::survey::{Navigation, Survey};
+mod build;
+mod geometry;
+mod keep;
+pub mod outliers;
+mod residuals;
+
+pub use build::{build, slant_range_m};
+pub use geometry::{Foot, beside, fixed_foot};
+pub use keep::keep_points;
+pub use residuals::{Residuals, residuals};
+
 use serde::{Deserialize, Serialize};
 
 /// Where a first return is placed.
@@ -106,56 +113,4 @@ pub struct PointCloud {
     pub points: Vec<CloudPoint>,
     /// Pings that gave no side-scan point because they have no heading.
     pub zero_heading: usize,
-}
-
-/// Slant range of a pick by the calibration in force, metres; NaN without a pick. The only place where samples become metres.
-pub fn slant_range_m(
-    _survey: &Survey,
-    _calibration: &Calibration,
-    _ping: usize,
-    _side: crate::survey::Side,
-    _sample: f32,
-) -> f64 {
-    todo!()
-}
-
-/// Builds the cloud.
-pub fn build(
-    _survey: &Survey,
-    _navigation: &Navigation,
-    _returns: &FirstReturns,
-    _calibration: &Calibration,
-    _settings: &CloudSettings,
-    _progress: &Progress,
-) -> Result<PointCloud, Cancelled> {
-    todo!()
-}
-
-/// Radius outlier removal over the side-scan points of the cloud (soundings are always kept), as the published code does.
-/// One flag per point.
-pub fn keep_points(
-    _cloud: &PointCloud,
-    _settings: &OutlierSettings,
-    _progress: &Progress,
-) -> Result<Vec<bool>, Cancelled> {
-    todo!()
-}
-
-/// Agreement of side-scan depths with recorded depths at the same ping.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Residuals {
-    /// Number of side-scan points compared.
-    pub n: usize,
-    /// Mean of (side-scan depth minus recorded depth); positive is deeper.
-    pub mean_m: f64,
-    /// Median.
-    pub median_m: f64,
-    /// Standard deviation (n - 1).
-    pub sd_m: f64,
-    /// Root mean square.
-    pub rms_m: f64,
-    /// Mean absolute.
-    pub mae_m: f64,
-    /// 95th percentile of the absolute value.
-    pub p95_m: f64,
 }

@@ -1,5 +1,6 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 
+mod fitted_track;
 mod navigation;
 mod samples;
 mod track;

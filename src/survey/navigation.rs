@@ -1,7 +1,10 @@
 //! Position and heading of every side-scan ping, from one of four sources.
 
+use super::fitted_track::{FittedTrack, Motion};
 use super::{Survey, Track};
+use crate::geo::{LonLat, web_mercator, web_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Where the heading comes from.
@@ -76,25 +79,179 @@ pub struct Navigation {
     pub moving: usize,
 }
 
+impl PingNav {
+    const UNKNOWN: Self = Self {
+        east_m: f64::NAN,
+        north_m: f64::NAN,
+        heading_rad: f64::NAN,
+        speed_mps: f64::NAN,
+    };
+
+    /// Unit vector to starboard in the plane, `(h_y, -h_x) / |h|`; `None` without a heading.
+    ///
+    /// The paper prints `h x (-z)`, which is port in a frame with z up.
+    pub fn starboard(&self) -> Option<[f64; 2]> {
+        let (sin, cos) = self.heading_rad.sin_cos();
+        self.heading_rad.is_finite().then_some([cos, -sin])
+    }
+}
+
+impl Projection {
+    /// Metres from the track's origin in this plane.
+    fn place(self, track: &Track, position: LonLat) -> [f64; 2] {
+        match self {
+            Projection::Enu => track.frame.to_enu(position),
+            Projection::Mercator => {
+                let [x, y] = web_mercator(position);
+                let [x0, y0] = web_mercator(track.frame.origin());
+                [x - x0, y - y0]
+            }
+        }
+    }
+}
+
 impl Navigation {
     /// The WGS84 position of a place in this navigation's plane.
-    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> crate::geo::LonLat {
+    pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
         match self.projection {
             Projection::Enu => track.frame.to_lon_lat(east_m, north_m),
             Projection::Mercator => {
-                let [x0, y0] = crate::geo::web_mercator(track.frame.origin());
-                crate::geo::web_mercator_inverse(x0 + east_m, y0 + north_m)
+                let [x0, y0] = web_mercator(track.frame.origin());
+                web_mercator_inverse(x0 + east_m, y0 + north_m)
             }
         }
     }
 }
 
 /// Places every ping and sounding of the survey on the ground.
+///
+/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
+/// position from the fitted track. A boat at rest has neither course nor fitted heading.
 pub fn navigate(
-    _survey: &Survey,
-    _settings: &HeadingSettings,
-    _projection: Projection,
-    _progress: &Progress,
+    survey: &Survey,
+    settings: &HeadingSettings,
+    projection: Projection,
+    progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
-    todo!()
+    let navigator = Navigator {
+        track: &survey.track,
+        fitted: FittedTrack::new(&survey.track, settings.window_s),
+        source: settings.source,
+        projection,
+    };
+    let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+    let sounding_times: Vec<f64> = survey
+        .soundings
+        .iter()
+        .map(|sounding| sounding.time_s)
+        .collect();
+    progress.start((ping_times.len() + sounding_times.len()) as u64);
+    let (mut pings, moving) = navigator.place_all(&ping_times, progress)?;
+    let (mut soundings, _) = navigator.place_all(&sounding_times, progress)?;
+    if settings.source == HeadingSource::Steps {
+        head_along_steps(&mut pings);
+        head_along_steps(&mut soundings);
+    }
+    Ok(Navigation {
+        zero_heading: pings
+            .iter()
+            .filter(|ping| ping.heading_rad.is_nan())
+            .count(),
+        moving,
+        pings,
+        soundings,
+        projection,
+    })
+}
+
+/// `h_i = p_(i+1) - p_i`; the last ping has no next one, and a repeated position gives no direction.
+fn head_along_steps(places: &mut [PingNav]) {
+    for index in 0..places.len().saturating_sub(1) {
+        let east = places[index + 1].east_m - places[index].east_m;
+        let north = places[index + 1].north_m - places[index].north_m;
+        if east != 0.0 || north != 0.0 {
+            places[index].heading_rad = east.atan2(north);
+        }
+    }
+}
+
+struct Navigator<'a> {
+    track: &'a Track,
+    fitted: FittedTrack,
+    source: HeadingSource,
+    projection: Projection,
+}
+
+impl Navigator<'_> {
+    /// One entry a time, and at how many of them the boat moves.
+    fn place_all(
+        &self,
+        times_s: &[f64],
+        progress: &Progress,
+    ) -> Result<(Vec<PingNav>, usize), Cancelled> {
+        let place_chunk = |times_s: &[f64]| {
+            progress.check()?;
+            let placed: Vec<(PingNav, bool)> =
+                times_s.iter().map(|&time_s| self.place(time_s)).collect();
+            progress.advance(times_s.len() as u64);
+            Ok(placed)
+        };
+        let chunks: Vec<_> = times_s
+            .par_chunks(4096)
+            .map(place_chunk)
+            .collect::<Result<_, _>>()?;
+        let placed = chunks.concat();
+        let moving = placed.iter().filter(|(_, moving)| *moving).count();
+        Ok((placed.into_iter().map(|(place, _)| place).collect(), moving))
+    }
+
+    fn place(&self, time_s: f64) -> (PingNav, bool) {
+        let motion = self.fitted.at(time_s);
+        let recorded = self.recorded_at(time_s);
+        let [east_m, north_m] = match self.source {
+            HeadingSource::Steps => match recorded {
+                Some(index) => self
+                    .projection
+                    .place(self.track, self.track.fixes[index].position),
+                None => return (PingNav::UNKNOWN, false),
+            },
+            _ => self.project(&motion),
+        };
+        let place = PingNav {
+            east_m,
+            north_m,
+            heading_rad: self.heading_rad(&motion, recorded),
+            speed_mps: motion.speed_mps(),
+        };
+        (place, motion.moving)
+    }
+
+    /// The last fix recorded at or before a time (the first fix before the first).
+    fn recorded_at(&self, time_s: f64) -> Option<usize> {
+        let after = self.track.fixes.partition_point(|fix| fix.time_s <= time_s);
+        (!self.track.fixes.is_empty()).then(|| after.saturating_sub(1))
+    }
+
+    fn project(&self, motion: &Motion) -> [f64; 2] {
+        match self.projection {
+            Projection::Enu => [motion.east_m, motion.north_m],
+            Projection::Mercator => {
+                let frame = &self.track.frame;
+                self.projection
+                    .place(self.track, frame.to_lon_lat(motion.east_m, motion.north_m))
+            }
+        }
+    }
+
+    fn heading_rad(&self, motion: &Motion, recorded: Option<usize>) -> f64 {
+        let fix = recorded.map(|index| &self.track.fixes[index]);
+        match (self.source, fix) {
+            (HeadingSource::TrackFit, _) if motion.moving => {
+                motion.velocity[0].atan2(motion.velocity[1])
+            }
+            (HeadingSource::Cog, Some(fix)) if motion.moving => f64::from(fix.cog_rad),
+            (HeadingSource::Compass, Some(fix)) => f64::from(fix.compass_rad),
+            _ => f64::NAN,
+        }
+    }
 }

@@ -3,4 +3,5 @@
 
 mod architecture;
 mod first_return;
+mod golden;
 mod support;

@@ -1,0 +1,102 @@
+//! All scales side by side, the one in force, and what does not agree.
+
+use super::robust::robust_line;
+use super::scale::{Usable, header_scale, pixels_per_metre, range_changes, usable_picks};
+use super::{Calibration, CalibrationSettings, DepthFit, FlatSpot, Scale, ScaleMode, flat_spots};
+use crate::first_return::FirstReturns;
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Survey};
+
+/// Picks that a fit over the log needs, at least.
+const MIN_FIT_PICKS: usize = 50;
+
+/// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
+///
+/// Where the flat spot gives no scale the header's is in force, and a warning says so.
+pub fn calibrate(
+    survey: &Survey,
+    navigation: &Navigation,
+    returns: &FirstReturns,
+    spots: &[FlatSpot],
+    settings: &CalibrationSettings,
+    progress: &Progress,
+) -> Result<Calibration, Cancelled> {
+    progress.start(2);
+    let picks = usable_picks(survey, returns);
+    progress.advance(1);
+    progress.check()?;
+    let flat_spot = match settings.pings {
+        Some(chosen) => flat_spots::describe(survey, navigation, chosen.start..chosen.end),
+        None => spots.first().cloned(),
+    };
+    let ppd = flat_spot
+        .as_ref()
+        .and_then(|spot| pixels_per_metre(&picks, &spot.pings));
+    let header = header_scale(survey);
+    let fit = depth_fit(&picks);
+    progress.advance(1);
+    let mode = match settings.mode {
+        ScaleMode::FlatSpot if ppd.is_none() => ScaleMode::Header,
+        mode => mode,
+    };
+    let mut warnings = Vec::new();
+    if mode != settings.mode {
+        warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
+    }
+    warnings.extend(disagreement(ppd, header));
+    warnings.extend(changing_range(survey, mode));
+    Ok(Calibration {
+        mode,
+        flat_spot,
+        ppd,
+        header,
+        fit,
+        warnings,
+    })
+}
+
+/// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
+fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
+    if picks.len() < MIN_FIT_PICKS {
+        return None;
+    }
+    let points: Vec<(f64, f64)> = picks
+        .iter()
+        .map(|pick| (pick.depth_m, pick.range_m))
+        .collect();
+    let line = robust_line(&points)?;
+    Some(DepthFit {
+        k: line.slope,
+        b_m: line.offset,
+        spread_m: line.spread,
+        picks: picks.len(),
+    })
+}
+
+fn disagreement(ppd: Option<Scale>, header: Option<Scale>) -> Option<String> {
+    let (ppd, header) = (ppd?, header?);
+    let spread = ppd.spread_px_per_m.hypot(header.spread_px_per_m);
+    let difference = ppd.px_per_m - header.px_per_m;
+    (difference.abs() > spread).then(|| {
+        format!(
+            "The flat spot gives {:.2} samples a metre, the log's headers {:.2}: they differ by {:+.1} %, more than their spread of {:.1} %.",
+            ppd.px_per_m,
+            header.px_per_m,
+            100.0 * difference / header.px_per_m,
+            100.0 * spread / header.px_per_m,
+        )
+    })
+}
+
+fn changing_range(survey: &Survey, mode: ScaleMode) -> Option<String> {
+    let changes = range_changes(survey);
+    let consequence = match mode {
+        ScaleMode::FlatSpot => {
+            "one scale from the flat spot is wrong outside its own range; use calibration.mode = header"
+        }
+        ScaleMode::Header => "each ping has its own scale, and one from a flat spot would not hold",
+    };
+    (changes > 0).then(|| {
+        format!("The recorded range changes {changes} times along the log: {consequence}.")
+    })
+}

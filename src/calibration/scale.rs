@@ -1,0 +1,95 @@
+//! Pixels per metre: measured at a flat spot, and as the log's headers imply it.
+
+use super::Scale;
+use super::robust::{median, spread_about};
+use crate::first_return::{FirstReturns, Pick};
+use crate::survey::{Side, Survey};
+use std::ops::Range;
+
+/// A pick whose p / d differs from the log's median by more than this factor is no bottom: the search ran into its limit,
+/// or stopped at the edge of the dead zone.
+const RATIO_LIMIT: f64 = 1.6;
+
+/// A pick that may calibrate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Usable {
+    pub(super) ping: usize,
+    /// First return in u8 samples.
+    pub(super) sample: f64,
+    /// First return by the header's scale, metres.
+    pub(super) range_m: f64,
+    /// Recorded depth, metres.
+    pub(super) depth_m: f64,
+}
+
+impl Usable {
+    fn px_per_m(&self) -> f64 {
+        self.sample / self.depth_m
+    }
+}
+
+/// The picks of the log that may calibrate, in ping order: no canopy, not at the search limit, not at the dead zone.
+pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
+    let mut picks: Vec<Usable> = (0..survey.side_scan.len())
+        .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
+        .filter_map(|(ping, side)| usable_pick(survey, ping, side, returns.side(side).get(ping)?))
+        .collect();
+    let typical = median(&mut picks.iter().map(Usable::px_per_m).collect::<Vec<_>>());
+    picks.retain(|pick| {
+        let ratio = pick.px_per_m() / typical;
+        (1.0 / RATIO_LIMIT..=RATIO_LIMIT).contains(&ratio)
+    });
+    picks
+}
+
+fn usable_pick(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
+    let recorded = survey.side_scan.get(ping)?;
+    let span = recorded.side(side)?;
+    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.depth_m));
+    let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
+    (inside && !pick.canopy && depth_m > 0.0).then(|| Usable {
+        ping,
+        sample,
+        range_m: span.range_m(sample),
+        depth_m,
+    })
+}
+
+/// `PPD = p / d`: the median over all usable picks of the stretch, both sides; `None` when there are none.
+pub(super) fn pixels_per_metre(picks: &[Usable], pings: &Range<usize>) -> Option<Scale> {
+    let inside = picks.iter().filter(|pick| pings.contains(&pick.ping));
+    scale_of(inside.map(Usable::px_per_m).collect())
+}
+
+/// The scale that the headers state, over all sides of all pings.
+pub(super) fn header_scale(survey: &Survey) -> Option<Scale> {
+    scale_of(header_scales(survey).collect())
+}
+
+/// How many times the recorded scale changes by more than 1 % from one ping to the next.
+pub(super) fn range_changes(survey: &Survey) -> usize {
+    let scales: Vec<f64> = header_scales(survey).collect();
+    scales
+        .windows(2)
+        .filter(|pair| (pair[1] / pair[0] - 1.0).abs() > 0.01)
+        .count()
+}
+
+fn header_scales(survey: &Survey) -> impl Iterator<Item = f64> + '_ {
+    let sides = |ping: &crate::survey::SidePing| ping.port.or(ping.starboard);
+    survey
+        .side_scan
+        .iter()
+        .filter_map(sides)
+        .map(|span| 1.0 / span.metres_per_sample())
+        .filter(|scale| scale.is_finite() && *scale > 0.0)
+}
+
+fn scale_of(mut values: Vec<f64>) -> Option<Scale> {
+    let px_per_m = median(&mut values);
+    px_per_m.is_finite().then(|| Scale {
+        px_per_m,
+        picks: values.len(),
+        spread_px_per_m: spread_about(&mut values, px_per_m),
+    })
+}

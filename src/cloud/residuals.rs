@@ -1,0 +1,82 @@
+//! Agreement of side-scan depths with recorded depths.
+
+use super::{PointCloud, PointSource};
+use crate::survey::{Navigation, Survey};
+use serde::Serialize;
+
+/// Agreement of side-scan depths with recorded depths at the same ping.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Residuals {
+    /// Number of side-scan points compared.
+    pub n: usize,
+    /// Mean of (side-scan depth minus recorded depth); positive is deeper.
+    pub mean_m: f64,
+    /// Median.
+    pub median_m: f64,
+    /// Standard deviation (n - 1).
+    pub sd_m: f64,
+    /// Root mean square.
+    pub rms_m: f64,
+    /// Mean absolute.
+    pub mae_m: f64,
+    /// 95th percentile of the absolute value.
+    pub p95_m: f64,
+}
+
+/// Side-scan depth minus recorded depth at the same ping, over the kept side-scan points; `None` without any.
+///
+/// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
+pub fn residuals(
+    survey: &Survey,
+    _navigation: &Navigation,
+    cloud: &PointCloud,
+    kept: &[bool],
+) -> Option<Residuals> {
+    let mut differences: Vec<f64> = cloud
+        .points
+        .iter()
+        .zip(kept)
+        .filter(|(point, kept)| **kept && point.source != PointSource::DownScan)
+        .filter_map(|(point, _)| {
+            let recorded_m = f64::from(survey.side_scan.get(point.ping as usize)?.depth_m);
+            (recorded_m > 0.0).then_some(-point.z_m - recorded_m)
+        })
+        .collect();
+    Residuals::of(&mut differences)
+}
+
+impl Residuals {
+    /// Statistics of differences (measured minus reference depth, metres), which are reordered; `None` when there are none.
+    pub fn of(differences: &mut [f64]) -> Option<Self> {
+        let n = differences.len();
+        if n == 0 {
+            return None;
+        }
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / n as f64;
+        let mean_m = mean(&mut differences.iter().copied());
+        let mae_m = mean(&mut differences.iter().map(|d| d.abs()));
+        let square = mean(&mut differences.iter().map(|d| d * d));
+        let about_mean: f64 = differences.iter().map(|d| (d - mean_m).powi(2)).sum();
+        differences.sort_unstable_by(f64::total_cmp);
+        let median_m = (differences[(n - 1) / 2] + differences[n / 2]) / 2.0;
+        differences.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
+        Some(Self {
+            n,
+            mean_m,
+            median_m,
+            sd_m: (about_mean / (n.max(2) - 1) as f64).sqrt(),
+            rms_m: square.sqrt(),
+            mae_m,
+            p95_m: quantile(differences, 0.95).abs(),
+        })
+    }
+}
+
+/// Linear between order statistics, as numpy does; `sorted` holds at least one value, sorted by magnitude.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * (sorted.len() - 1) as f64;
+    let below = place as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    let (low, high) = (sorted[below].abs(), sorted[above].abs());
+    low + (place - below as f64) * (high - low)
+}
