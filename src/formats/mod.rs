@@ -1,8 +1,27 @@
 //! Bytes to [`Survey`]: every recorder's format, recognised by content.
 
+mod assemble;
+mod clock;
+mod collected;
+pub mod humminbird;
+pub mod lowrance;
+mod map;
+mod report;
+mod scalar;
+mod shelf;
+
+pub use scalar::ByteOrder;
+
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{Bytes, Source, Survey};
+use shelf::Shelf;
 use std::path::{Path, PathBuf};
+
+#[cfg(target_endian = "big")]
+compile_error!("the raw records of the readers are laid over little-endian bytes");
+
+/// The formats that are tried, in words.
+const LOOKED_FOR: &str = "looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF";
 
 /// Why a log cannot be opened. Each sentence says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -46,13 +65,69 @@ pub enum OpenError {
     Cancelled(#[from] crate::progress::Cancelled),
 }
 
+/// A file whose bytes are at hand.
+#[derive(Clone, Debug)]
+struct Opened {
+    path: PathBuf,
+    bytes: Bytes,
+}
+
+impl Opened {
+    fn source(&self, format: String) -> Source {
+        Source {
+            files: vec![self.path.clone()],
+            format,
+            byte_count: self.bytes.len() as u64,
+        }
+    }
+}
+
 /// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF file. The file is only ever read.
-pub fn open(_path: &Path, _progress: &Progress) -> Result<Survey, OpenError> {
-    todo!()
+pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+    open_on(&Shelf::Disk, path, progress)
 }
 
 /// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
 /// `name` stands for the file in messages.
-pub fn open_bytes(_name: &str, _bytes: Vec<u8>, _progress: &Progress) -> Result<Survey, OpenError> {
-    todo!()
+pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Survey, OpenError> {
+    open_files(vec![(PathBuf::from(name), bytes)], progress)
+}
+
+/// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to open.
+pub fn open_files(
+    files: Vec<(PathBuf, Vec<u8>)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = files
+        .first()
+        .map(|(path, _)| path.clone())
+        .unwrap_or_default();
+    open_on(&Shelf::held(files), &path, progress)
+}
+
+fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+    progress.check()?;
+    let not_recognised = || OpenError::NotRecognised {
+        path: path.to_owned(),
+        looked_for: LOOKED_FOR,
+    };
+    if shelf.is_folder(path) {
+        let recording = humminbird::find_in_folder(shelf, path).ok_or_else(not_recognised)?;
+        return humminbird::read(recording, progress);
+    }
+    let bytes = shelf.read(path).map_err(|source| OpenError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let opened = Opened {
+        path: path.to_owned(),
+        bytes,
+    };
+    if let Some(kind) = lowrance::sniff(&opened.bytes) {
+        return lowrance::read(opened, kind, progress);
+    }
+    if let Some(recording) = humminbird::sniff(shelf, &opened) {
+        return humminbird::read(recording, progress);
+    }
+    Err(not_recognised())
 }

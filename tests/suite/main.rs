@@ -3,5 +3,6 @@
 
 mod architecture;
 mod first_return;
+mod formats;
 mod golden;
 mod support;

@@ -1,0 +1,135 @@
+//! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart, in file order.
+
+use super::report::Report;
+use crate::geo::LonLat;
+use crate::survey::{Bytes, Channel, ChannelKind, Fix, SidePing, SideSpan, Sounding, Source};
+
+/// Depths beyond this are damage: the deepest sea is 11 km.
+const DEEPEST_M: f32 = 12_000.0;
+/// Ranges beyond this are damage: no side-scan sees 5 km.
+const FARTHEST_M: f32 = 5_000.0;
+
+/// One side of one ping.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfPing {
+    /// Seconds after the log's time zero.
+    pub(super) time_s: f64,
+    /// Its samples.
+    pub(super) span: SideSpan,
+}
+
+/// A log as read.
+#[derive(Debug)]
+pub(super) struct Collected {
+    /// The files.
+    pub(super) source: Source,
+    /// Their bytes.
+    pub(super) bytes: Vec<Bytes>,
+    /// Unix seconds of the log's time zero.
+    pub(super) start_unix_s: Option<f64>,
+    /// What each channel holds so far.
+    pub(super) channels: Vec<Channel>,
+    /// Side-scan pings whose two sides came together.
+    pub(super) composite: Vec<SidePing>,
+    /// Port halves that came alone.
+    pub(super) port: Vec<HalfPing>,
+    /// Starboard halves that came alone.
+    pub(super) starboard: Vec<HalfPing>,
+    /// Depths by the channel that carried them.
+    pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
+    /// Positions.
+    pub(super) fixes: Vec<Fix>,
+    /// What was wrong.
+    pub(super) report: Report,
+}
+
+impl Collected {
+    /// An empty log.
+    pub(super) fn new(source: Source, bytes: Vec<Bytes>) -> Self {
+        Self {
+            source,
+            bytes,
+            start_unix_s: None,
+            channels: Vec::new(),
+            composite: Vec::new(),
+            port: Vec::new(),
+            starboard: Vec::new(),
+            depths: Vec::new(),
+            fixes: Vec::new(),
+            report: Report::default(),
+        }
+    }
+
+    /// Counts a ping of a channel; channels are told apart by kind and recorder's name.
+    pub(super) fn count(
+        &mut self,
+        kind: ChannelKind,
+        recorder_name: &str,
+        frequency_khz: Option<f32>,
+        time_s: f64,
+        samples: usize,
+        range_m: Option<(f32, f32)>,
+    ) {
+        let same =
+            |channel: &&mut Channel| channel.kind == kind && channel.recorder_name == recorder_name;
+        let Some(channel) = self.channels.iter_mut().find(same) else {
+            self.channels.push(Channel {
+                kind,
+                recorder_name: recorder_name.to_owned(),
+                frequency_khz,
+                ping_count: 1,
+                time_span_s: Some((time_s, time_s)),
+                sample_count: (samples, samples),
+                range_m,
+            });
+            return;
+        };
+        channel.ping_count += 1;
+        channel.time_span_s = Some(widen(channel.time_span_s, (time_s, time_s)));
+        let (fewest, most) = channel.sample_count;
+        channel.sample_count = (fewest.min(samples), most.max(samples));
+        if let Some(range_m) = range_m {
+            channel.range_m = Some(widen(channel.range_m, range_m));
+        }
+    }
+
+    /// Keeps a depth if it is one: recorders write 0 where there is none.
+    pub(super) fn add_depth(&mut self, kind: ChannelKind, time_s: f64, depth_m: f32) {
+        if !(depth_m > 0.0 && depth_m < DEEPEST_M) {
+            return;
+        }
+        let sounding = Sounding { time_s, depth_m };
+        match self.depths.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, soundings)) => soundings.push(sounding),
+            None => self.depths.push((kind, vec![sounding])),
+        }
+    }
+
+    /// Keeps a fix if it is one. Channels that ping together carry the same fix: it is kept once.
+    pub(super) fn add_fix(&mut self, fix: Fix) {
+        let LonLat { lon_deg, lat_deg } = fix.position;
+        let on_earth = lon_deg.abs() <= 180.0 && lat_deg.abs() < 89.0;
+        let recorded = lon_deg != 0.0 && lat_deg != 0.0;
+        let told = self
+            .fixes
+            .last()
+            .is_some_and(|last| last.time_s == fix.time_s && last.position == fix.position);
+        if on_earth && recorded && !told {
+            self.fixes.push(fix);
+        }
+    }
+}
+
+/// Whether a span can hold a picture: it has samples, and a range that a sonar can have.
+pub(super) fn is_sound(span: &SideSpan) -> bool {
+    span.count > 0 && span.near_m >= 0.0 && span.far_m > span.near_m && span.far_m < FARTHEST_M
+}
+
+fn widen<T: PartialOrd + Copy>(span: Option<(T, T)>, by: (T, T)) -> (T, T) {
+    span.map_or(by, |(low, high)| {
+        (
+            if by.0 < low { by.0 } else { low },
+            if by.1 > high { by.1 } else { high },
+        )
+    })
+}

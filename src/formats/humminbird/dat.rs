@@ -1,0 +1,106 @@
+//! The DAT file: what the recording is as a whole.
+
+use crate::formats::ByteOrder;
+use crate::formats::scalar::take;
+
+/// Unix seconds below this (year 2000) are not a time.
+const EARLIEST_UNIX_S: u32 = 946_684_800;
+
+/// The fields used of a DAT file: 64 bytes, big-endian, on the 700 to 1100 and Helix series; 96 or 100 bytes,
+/// little-endian, on Solix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dat {
+    /// Byte order of its numbers, which tells the family.
+    pub order: ByteOrder,
+    /// Byte 1: what the user set the unit to.
+    pub water_code: u8,
+    /// Offset 20: Unix seconds of the start; `None` when it is no time.
+    pub start_unix_s: Option<u32>,
+    /// Offset 44: pings in all channels together.
+    pub record_count: u32,
+    /// Offset 48: length, milliseconds.
+    pub length_ms: u32,
+}
+
+/// Kinds of water that a unit can be set to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Water {
+    /// Lakes and rivers.
+    Fresh,
+    /// Salt, shallow.
+    ShallowSalt,
+    /// Salt, deep.
+    DeepSalt,
+}
+
+impl Dat {
+    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`) at offset 32 is the sign.
+    pub fn parse(bytes: &[u8]) -> Option<Self> {
+        let order = match bytes.len() {
+            64 => ByteOrder::Big,
+            96 | 100 => ByteOrder::Little,
+            _ => return None,
+        };
+        let name: [u8; 10] = take(bytes, 32)?;
+        let is_name = name.first() == Some(&b'R') && name[6..].eq_ignore_ascii_case(b".SON");
+        let number = |at| take(bytes, at).map(|bytes| order.u32(bytes));
+        let dat = Self {
+            order,
+            water_code: *bytes.get(1)?,
+            start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
+            record_count: number(44)?,
+            length_ms: number(48)?,
+        };
+        is_name.then_some(dat)
+    }
+
+    /// The kind of water; the two families number it differently.
+    pub fn water(&self) -> Option<Water> {
+        match (self.order, self.water_code) {
+            (ByteOrder::Big, 0) | (ByteOrder::Little, 1) => Some(Water::Fresh),
+            (_, 2) => Some(Water::ShallowSalt),
+            (ByteOrder::Big, 1) | (ByteOrder::Little, 3) => Some(Water::DeepSalt),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first DAT of the USGS river survey, byte for byte.
+    const RIVER: [u8; 64] = *b"\xc1\x00\x7b\x01\x00\x00\x01\x26\x00\x00\x00\x0b\x00\x00\x00\x00\
+        \xa0\x01\x00\x00\x52\x69\xad\x2c\xff\x42\x93\x09\x00\x43\x16\x6cR01224.SON\x00\x0d\
+        \x00\x00\x28\x77\x00\x02\x4c\x59\x00\x00\x06\x51\x00\x00\x00\x00\x00\x00\x00\x0f";
+
+    #[test]
+    fn a_real_dat_is_read() {
+        let dat = Dat::parse(&RIVER).unwrap();
+        assert_eq!(dat.start_unix_s, Some(1_382_657_324));
+        assert_eq!(dat.record_count, 2 * 3453 + 1726 + 1727);
+        assert_eq!(dat.length_ms, 150_617);
+        assert_eq!(dat.water(), Some(Water::Fresh));
+    }
+
+    #[test]
+    fn solix_is_little_endian_and_longer() {
+        let mut solix = [0_u8; 96];
+        solix[1] = 3;
+        solix[20..24].copy_from_slice(&1_600_000_000_u32.to_le_bytes());
+        solix[32..42].copy_from_slice(b"R00042.SON");
+        solix[44..48].copy_from_slice(&77_u32.to_le_bytes());
+        let dat = Dat::parse(&solix).unwrap();
+        assert_eq!(
+            (dat.start_unix_s, dat.record_count),
+            (Some(1_600_000_000), 77)
+        );
+        assert_eq!(dat.water(), Some(Water::DeepSalt));
+    }
+
+    #[test]
+    fn other_files_of_that_length_are_not_dat() {
+        assert_eq!(Dat::parse(&[0; 64]), None);
+        assert_eq!(Dat::parse(&RIVER[..63]), None);
+    }
+}

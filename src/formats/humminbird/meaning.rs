@@ -1,0 +1,184 @@
+//! From pings to sides, depths and fixes in SI units.
+
+use super::dat::{Dat, Water};
+use super::ping::PingHeader;
+use crate::formats::clock::{Clock, Verdict};
+use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::report::Kind;
+use crate::geo::LonLat;
+use crate::survey::{ChannelKind, Encoding, Fix, Order, SideSpan};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Radius of the International 1924 sphere that the positions are projected on, metres.
+const SPHERE_M: f64 = 6_378_388.0;
+/// Tangent of geodetic over tangent of sphere latitude in these positions.
+const GEODETIC: f64 = 1.006_764_292_7;
+/// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds, Hz.
+const TRANSDUCER_M: f64 = 0.108;
+const NOMINAL_HZ: f64 = 455_000.0;
+
+/// Gives the pings of one SON file their meaning.
+pub(super) struct Reader {
+    file: usize,
+    name: String,
+    sample_m: f64,
+    clock: Clock<(usize, PingHeader)>,
+}
+
+impl Reader {
+    /// A reader of the file with this index; `name` (`B002`) tells the beam where a ping does not.
+    pub(super) fn new(file: usize, name: String, dat: Option<Dat>) -> Self {
+        Self {
+            file,
+            name,
+            sample_m: sample_m(dat.and_then(|dat| dat.water()).unwrap_or(Water::Fresh)),
+            clock: Clock::default(),
+        }
+    }
+
+    /// Takes the next ping of the file.
+    pub(super) fn take(&mut self, log: &mut Collected, offset: usize, ping: PingHeader) {
+        if let Some(verdict) = self.clock.push(time_s(&ping), (offset, ping)) {
+            self.settle(log, verdict);
+        }
+    }
+
+    /// Takes the last ping.
+    pub(super) fn finish(&mut self, log: &mut Collected) {
+        if let Some(verdict) = self.clock.finish() {
+            self.settle(log, verdict);
+        }
+    }
+
+    fn settle(&self, log: &mut Collected, verdict: Verdict<(usize, PingHeader)>) {
+        match verdict {
+            Verdict::Sound((offset, ping)) => self.keep(log, offset, &ping),
+            Verdict::Damaged((offset, ping)) => {
+                let text = format!(
+                    "a ping's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
+                    time_s(&ping)
+                );
+                log.report.at(Kind::Frame, self.file, offset, text);
+            }
+        }
+    }
+
+    fn keep(&self, log: &mut Collected, offset: usize, ping: &PingHeader) {
+        let kind = self.channel_kind(ping);
+        let time_s = time_s(ping);
+        let span = self.span(offset, ping);
+        let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);
+        let is_side = matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
+        let range_m = is_side.then_some((span.near_m, span.far_m));
+        log.count(
+            kind,
+            &self.name,
+            frequency_khz,
+            time_s,
+            ping.sample_count as usize,
+            range_m,
+        );
+        log.add_depth(kind, time_s, ping.depth_dm as f32 / 10.0);
+        if ping.easting_m != 0 && ping.northing_m != 0 {
+            log.add_fix(fix(ping, time_s));
+        }
+        if is_side && is_sound(&span) {
+            let half = HalfPing { time_s, span };
+            match kind {
+                ChannelKind::Port => log.port.push(half),
+                _ => log.starboard.push(half),
+            }
+        }
+    }
+
+    fn channel_kind(&self, ping: &PingHeader) -> ChannelKind {
+        let by_name = || {
+            self.name
+                .strip_prefix("B00")
+                .and_then(|digit| digit.parse().ok())
+        };
+        match ping.beam.or_else(by_name) {
+            // The high frequency is the one that the bottom lock and most displays run on.
+            Some(0) => ChannelKind::Secondary,
+            Some(1) => ChannelKind::Primary,
+            Some(2) => ChannelKind::Port,
+            Some(3) => ChannelKind::Starboard,
+            Some(4) => ChannelKind::DownScan,
+            beam => ChannelKind::Other(beam.map_or(u16::MAX, u16::from)),
+        }
+    }
+
+    fn span(&self, offset: usize, ping: &PingHeader) -> SideSpan {
+        SideSpan {
+            file: self.file as u16,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset: (offset + ping.header_len) as u64,
+            count: ping.sample_count,
+            near_m: 0.0,
+            far_m: (f64::from(ping.sample_count) * self.sample_m) as f32,
+        }
+    }
+}
+
+/// Metres of slant range that one sample covers. Not stored: as the peers (PyHum, PING-Mapper) take it, from the
+/// transducer's beam width at 455 kHz and the speed of sound at 10 degrees Celsius (Medwin's simplified formula),
+/// `2/pi asin(c / (L f))`; 0.01877 m in fresh water.
+fn sample_m(water: Water) -> f64 {
+    let salinity = match water {
+        Water::Fresh => 1.0,
+        Water::ShallowSalt => 30.0,
+        Water::DeepSalt => 35.0,
+    };
+    let t = 1.0_f64;
+    let sound_mps = 1449.05 + 45.7 * t - 5.21 * t.powi(2)
+        + 0.23 * t.powi(3)
+        + (1.333 - 0.126 * t + 0.009 * t.powi(2)) * (salinity - 35.0);
+    2.0 / PI * (sound_mps / (TRANSDUCER_M * NOMINAL_HZ)).asin()
+}
+
+fn fix(ping: &PingHeader, time_s: f64) -> Fix {
+    Fix {
+        time_s,
+        position: lon_lat(ping.easting_m, ping.northing_m),
+        // Without a heading sensor, and nothing tells whether there is one, this is the course from GPS.
+        cog_rad: if ping.heading_quality > 0 && ping.heading_decideg < 3600 {
+            (f32::from(ping.heading_decideg) / 10.0).to_radians()
+        } else {
+            f32::NAN
+        },
+        compass_rad: f32::NAN,
+        speed_mps: if ping.speed_quality > 0 {
+            f32::from(ping.speed_dmps) / 10.0
+        } else {
+            f32::NAN
+        },
+    }
+}
+
+/// Spherical Mercator on the International 1924 sphere, then sphere to geodetic latitude.
+fn lon_lat(easting_m: i32, northing_m: i32) -> LonLat {
+    let sphere_lat = (f64::from(northing_m) / SPHERE_M).exp().atan() * 2.0 - FRAC_PI_2;
+    LonLat {
+        lon_deg: (f64::from(easting_m) / SPHERE_M).to_degrees(),
+        lat_deg: (sphere_lat.tan() * GEODETIC).atan().to_degrees(),
+    }
+}
+
+fn time_s(ping: &PingHeader) -> f64 {
+    f64::from(ping.time_ms) / 1000.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_and_position_match_the_peers() {
+        assert!((sample_m(Water::Fresh) - 0.01877).abs() < 1e-5);
+        // The survey's own note: 36.877 N, 111.516 W.
+        let start = lon_lat(-12_414_199, 4_396_652);
+        assert!((start.lat_deg - 36.877).abs() < 0.003, "{start:?}");
+        assert!((start.lon_deg + 111.516).abs() < 0.003, "{start:?}");
+    }
+}

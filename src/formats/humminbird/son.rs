@@ -1,0 +1,119 @@
+//! From ping to ping through a SON file. The IDX file beside it is not needed: magic numbers and lengths say it all.
+
+use super::ping::{MAGIC, PingHeader};
+use crate::formats::ByteOrder;
+use crate::formats::report::{Kind, Report};
+use crate::progress::{Cancelled, Progress};
+
+/// Pings between two looks at the progress.
+const PINGS_A_CHECK: usize = 1024;
+/// Bytes searched for the first pings of a file.
+const SEARCHED_FOR_PINGS: usize = 1 << 20;
+
+/// The byte order of a file's numbers: the one in which the first pings' lengths lead to the next pings.
+/// `None` when there is no ping in the first megabyte.
+pub(super) fn byte_order(bytes: &[u8]) -> Option<ByteOrder> {
+    let until = bytes.len().min(SEARCHED_FOR_PINGS);
+    let mut fallback = None;
+    let mut at = 0;
+    while let Some(offset) = next_magic(bytes, at).filter(|&offset| offset < until) {
+        for order in [ByteOrder::Big, ByteOrder::Little] {
+            if let Some(ping) = PingHeader::parse(bytes, offset, order) {
+                let next = offset + ping.size();
+                if bytes.get(next..next + MAGIC.len()) == Some(&MAGIC) || next == bytes.len() {
+                    return Some(order);
+                }
+                fallback = fallback.or(Some(order));
+            }
+        }
+        at = offset + 1;
+    }
+    fallback
+}
+
+/// One SON file to walk over.
+pub(super) struct Walk<'a> {
+    /// The whole file.
+    pub(super) bytes: &'a [u8],
+    /// Its index in the survey.
+    pub(super) file: usize,
+    /// Its numbers' byte order.
+    pub(super) order: ByteOrder,
+    /// Where to say what is wrong.
+    pub(super) report: &'a mut Report,
+    /// Where to say how far it is.
+    pub(super) progress: &'a Progress,
+}
+
+impl Walk<'_> {
+    /// Calls `take` with offset and header of every whole ping.
+    pub(super) fn run(&mut self, mut take: impl FnMut(usize, PingHeader)) -> Result<(), Cancelled> {
+        let (mut at, mut told, mut pings) = (0, 0, 0_usize);
+        while at < self.bytes.len() {
+            if pings.is_multiple_of(PINGS_A_CHECK) {
+                self.progress.check()?;
+                self.progress.advance((at - told) as u64);
+                told = at;
+            }
+            pings += 1;
+            at = match PingHeader::parse(self.bytes, at, self.order) {
+                Some(ping) => self.step(at, ping, &mut take),
+                None => self.over_gap(at),
+            };
+        }
+        self.progress.advance((self.bytes.len() - told) as u64);
+        Ok(())
+    }
+
+    /// Takes a ping if the next follows it; where it does not, the sample count may be what is damaged.
+    fn step(
+        &mut self,
+        at: usize,
+        ping: PingHeader,
+        take: &mut impl FnMut(usize, PingHeader),
+    ) -> usize {
+        let len = self.bytes.len();
+        let next = at.saturating_add(ping.size());
+        let goes_on = next == len || self.bytes.get(next..next + MAGIC.len()) == Some(&MAGIC);
+        if goes_on {
+            take(at, ping);
+            return next;
+        }
+        let inside = next_magic(self.bytes, at + ping.header_len).filter(|&found| found < next);
+        if let Some(found) = inside {
+            let text = format!(
+                "a ping says that it has {} samples, but the next begins after {}; it was dropped",
+                ping.sample_count,
+                found - at - ping.header_len
+            );
+            self.report.at(Kind::Frame, self.file, at, text);
+            return found;
+        }
+        if next > len {
+            let text = format!(
+                "the recording was cut inside its last ping ({} bytes of it are there); it was dropped",
+                len - at
+            );
+            self.report.at(Kind::Frame, self.file, at, text);
+            return len;
+        }
+        take(at, ping);
+        next
+    }
+
+    fn over_gap(&mut self, at: usize) -> usize {
+        let to = next_magic(self.bytes, at + 1).unwrap_or(self.bytes.len());
+        let text = format!("{} bytes belong to no ping and were skipped", to - at);
+        self.report.at(Kind::Gap, self.file, at, text);
+        to
+    }
+}
+
+/// Where the next magic number begins, from `from` on.
+fn next_magic(bytes: &[u8], from: usize) -> Option<usize> {
+    let searched = bytes.get(from..)?;
+    searched
+        .windows(4)
+        .position(|window| window == MAGIC)
+        .map(|at| from + at)
+}

@@ -1,0 +1,226 @@
+//! From frames to pings, depths and fixes in SI units.
+
+use super::frame::Frame;
+use crate::formats::clock::{Clock, Verdict};
+use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::report::Kind;
+use crate::geo::{self, METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::survey::{ChannelKind, Encoding, Fix, Order, SidePing, SideSpan};
+
+/// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
+const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
+
+/// Gives frames their meaning, one behind the file so that a damaged time is seen.
+#[derive(Default)]
+pub(super) struct Reader {
+    clock: Clock<Frame>,
+}
+
+impl Reader {
+    /// Takes the next frame of the file.
+    pub(super) fn take(&mut self, log: &mut Collected, frame: Frame) {
+        if let Some(verdict) = self.clock.push(time_s(&frame), frame) {
+            settle(log, verdict);
+        }
+    }
+
+    /// Takes the last frame.
+    pub(super) fn finish(&mut self, log: &mut Collected) {
+        if let Some(verdict) = self.clock.finish() {
+            settle(log, verdict);
+        }
+    }
+}
+
+fn settle(log: &mut Collected, verdict: Verdict<Frame>) {
+    match verdict {
+        Verdict::Sound(frame) => keep(log, &frame),
+        Verdict::Damaged(frame) => {
+            let text = format!(
+                "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
+                time_s(&frame)
+            );
+            log.report.at(Kind::Frame, 0, frame.offset, text);
+        }
+    }
+}
+
+fn keep(log: &mut Collected, frame: &Frame) {
+    let kind = channel_kind(frame.channel);
+    let time_s = time_s(frame);
+    if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
+        log.start_unix_s = Some(f64::from(frame.clock));
+    }
+    let samples = match kind {
+        ChannelKind::Composite => frame.data_len / 2,
+        _ => frame.data_len,
+    };
+    log.count(
+        kind,
+        &frame.channel.to_string(),
+        frequency_khz(frame.frequency),
+        time_s,
+        samples,
+        range_m(kind, frame),
+    );
+    if !matches!(kind, ChannelKind::Other(_)) {
+        let depth_m = metres(frame.depth_ft);
+        if depth_m > 0.0 {
+            log.add_depth(kind, time_s, depth_m - metres(frame.keel_ft));
+        }
+    }
+    if frame.x_m != 0 && frame.y_m != 0 {
+        log.add_fix(fix(frame, time_s));
+    }
+    keep_side_scan(log, kind, frame, time_s);
+}
+
+fn keep_side_scan(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {
+    let half = |span| HalfPing { time_s, span };
+    match kind {
+        ChannelKind::Composite => {
+            let [port, starboard] = composite_spans(frame).map(|span| Some(span).filter(is_sound));
+            if port.is_some() || starboard.is_some() {
+                log.composite.push(SidePing {
+                    time_s,
+                    depth_m: f32::NAN,
+                    port,
+                    starboard,
+                });
+                return;
+            }
+        }
+        ChannelKind::Port | ChannelKind::Starboard => {
+            let span = single_span(frame);
+            if is_sound(&span) {
+                match kind {
+                    ChannelKind::Port => log.port.push(half(span)),
+                    _ => log.starboard.push(half(span)),
+                }
+                return;
+            }
+        }
+        _ => return,
+    }
+    let text = format!(
+        "a side-scan frame has {} samples over {} to {} ft, which is no picture; it was dropped",
+        frame.data_len, frame.min_range_ft, frame.max_range_ft
+    );
+    log.report.at(Kind::Value, 0, frame.offset, text);
+}
+
+/// Both halves of a composite frame: far port, nadir where the range is 0, far starboard.
+fn composite_spans(frame: &Frame) -> [SideSpan; 2] {
+    let (min_m, max_m) = (metres(frame.min_range_ft), metres(frame.max_range_ft));
+    let (port_m, starboard_m) = if min_m < 0.0 {
+        (-min_m, max_m)
+    } else {
+        (max_m, max_m)
+    };
+    let share = if port_m == starboard_m {
+        0.5
+    } else {
+        port_m / (port_m + starboard_m)
+    };
+    let port_count = (frame.data_len as f32 * share) as usize;
+    let span = |order, start: usize, count: usize, far_m| SideSpan {
+        file: 0,
+        encoding: Encoding::U8,
+        order,
+        offset: (frame.data_offset + start) as u64,
+        count: count as u32,
+        near_m: 0.0,
+        far_m,
+    };
+    [
+        span(Order::FarToNear, 0, port_count, port_m),
+        span(
+            Order::NearToFar,
+            port_count,
+            frame.data_len - port_count,
+            starboard_m,
+        ),
+    ]
+}
+
+/// The one side of a left or right frame; its first sample is nearest.
+fn single_span(frame: &Frame) -> SideSpan {
+    let (a, b) = (
+        metres(frame.min_range_ft).abs(),
+        metres(frame.max_range_ft).abs(),
+    );
+    SideSpan {
+        file: 0,
+        encoding: Encoding::U8,
+        order: Order::NearToFar,
+        offset: frame.data_offset as u64,
+        count: frame.data_len as u32,
+        near_m: a.min(b),
+        far_m: a.max(b),
+    }
+}
+
+fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
+    let (near_m, far_m) = match kind {
+        ChannelKind::Composite => (0.0, metres(frame.max_range_ft)),
+        ChannelKind::Port | ChannelKind::Starboard => {
+            let span = single_span(frame);
+            (span.near_m, span.far_m)
+        }
+        // The raw products carry other numbers in these fields.
+        ChannelKind::Other(_) => return None,
+        _ => (metres(frame.min_range_ft), metres(frame.max_range_ft)),
+    };
+    (near_m.is_finite() && far_m.is_finite()).then_some((near_m, far_m))
+}
+
+fn fix(frame: &Frame, time_s: f64) -> Fix {
+    Fix {
+        time_s,
+        position: geo::lowrance_mercator_inverse(f64::from(frame.x_m), f64::from(frame.y_m)),
+        cog_rad: if frame.course_rad.is_finite() {
+            frame.course_rad
+        } else {
+            f32::NAN
+        },
+        // Without a compass the field is 0 on every unit seen.
+        compass_rad: if frame.heading_rad == 0.0 || !frame.heading_rad.is_finite() {
+            f32::NAN
+        } else {
+            frame.heading_rad
+        },
+        speed_mps: if frame.speed_kn >= 0.0 {
+            (f64::from(frame.speed_kn) * MPS_PER_KNOT) as f32
+        } else {
+            f32::NAN
+        },
+    }
+}
+
+fn channel_kind(channel: u16) -> ChannelKind {
+    match channel {
+        0 => ChannelKind::Primary,
+        1 => ChannelKind::Secondary,
+        2 => ChannelKind::DownScan,
+        3 => ChannelKind::Port,
+        4 => ChannelKind::Starboard,
+        5 => ChannelKind::Composite,
+        other => ChannelKind::Other(other),
+    }
+}
+
+/// Nominal frequency; the middle of the band for the chirp codes.
+fn frequency_khz(code: u16) -> Option<f32> {
+    const KHZ: [f32; 11] = [
+        200.0, 50.0, 83.0, 455.0, 800.0, 38.0, 28.0, 170.0, 120.0, 50.0, 35.0,
+    ];
+    KHZ.get(usize::from(code)).copied()
+}
+
+fn time_s(frame: &Frame) -> f64 {
+    f64::from(frame.time_ms) / 1000.0
+}
+
+fn metres(feet: f32) -> f32 {
+    (f64::from(feet) * METRES_PER_FOOT) as f32
+}

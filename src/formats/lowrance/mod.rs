@@ -1,0 +1,126 @@
+//! Lowrance SL2 and SL3, and a word about SLG.
+
+pub mod frame;
+mod meaning;
+pub mod sl2;
+pub mod sl3;
+mod walk;
+
+use super::{OpenError, Opened, assemble, collected::Collected, scalar};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use frame::Layout;
+
+/// The file header's length; the first frame follows.
+pub const FILE_HEADER: usize = 8;
+/// Bytes searched for frames when the file header does not say what the file is.
+const SEARCHED_FOR_FRAMES: usize = 1 << 20;
+
+/// What the file header, or the frames themselves, say that the file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// SLG: no side-scan in it.
+    Slg,
+    /// Frames of a known layout.
+    Frames {
+        /// Which.
+        layout: Layout,
+        /// The file header's version word; `None` when the header is damaged.
+        version: Option<u16>,
+    },
+}
+
+/// Recognises a file by its header (u16 format, u16 version, u16 block size, u16 reserved) and first frame; by its
+/// frames alone when the header is damaged.
+pub(super) fn sniff(bytes: &[u8]) -> Option<Kind> {
+    sniff_header(bytes).or_else(|| sniff_frames(bytes))
+}
+
+fn sniff_header(bytes: &[u8]) -> Option<Kind> {
+    let format = scalar::u16_le(bytes, 0)?;
+    let version = scalar::u16_le(bytes, 2)?;
+    let block = scalar::u16_le(bytes, 4)?;
+    let usual = matches!(block, 1970 | 3200) && version <= 16;
+    let first_frame = scalar::u32_le(bytes, FILE_HEADER) == Some(FILE_HEADER as u32);
+    match format {
+        1 if usual => Some(Kind::Slg),
+        2 | 3 if usual || first_frame => Some(Kind::Frames {
+            layout: if format == 2 {
+                Layout::Sl2
+            } else {
+                Layout::Sl3
+            },
+            version: Some(version),
+        }),
+        _ => None,
+    }
+}
+
+/// Two frames in a row, found by their own offsets, are proof enough.
+fn sniff_frames(bytes: &[u8]) -> Option<Kind> {
+    [Layout::Sl2, Layout::Sl3].into_iter().find_map(|layout| {
+        let first = walk::first_frame(bytes, layout, FILE_HEADER, SEARCHED_FOR_FRAMES)?;
+        let frame::Found::Whole(found) = layout.look(bytes, first) else {
+            return None;
+        };
+        let next = layout.look(bytes, first + found.size);
+        matches!(next, frame::Found::Whole(_)).then_some(Kind::Frames {
+            layout,
+            version: None,
+        })
+    })
+}
+
+/// Reads a file that [`sniff`] recognised.
+pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Survey, OpenError> {
+    let Kind::Frames { layout, version } = kind else {
+        return Err(OpenError::Unsupported {
+            path: opened.path,
+            what: "no side-scan in a Lowrance SLG log; set the unit to record sl2 or sl3".into(),
+        });
+    };
+    let format = format_name(layout, version);
+    let path = opened.path.clone();
+    let bytes = opened.bytes.clone();
+    let mut log = Collected::new(opened.source(format.clone()), vec![opened.bytes]);
+    if version.is_none() {
+        log.report
+            .log("the file header is damaged; the format was told from the frames");
+    }
+    progress.start(bytes.len() as u64);
+    let mut reader = meaning::Reader::default();
+    let mut report = std::mem::take(&mut log.report);
+    walk::Walk {
+        bytes: &bytes,
+        layout,
+        report: &mut report,
+        progress,
+    }
+    .run(FILE_HEADER.min(bytes.len()), |frame| {
+        reader.take(&mut log, frame)
+    })?;
+    reader.finish(&mut log);
+    log.report.absorb(report);
+    if log.channels.is_empty() {
+        return Err(OpenError::Broken {
+            path,
+            format,
+            what: format!(
+                "no whole frame in its {} bytes; copy the file from the unit's card again",
+                bytes.len()
+            ),
+        });
+    }
+    Ok(assemble::assemble(log))
+}
+
+fn format_name(layout: Layout, version: Option<u16>) -> String {
+    let name = match layout {
+        Layout::Sl2 => "Lowrance SL2",
+        Layout::Sl3 => "Lowrance SL3",
+    };
+    version.map_or_else(
+        || name.to_owned(),
+        |version| format!("{name} (version {version})"),
+    )
+}

@@ -1,0 +1,73 @@
+//! Where a log and the files beside it come from: the disk, or memory (tests, the demo survey).
+
+use super::map;
+use crate::survey::Bytes;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Reads files and lists folders.
+pub(super) enum Shelf {
+    /// The file system; files are mapped.
+    Disk,
+    /// Files in memory, under the paths given.
+    Held(Vec<(PathBuf, Bytes)>),
+}
+
+impl Shelf {
+    /// Files in memory.
+    pub(super) fn held(files: Vec<(PathBuf, Vec<u8>)>) -> Self {
+        let hold = |(path, bytes): (PathBuf, Vec<u8>)| (path, Bytes::Held(Arc::from(bytes)));
+        Self::Held(files.into_iter().map(hold).collect())
+    }
+
+    /// The bytes of a file.
+    pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
+        match self {
+            Shelf::Disk => map::map(path),
+            Shelf::Held(files) => files
+                .iter()
+                .find(|(name, _)| name == path)
+                .map(|(_, bytes)| bytes.clone())
+                .ok_or_else(|| io::Error::from(io::ErrorKind::NotFound)),
+        }
+    }
+
+    /// Whether the path is a folder.
+    pub(super) fn is_folder(&self, path: &Path) -> bool {
+        match self {
+            Shelf::Disk => path.is_dir(),
+            Shelf::Held(files) => files
+                .iter()
+                .any(|(name, _)| name != path && name.starts_with(path)),
+        }
+    }
+
+    /// The files and folders in a folder, by name; none when it cannot be read.
+    pub(super) fn children(&self, folder: &Path) -> Vec<PathBuf> {
+        let mut children: Vec<PathBuf> = match self {
+            Shelf::Disk => std::fs::read_dir(folder_or_here(folder))
+                .map(|entries| entries.flatten().map(|entry| entry.path()).collect())
+                .unwrap_or_default(),
+            Shelf::Held(files) => files
+                .iter()
+                .filter_map(|(name, _)| {
+                    let below = name.strip_prefix(folder).ok()?;
+                    Some(folder.join(below.components().next()?))
+                })
+                .collect(),
+        };
+        children.sort();
+        children.dedup();
+        children
+    }
+}
+
+/// The parent of a bare file name is the empty path, which no system lists.
+fn folder_or_here(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    }
+}
