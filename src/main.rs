@@ -1,2 +1,5 @@
-//! b
-fn main() {}
+//! The `bathyscope` program; everything it does is in the library.
+
+fn main() -> std::process::ExitCode {
+    bathyscope::cli::main()
+}

@@ -1,1 +1,60 @@
-//! Subcommands.
+//! The command line: what was typed, which subcommand it means, and the exit code. One file a subcommand.
+//!
+//! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
+
+mod info;
+mod process;
+mod status_line;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Depth maps and 3D clouds from the logs of low-cost side-scan fish-finders.
+#[derive(Debug, Parser)]
+#[command(name = "bathyscope", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    /// Logs to open in the window: SL2, SL3, Humminbird DAT, folder or SON, XTF
+    surveys: Vec<PathBuf>,
+
+    /// Open the bundled demo survey; without a display, process it into bathyscope-out
+    #[arg(long, conflicts_with = "surveys")]
+    demo: bool,
+
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Tell what is in a log: channels, pings, spans, ranges, warnings
+    Info(info::InfoArgs),
+    /// Process logs: first returns, calibrated cloud and report
+    Process(process::ProcessArgs),
+}
+
+/// Runs the program with the process's own arguments.
+pub fn main() -> ExitCode {
+    let outcome = match Cli::parse() {
+        Cli {
+            command: Some(Command::Info(args)),
+            ..
+        } => info::run(args),
+        Cli {
+            command: Some(Command::Process(args)),
+            ..
+        } => process::run(args),
+        Cli {
+            command: None,
+            surveys,
+            demo,
+        } => Err(format!("{surveys:?} {demo}")),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            eprintln!("bathyscope: {sentence}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -191,6 +191,15 @@ impl Survey {
         )
     }
 
+    /// First and last time over all channels, seconds after the log's time zero.
+    pub fn time_span_s(&self) -> Option<(f64, f64)> {
+        let spans = self
+            .channels
+            .iter()
+            .filter_map(|channel| channel.time_span_s);
+        spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
+    }
+
     /// Whether the side-scan can be processed.
     pub fn has_side_scan(&self) -> bool {
         self.side_scan_state == SideScanState::Usable

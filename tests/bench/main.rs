@@ -1,2 +1,24 @@
-//! b
-fn main() {}
+//! Benchmarks: `cargo bench` runs all, `cargo bench -- NAME...` some of them.
+//!
+//! A figure is a ratio against a baseline in the same run, or a throughput beside a plain read of the same bytes:
+//! absolute times of one machine prove nothing on another.
+
+mod decode;
+mod large_log;
+
+/// Name on the command line and what it runs.
+const BENCHES: &[(&str, fn())] = &[("decode", decode::run)];
+
+fn main() {
+    // Cargo passes `--bench`; what is left are names.
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|arg| !arg.starts_with("--"))
+        .collect();
+    for (name, run) in BENCHES {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+            println!("== {name}");
+            run();
+        }
+    }
+}

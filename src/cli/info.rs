@@ -1,0 +1,234 @@
+//! `bathyscope info`: what is in a log.
+
+use crate::formats;
+use crate::progress::Progress;
+use crate::survey::{Channel, SideScanState, Survey};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// `bathyscope info SURVEY [--json]`.
+#[derive(Debug, clap::Args)]
+pub struct InfoArgs {
+    /// The log to look into
+    survey: PathBuf,
+    /// Print JSON for scripts
+    #[arg(long)]
+    json: bool,
+}
+
+/// Prints the summary of a log.
+pub fn run(args: InfoArgs) -> Result<(), String> {
+    let survey =
+        formats::open(&args.survey, &Progress::new()).map_err(|error| error.to_string())?;
+    if args.json {
+        println!("{:#}", to_json(&survey));
+    } else {
+        print!("{}", to_text(&survey));
+    }
+    Ok(())
+}
+
+/// The one line that tells what was found.
+fn side_scan_sentence(survey: &Survey) -> String {
+    match survey.side_scan_state {
+        SideScanState::Usable => {
+            let pings = &survey.side_scan;
+            let port = pings.iter().filter(|ping| ping.port.is_some()).count();
+            let starboard = pings.iter().filter(|ping| ping.starboard.is_some()).count();
+            format!("{} pings (port {port}, starboard {starboard})", pings.len())
+        }
+        SideScanState::Absent => "none in this log".to_owned(),
+        SideScanState::Noise { range_m } => {
+            format!("noise only: the range is stuck at {range_m:.2} m, as without a transducer")
+        }
+    }
+}
+
+fn depth_span(survey: &Survey) -> Option<(f32, f32)> {
+    survey
+        .soundings
+        .iter()
+        .map(|sounding| sounding.depth_m)
+        .fold(None, |span, depth| {
+            let (low, high) = span.unwrap_or((depth, depth));
+            Some((f32::min(low, depth), f32::max(high, depth)))
+        })
+}
+
+fn to_text(survey: &Survey) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        writeln!(text, "{name:<12} {value}").expect("writing to a string");
+    };
+    line("format", survey.source.format.clone());
+    line("bytes", survey.source.byte_count.to_string());
+    line(
+        "start",
+        survey.start_unix_s.map_or("unknown".to_owned(), utc),
+    );
+    if let Some((from, to)) = survey.time_span_s() {
+        line(
+            "time",
+            format!("{from:.3} s to {to:.3} s ({:.1} s)", to - from),
+        );
+    }
+    line("side-scan", side_scan_sentence(survey));
+    match depth_span(survey) {
+        Some((low, high)) => {
+            let count = survey.soundings.len();
+            line(
+                "depth",
+                format!("{low:.2} m to {high:.2} m ({count} soundings)"),
+            );
+        }
+        None => line("depth", "none recorded".to_owned()),
+    }
+    match survey.track.fixes.first() {
+        Some(fix) => {
+            let place = format!("{:.6}, {:.6}", fix.position.lat_deg, fix.position.lon_deg);
+            let (records, distinct) = (survey.track.fixes.len(), distinct_fixes(survey));
+            line(
+                "position",
+                format!("{place} (lat, lon); {distinct} distinct in {records} records"),
+            );
+        }
+        None => line("position", "none recorded".to_owned()),
+    }
+    text.push_str("\nchannel                 pings   samples        range              time\n");
+    for channel in &survey.channels {
+        writeln!(text, "{}", channel_row(channel)).expect("writing to a string");
+    }
+    if !survey.warnings.is_empty() {
+        writeln!(text, "\n{} warnings", survey.warnings.len()).expect("writing to a string");
+    }
+    for warning in &survey.warnings {
+        let place = warning.place.map_or(String::new(), |(file, offset)| {
+            let name = survey
+                .source
+                .files
+                .get(file)
+                .and_then(|path| path.file_name());
+            let name = name.map_or(String::new(), |name| name.to_string_lossy().into_owned());
+            format!("{name} at byte {offset}: ")
+        });
+        writeln!(text, "  {place}{}", warning.text).expect("writing to a string");
+    }
+    text
+}
+
+fn channel_row(channel: &Channel) -> String {
+    let range = |(near, far): (f32, f32)| format!("{near:.2} to {far:.2} m");
+    let time = |(from, to): (f64, f64)| format!("{from:.3} to {to:.3} s");
+    let samples = match channel.sample_count {
+        (low, high) if low == high => low.to_string(),
+        (low, high) => format!("{low} to {high}"),
+    };
+    format!(
+        "{:<22} {:>6}   {:<13}  {:<17}  {}",
+        format!("{} ({})", channel.kind.name(), channel.recorder_name),
+        channel.ping_count,
+        samples,
+        channel.range_m.map_or(String::new(), range),
+        channel.time_span_s.map_or(String::new(), time),
+    )
+    .trim_end()
+    .to_owned()
+}
+
+fn distinct_fixes(survey: &Survey) -> usize {
+    let fixes = &survey.track.fixes;
+    let changes = fixes
+        .windows(2)
+        .filter(|pair| pair[0].position != pair[1].position)
+        .count();
+    if fixes.is_empty() { 0 } else { changes + 1 }
+}
+
+fn to_json(survey: &Survey) -> Value {
+    let span = |pair: Option<(f64, f64)>| pair.map(|(from, to)| [from, to]);
+    let channels: Vec<Value> = survey
+        .channels
+        .iter()
+        .map(|channel| {
+            json!({
+                "kind": channel.kind.name(),
+                "recorder_name": channel.recorder_name,
+                "frequency_khz": channel.frequency_khz,
+                "pings": channel.ping_count,
+                "samples": [channel.sample_count.0, channel.sample_count.1],
+                "time_s": span(channel.time_span_s),
+                "range_m": channel.range_m.map(|(near, far)| [near, far]),
+            })
+        })
+        .collect();
+    let warnings: Vec<Value> = survey
+        .warnings
+        .iter()
+        .map(|warning| {
+            json!({ "file": warning.place.map(|place| place.0), "offset": warning.place.map(|place| place.1), "text": warning.text })
+        })
+        .collect();
+    let first = survey.track.fixes.first();
+    json!({
+        "files": survey.source.files,
+        "format": survey.source.format,
+        "bytes": survey.source.byte_count,
+        "start_unix_s": survey.start_unix_s,
+        "time_s": span(survey.time_span_s()),
+        "side_scan": {
+            "state": match survey.side_scan_state {
+                SideScanState::Usable => "usable",
+                SideScanState::Absent => "absent",
+                SideScanState::Noise { .. } => "noise",
+            },
+            "pings": survey.side_scan.len(),
+            "port": survey.side_scan.iter().filter(|ping| ping.port.is_some()).count(),
+            "starboard": survey.side_scan.iter().filter(|ping| ping.starboard.is_some()).count(),
+        },
+        "depth_m": depth_span(survey).map(|(low, high)| [low, high]),
+        "soundings": survey.soundings.len(),
+        "position": first.map(|fix| json!({ "lon": fix.position.lon_deg, "lat": fix.position.lat_deg })),
+        "position_records": survey.track.fixes.len(),
+        "distinct_positions": distinct_fixes(survey),
+        "channels": channels,
+        "warnings": warnings,
+    })
+}
+
+/// Unix seconds as `2012-05-05 17:01:02 UTC` (proleptic Gregorian; days-to-date by Howard Hinnant's published method).
+fn utc(unix_s: f64) -> String {
+    let seconds = unix_s.floor() as i64;
+    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let day_of_era = shifted.rem_euclid(146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_index = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_index + 2) / 5 + 1;
+    let month = if month_index < 10 {
+        month_index + 3
+    } else {
+        month_index - 9
+    };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    let (hour, minute) = (second / 3600, second / 60 % 60);
+    format!(
+        "{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{:02} UTC",
+        second % 60
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::utc;
+
+    #[test]
+    fn utc_dates() {
+        assert_eq!(utc(0.0), "1970-01-01 00:00:00 UTC");
+        assert_eq!(utc(951_782_400.0), "2000-02-29 00:00:00 UTC");
+        assert_eq!(utc(1_700_000_000.9), "2023-11-14 22:13:20 UTC");
+    }
+}

@@ -1,0 +1,269 @@
+//! `report.json`: what went in, with which settings, what came out, and how far to trust it.
+
+use super::{Preset, Products, Settings};
+use crate::calibration::{Calibration, PingRange};
+use crate::cloud::{PointSource, Residuals, residuals};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Side, Survey};
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+/// The record written beside the products. Field names are the contract of `report.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Program and version.
+    pub program: String,
+    /// The files read.
+    pub inputs: Vec<Input>,
+    /// Format in words.
+    pub format: String,
+    /// Unix seconds of the log's time zero.
+    pub start_unix_s: Option<f64>,
+    /// `published`, `recommended` or `changed`.
+    pub preset: &'static str,
+    /// Every setting.
+    pub settings: Settings,
+    /// Counts.
+    pub counts: Counts,
+    /// Scales.
+    pub calibration: CalibrationReport,
+    /// Side-scan depth against recorded depth, over the kept points; absent without any.
+    pub residuals: Option<Residuals>,
+    /// What these depths are, and what was not corrected.
+    pub statement: &'static str,
+    /// Warnings of the reader and of every stage.
+    pub warnings: Vec<String>,
+}
+
+/// One file read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Input {
+    /// As it was named.
+    pub file: String,
+    /// Its size.
+    pub bytes: usize,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+/// How many of everything.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Counts {
+    /// Side-scan pings.
+    pub pings: usize,
+    /// Depths that the recorder gave.
+    pub soundings: usize,
+    /// Pings with a port first return.
+    pub port_first_returns: usize,
+    /// Pings with a starboard first return.
+    pub starboard_first_returns: usize,
+    /// First returns flagged as canopy or obstacle.
+    pub canopy: usize,
+    /// Pings at which the boat moves.
+    pub moving: usize,
+    /// Pings without a heading.
+    pub zero_heading: usize,
+    /// Points before the outlier filter.
+    pub points: usize,
+    /// Points that are not soundings.
+    pub side_scan_points: usize,
+    /// Points that the filter removed.
+    pub outliers_removed: usize,
+    /// Removed share of the side-scan points, 0 to 1.
+    pub outliers_removed_share: f64,
+}
+
+/// The scales, flat, as scripts want them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CalibrationReport {
+    /// `flat_spot` or `header`.
+    pub mode: crate::calibration::ScaleMode,
+    /// Pixels (u8 samples) per metre at the flat spot.
+    pub ppd_px_per_m: Option<f64>,
+    /// Its robust standard deviation.
+    pub ppd_spread_px_per_m: Option<f64>,
+    /// Picks behind it.
+    pub ppd_picks: usize,
+    /// Pings of the flat spot, `A..B`.
+    pub pings: Option<PingRange>,
+    /// Recorded depth at the flat spot.
+    pub flat_spot_depth_m: Option<f64>,
+    /// Pixels per metre that the headers imply.
+    pub header_px_per_m: Option<f64>,
+    /// Its spread over the log: above zero when the range changed.
+    pub header_spread_px_per_m: Option<f64>,
+    /// Slope of range against depth.
+    pub k: Option<f64>,
+    /// Offset of range against depth.
+    pub b_m: Option<f64>,
+    /// Robust standard deviation about that line.
+    pub fit_spread_m: Option<f64>,
+}
+
+const STATEMENT: &str = "Depths are below the transducer, by the recorder's own sound speed. Not corrected: draft, \
+     water level or tide, sound speed, roll and pitch. Positions are the recorder's GPS. Agreement with the recorded \
+     depth is repeatability within one instrument, not accuracy against a reference.";
+
+impl Report {
+    /// Collects the report; reads every input byte once for its hash.
+    pub fn new(
+        survey: &Survey,
+        products: &Products,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let Products {
+            settings,
+            navigation,
+            returns,
+            calibration,
+            cloud,
+            kept,
+            ..
+        } = products;
+        let flagged = |side| returns.side(side).iter().filter(|pick| pick.canopy).count();
+        let found = |side| {
+            returns
+                .side(side)
+                .iter()
+                .filter(|pick| pick.is_some())
+                .count()
+        };
+        let side_scan_points = cloud
+            .points
+            .iter()
+            .filter(|point| point.source != PointSource::DownScan)
+            .count();
+        let outliers_removed = kept.iter().filter(|kept| !**kept).count();
+        Ok(Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            inputs: hash_inputs(survey, progress)?,
+            format: survey.source.format.clone(),
+            start_unix_s: survey.start_unix_s,
+            preset: settings.is_preset().map_or("changed", Preset::name),
+            settings: settings.clone(),
+            counts: Counts {
+                pings: survey.side_scan.len(),
+                soundings: survey.soundings.len(),
+                port_first_returns: found(Side::Port),
+                starboard_first_returns: found(Side::Starboard),
+                canopy: flagged(Side::Port) + flagged(Side::Starboard),
+                moving: navigation.moving,
+                zero_heading: navigation.zero_heading,
+                points: cloud.points.len(),
+                side_scan_points,
+                outliers_removed,
+                outliers_removed_share: outliers_removed as f64 / side_scan_points.max(1) as f64,
+            },
+            calibration: CalibrationReport::new(calibration),
+            residuals: residuals(survey, navigation, cloud, kept),
+            statement: STATEMENT,
+            warnings: warnings(survey, products),
+        })
+    }
+
+    /// What came out, in a few lines for people.
+    pub fn summary(&self) -> String {
+        let Self {
+            counts,
+            calibration,
+            residuals,
+            ..
+        } = self;
+        let mut lines = vec![
+            format!(
+                "{} pings: first return port {}, starboard {}; {} flagged as canopy or obstacle",
+                counts.pings,
+                counts.port_first_returns,
+                counts.starboard_first_returns,
+                counts.canopy
+            ),
+            format!(
+                "{} points, {} from side-scan, {} of them removed as outliers ({:.1} %); {} pings without heading",
+                counts.points,
+                counts.side_scan_points,
+                counts.outliers_removed,
+                100.0 * counts.outliers_removed_share,
+                counts.zero_heading
+            ),
+        ];
+        if let (Some(ppd), Some(spread)) =
+            (calibration.ppd_px_per_m, calibration.ppd_spread_px_per_m)
+        {
+            let header = calibration
+                .header_px_per_m
+                .map_or(String::new(), |px| format!(", header {px:.2}"));
+            lines.push(format!(
+                "scale: flat spot {ppd:.2} +- {spread:.2} px/m{header}"
+            ));
+        }
+        if let Some(residuals) = residuals {
+            lines.push(format!(
+                "side-scan minus recorded depth: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                residuals.n, residuals.median_m, residuals.sd_m, residuals.p95_m
+            ));
+        }
+        lines.join("\n")
+    }
+}
+
+impl CalibrationReport {
+    fn new(calibration: &Calibration) -> Self {
+        let Calibration {
+            mode,
+            flat_spot,
+            ppd,
+            header,
+            fit,
+            ..
+        } = calibration;
+        Self {
+            mode: *mode,
+            ppd_px_per_m: ppd.map(|scale| scale.px_per_m),
+            ppd_spread_px_per_m: ppd.map(|scale| scale.spread_px_per_m),
+            ppd_picks: ppd.map_or(0, |scale| scale.picks),
+            pings: flat_spot.as_ref().map(|spot| PingRange {
+                start: spot.pings.start,
+                end: spot.pings.end,
+            }),
+            flat_spot_depth_m: flat_spot.as_ref().map(|spot| spot.depth_m),
+            header_px_per_m: header.map(|scale| scale.px_per_m),
+            header_spread_px_per_m: header.map(|scale| scale.spread_px_per_m),
+            k: fit.map(|fit| fit.k),
+            b_m: fit.map(|fit| fit.b_m),
+            fit_spread_m: fit.map(|fit| fit.spread_m),
+        }
+    }
+}
+
+/// All warnings of the reader and the stages, for the report and the window.
+pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
+    let read = survey.warnings.iter().map(|warning| warning.text.clone());
+    read.chain(products.returns.warnings.iter().cloned())
+        .chain(products.calibration.warnings.iter().cloned())
+        .collect()
+}
+
+fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
+    progress.start(survey.source.byte_count);
+    let files = survey.source.files.iter().zip(&survey.bytes);
+    files
+        .map(|(path, bytes)| {
+            let mut hash = Sha256::new();
+            for chunk in bytes.chunks(1 << 20) {
+                progress.check()?;
+                hash.update(chunk);
+                progress.advance(chunk.len() as u64);
+            }
+            let sha256 = hash
+                .finalize()
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect();
+            Ok(Input {
+                file: path.display().to_string(),
+                bytes: bytes.len(),
+                sha256,
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,53 @@
+//! A large, valid SL2: the demo survey's frames over and over, with offsets and times made consistent.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
+
+/// Frame fields that change from copy to copy (offsets of the SL2 frame header).
+const OWN_OFFSET: usize = 0;
+const FRAME_SIZE: usize = 28;
+const MILLISECONDS: usize = 140;
+
+/// Writes at least `bytes` bytes and returns how many.
+pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
+    let frames = frames();
+    let last = frames.last().map_or(0, |frame| milliseconds(frame));
+    let mut out = BufWriter::new(File::create(path)?);
+    out.write_all(&DEMO[..8])?;
+    let (mut offset, mut lap) = (8_usize, 0);
+    while offset < bytes {
+        for frame in &frames {
+            let mut frame = frame.to_vec();
+            let own = u32::try_from(offset).map_err(io::Error::other)?;
+            frame[OWN_OFFSET..][..4].copy_from_slice(&own.to_le_bytes());
+            let time = milliseconds(&frame) + lap * (last + 50);
+            frame[MILLISECONDS..][..4].copy_from_slice(&time.to_le_bytes());
+            out.write_all(&frame)?;
+            offset += frame.len();
+        }
+        lap += 1;
+    }
+    out.flush()?;
+    Ok(offset)
+}
+
+fn milliseconds(frame: &[u8]) -> i32 {
+    i32::from_le_bytes(frame[MILLISECONDS..][..4].try_into().expect("four bytes"))
+}
+
+fn frames() -> Vec<&'static [u8]> {
+    let mut rest = &DEMO[8..];
+    let mut frames = Vec::new();
+    while rest.len() > FRAME_SIZE + 2 {
+        let size = usize::from(u16::from_le_bytes([rest[FRAME_SIZE], rest[FRAME_SIZE + 1]]));
+        let Some((frame, after)) = rest.split_at_checked(size) else {
+            break;
+        };
+        frames.push(frame);
+        rest = after;
+    }
+    frames
+}
