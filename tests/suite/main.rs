@@ -2,6 +2,7 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod cloud;
 mod first_return;
 mod formats;
 mod golden;
