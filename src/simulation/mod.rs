@@ -1,1 +1,40 @@
 //! Simulated surveys of known truth, written as valid SL2.
+//!
+//! A [`Scene`] (a bed, a boat's track, a recorder and its artefacts) and a seed give a [`Simulated`] survey: the log as
+//! a Lowrance side-scan recorder would have written it, and for every ping the truth that the log hides: where the boat
+//! was, how deep the water under it, and the slant range of the nearest visible bed on each side.
+//!
+//! ```text
+//! Scene --path--> pings --echo--> acoustic power by range, true first return --recorder--> bytes --sl2--> log
+//!         bed, objects --^                  weed, fish, ... (artefacts) --^
+//! ```
+//!
+//! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
+//! to its ping and purpose ([`random`]), and the arithmetic uses only operations that IEEE 754 fixes ([`arithmetic`]).
+
+mod arithmetic;
+mod artefacts;
+mod bed;
+mod check;
+mod echo;
+mod noise;
+mod objects;
+mod path;
+mod presets;
+mod random;
+mod recorder;
+mod scene;
+mod simulate;
+mod sl2;
+mod sonar;
+mod truth;
+mod weed;
+
+pub use objects::ObjectKind;
+pub use presets::SceneError;
+pub use scene::{
+    Artefacts, Bank, BedKind, BedSettings, ObjectSettings, RecorderSettings, Scene, Terrace,
+    TrackSettings,
+};
+pub use simulate::{Simulated, simulate};
+pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};

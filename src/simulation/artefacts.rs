@@ -1,0 +1,138 @@
+//! What goes wrong, planned for the whole survey: which pings it meets, and how much.
+
+use super::arithmetic::{exp, from_db, sin};
+use super::noise::Field;
+use super::path::Path;
+use super::random::{Purpose, Random};
+use super::scene::Scene;
+use crate::survey::Side;
+use std::f64::consts::{LN_10, PI};
+
+/// What is wrong with one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trouble {
+    /// Factor on the power of everything heard.
+    pub gain: f64,
+    /// Roll to starboard, radians.
+    pub roll_rad: f64,
+    /// The ping is not in the log.
+    pub missing: bool,
+    /// Another sounder is heard.
+    pub interference: bool,
+    /// A fish on one side: the side, its place as a share of the first return, and its strength over the bottom, dB.
+    pub fish: Option<(Side, f64, f64)>,
+    /// Recorded range, metres.
+    pub range_m: f64,
+}
+
+/// Length of the stretch with a gain drop, metres.
+const GAIN_DROP_M: f64 = 10.0;
+/// Longest row of pings that a fish is heard in, and that a dropout takes.
+const LONGEST_ROW: u64 = 5;
+
+/// The plan for a survey.
+pub struct Plan<'a> {
+    scene: &'a Scene,
+    seed: u64,
+    wander: Field,
+    swing: Field,
+    /// Metres along the way at which the gain drop starts.
+    gain_drop_m: f64,
+    /// Shares of the way between which the range is changed.
+    range_change: [f64; 2],
+    length_m: f64,
+}
+
+impl<'a> Plan<'a> {
+    /// Draws where along the way things go wrong.
+    pub fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
+        let mut random = Random::new(seed, Purpose::Track, 0);
+        let length_m = path.length_m();
+        let change = random.between(0.5, 0.75);
+        Self {
+            scene,
+            seed,
+            wander: Field::new(seed, Purpose::Track, 12.0),
+            swing: Field::new(seed, Purpose::Water, 6.0),
+            gain_drop_m: random.between(0.1, 0.9) * length_m,
+            range_change: [change, change + 0.2],
+            length_m,
+        }
+    }
+
+    /// What is wrong with a ping at a time and a place along the way.
+    pub fn at(&self, ping: u64, time_s: f64, travelled_m: f64) -> Trouble {
+        let artefacts = &self.scene.artefacts;
+        let share = travelled_m / self.length_m;
+        let [from, to] = self.range_change;
+        let changed = (from..to).contains(&share);
+        let range_m = self.scene.recorder.range_m;
+        Trouble {
+            gain: self.gain(travelled_m),
+            roll_rad: self.roll_rad(time_s),
+            missing: self.row(ping, artefacts.dropouts, Purpose::Track).is_some(),
+            interference: Random::new(self.seed, Purpose::Sounding, ping)
+                .chance(artefacts.interference),
+            fish: self.fish(ping),
+            range_m: if changed {
+                range_m * artefacts.range_change
+            } else {
+                range_m
+            },
+        }
+    }
+
+    fn gain(&self, travelled_m: f64) -> f64 {
+        let artefacts = &self.scene.artefacts;
+        let wander = from_db(artefacts.gain_wander_db * self.wander.at(travelled_m, 0.0));
+        let dropped = (0.0..GAIN_DROP_M).contains(&(travelled_m - self.gain_drop_m));
+        if dropped {
+            wander * artefacts.gain_drop
+        } else {
+            wander
+        }
+    }
+
+    /// A rocking boat: a period of 2.6 s whose strength comes and goes.
+    fn roll_rad(&self, time_s: f64) -> f64 {
+        let amplitude = self.scene.artefacts.roll_deg.to_radians();
+        let strength = 0.5 + 0.5 * (self.swing.at(time_s, 0.0) / 2.4);
+        amplitude * strength * sin(2.0 * PI * time_s / 2.6)
+    }
+
+    fn fish(&self, ping: u64) -> Option<(Side, f64, f64)> {
+        let start = self.row(ping, self.scene.artefacts.fish, Purpose::Water)?;
+        let mut random = Random::new(self.seed, Purpose::Water, start.wrapping_add(1 << 40));
+        let side = if random.chance(0.5) {
+            Side::Port
+        } else {
+            Side::Starboard
+        };
+        // A fish passes on a shallow arc: a little farther away at both ends of its row.
+        let off = (ping - start) as f64 - 1.5;
+        let place = random.between(0.3, 0.9) + 0.003 * off * off;
+        Some((side, place, random.between(-14.0, -2.0)))
+    }
+
+    /// The start of the row of troubled pings that holds this ping. Rows are 1 to 5 pings long and together take a share
+    /// of all pings.
+    fn row(&self, ping: u64, share: f64, purpose: Purpose) -> Option<u64> {
+        let mean_length = 0.5 * (1.0 + LONGEST_ROW as f64);
+        (0..LONGEST_ROW).find_map(|back| {
+            let start = ping.checked_sub(back)?;
+            let mut random = Random::new(self.seed, purpose, start);
+            let starts = random.chance(share / mean_length);
+            (starts && back < 1 + random.bits() % LONGEST_ROW).then_some(start)
+        })
+    }
+}
+
+/// Ring-down power at a slant range: a fast and a slow decay.
+pub fn ring_down(range_m: f64) -> f64 {
+    2e-2 * exp(-range_m / 0.035) + 4e-6 * exp(-range_m / 0.12)
+}
+
+/// Share of the power left after absorption over a slant range, there and back.
+pub fn absorption(db_per_km: f64, range_m: f64) -> f64 {
+    exp(-2.0 * db_per_km * 1e-3 * range_m * LN_10 / 10.0)
+}

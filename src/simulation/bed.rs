@@ -1,0 +1,221 @@
+//! The ground as a depth at every place.
+
+use super::arithmetic::{cos, sin};
+use super::noise::{Field, smooth};
+use super::random::{Purpose, Random};
+use super::scene::{Bank, BedKind, BedSettings, Terrace};
+use std::f64::consts::PI;
+
+/// What a kind of ground looks like.
+struct Character {
+    /// Steepest slope that the swells can reach together, degrees.
+    slope_deg: f64,
+    /// Lengths of the swells, metres.
+    wavelengths_m: [f64; 3],
+    /// Two sizes of roughness: distance between bumps and standard deviation of their height, metres.
+    roughness_m: [(f64, f64); 2],
+    /// Shape of the texture's gamma distribution: how much the strength of neighbouring places differs (small: much).
+    texture_shape: f64,
+}
+
+impl BedKind {
+    fn character(self) -> Character {
+        match self {
+            BedKind::Gentle => Character {
+                slope_deg: 4.0,
+                wavelengths_m: [34.0, 21.0, 13.0],
+                roughness_m: [(0.6, 0.004), (0.0, 0.0)],
+                texture_shape: 5.0,
+            },
+            BedKind::Steep => Character {
+                slope_deg: 20.0,
+                wavelengths_m: [24.0, 15.0, 10.0],
+                roughness_m: [(0.6, 0.004), (0.0, 0.0)],
+                texture_shape: 5.0,
+            },
+            BedKind::Rough => Character {
+                slope_deg: 6.0,
+                wavelengths_m: [34.0, 21.0, 13.0],
+                roughness_m: [(0.9, 0.035), (0.4, 0.012)],
+                texture_shape: 1.0,
+            },
+        }
+    }
+}
+
+/// A long sine in the ground.
+struct Swell {
+    amplitude_m: f64,
+    /// Radians per metre east and north.
+    wave: [f64; 2],
+    phase: f64,
+}
+
+/// The ground without its objects. Places are metres from the scene's centre.
+pub struct Bed {
+    mean_depth_m: f64,
+    swells: Vec<Swell>,
+    roughness: Vec<(Field, f64)>,
+    texture: Field,
+    /// Spread of the texture's natural logarithm.
+    texture_spread: f64,
+    patches: Field,
+    terrace: Option<Terrace>,
+    /// Half extents and rise over run of the bank.
+    bank: Option<[f64; 3]>,
+}
+
+/// Shares of the steepest slope that the three swells take.
+const SLOPE_SHARES: [f64; 3] = [0.55, 0.3, 0.15];
+/// Distance over which the foot of the bank is rounded, metres.
+const BANK_FOOT_M: f64 = 0.6;
+/// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural logarithm (about 2 dB).
+const PATCHES: (f64, f64) = (7.0, 0.45);
+
+impl Bed {
+    /// The ground of a scene; the seed places its swells and bumps.
+    pub fn new(settings: &BedSettings, seed: u64) -> Self {
+        let character = settings.kind.character();
+        let mut random = Random::new(seed, Purpose::Waves, 0);
+        let slope = tangent(character.slope_deg);
+        let shares = SLOPE_SHARES.into_iter().zip(character.wavelengths_m);
+        let swells = shares
+            .map(|(share, wavelength_m)| {
+                let number = 2.0 * PI / wavelength_m;
+                let direction = random.between(0.0, 2.0 * PI);
+                Swell {
+                    amplitude_m: share * slope / number,
+                    wave: [number * sin(direction), number * cos(direction)],
+                    phase: random.between(0.0, 2.0 * PI),
+                }
+            })
+            .collect();
+        let roughness = character.roughness_m.iter().enumerate();
+        Self {
+            mean_depth_m: settings.mean_depth_m,
+            swells,
+            roughness: roughness
+                .filter(|(_, (_, height_m))| *height_m > 0.0)
+                .map(|(octave, (spacing_m, height_m))| {
+                    let seed = seed.wrapping_add(octave as u64);
+                    (Field::new(seed, Purpose::Roughness, *spacing_m), *height_m)
+                })
+                .collect(),
+            texture: Field::new(seed, Purpose::Texture, 0.25),
+            // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
+            texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
+            patches: Field::new(seed, Purpose::Patches, PATCHES.0),
+            terrace: settings.terrace.clone(),
+            bank: settings.bank.as_ref().map(Bank::shape),
+        }
+    }
+
+    /// A level, even ground at the mean depth, to set levels on.
+    pub fn level(settings: &BedSettings) -> Self {
+        Self {
+            swells: Vec::new(),
+            roughness: Vec::new(),
+            texture_spread: 0.0,
+            ..Self::new(settings, 0)
+        }
+    }
+
+    /// Depth of the ground below the water surface, metres; negative on land.
+    pub fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let mut depth = self.mean_depth_m;
+        for swell in &self.swells {
+            let angle = swell.wave[0] * east_m + swell.wave[1] * north_m + swell.phase;
+            depth += swell.amplitude_m * sin(angle);
+        }
+        if let Some(terrace) = &self.terrace {
+            depth += terrace.share(east_m, north_m) * (terrace.depth_m - depth);
+        }
+        if let Some([half_east, half_north, slope]) = self.bank {
+            let inside = soft_min(half_east - east_m.abs(), half_north - north_m.abs(), 4.0);
+            depth = soft_min(depth, slope * inside, BANK_FOOT_M);
+        }
+        for (field, height_m) in &self.roughness {
+            depth += height_m * field.at(east_m, north_m);
+        }
+        depth
+    }
+
+    /// How strongly the place scatters, as a factor of mean about 1.
+    pub fn strength(&self, east_m: f64, north_m: f64) -> f64 {
+        let texture = self.texture_spread * self.texture.at(east_m, north_m);
+        let patches = PATCHES.1 * self.patches.at(east_m, north_m);
+        let variance = self.texture_spread * self.texture_spread + PATCHES.1 * PATCHES.1;
+        super::arithmetic::exp(texture + patches - 0.5 * variance)
+    }
+}
+
+impl Terrace {
+    /// 1 on the terrace, 0 away from it.
+    fn share(&self, east_m: f64, north_m: f64) -> f64 {
+        let beyond = |offset: f64, extent: f64| (offset.abs() - 0.5 * extent) / self.edge_m;
+        let east = 1.0 - smooth(beyond(east_m - self.east_m, self.length_m));
+        let north = 1.0 - smooth(beyond(north_m - self.north_m, self.width_m));
+        east * north
+    }
+}
+
+impl Bank {
+    fn shape(&self) -> [f64; 3] {
+        [
+            0.5 * self.length_m,
+            0.5 * self.width_m,
+            tangent(self.slope_deg),
+        ]
+    }
+}
+
+fn tangent(degrees: f64) -> f64 {
+    let angle = degrees.to_radians();
+    sin(angle) / cos(angle)
+}
+
+/// The smaller of two numbers, rounded off where they are within about `width` of each other.
+fn soft_min(a: f64, b: f64, width: f64) -> f64 {
+    0.5 * (a + b - ((a - b) * (a - b) + width * width).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::Scene;
+
+    fn steepest_deg(bed: &Bed) -> f64 {
+        let mut steepest = 0.0_f64;
+        for i in -200..200 {
+            for j in -200..200 {
+                let (east, north) = (f64::from(i) * 0.3, f64::from(j) * 0.3);
+                let here = bed.depth_m(east, north);
+                let rise_east = bed.depth_m(east + 0.3, north) - here;
+                let rise_north = bed.depth_m(east, north + 0.3) - here;
+                steepest = steepest.max(rise_east.hypot(rise_north) / 0.3);
+            }
+        }
+        steepest.atan().to_degrees()
+    }
+
+    #[test]
+    fn steep_ground_comes_close_to_twenty_degrees_and_stays_below() {
+        let mut settings = Scene::steep().bed;
+        settings.terrace = None;
+        for seed in 0..5 {
+            let steepest = steepest_deg(&Bed::new(&settings, seed));
+            assert!((15.0..22.0).contains(&steepest), "{seed}: {steepest}");
+        }
+    }
+
+    #[test]
+    fn terrace_is_level() {
+        let settings = Scene::steep().bed;
+        let terrace = settings.terrace.clone().expect("a terrace");
+        let bed = Bed::new(&settings, 4);
+        for step in -10..=10 {
+            let depth = bed.depth_m(terrace.east_m + 0.49 * f64::from(step), terrace.north_m);
+            assert!((depth - terrace.depth_m).abs() < 0.02, "{depth}");
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Refuses scenes that make no sense or would not fit into memory or the format.
+
+use super::path::Path;
+use super::presets::SceneError;
+use super::scene::Scene;
+
+/// Most pings of a scene.
+const MAX_PINGS: f64 = 500_000.0;
+/// Most bytes of a log: offsets in SL2 are 32 bits, and the whole log is built in memory.
+const MAX_BYTES: f64 = 2e9;
+
+impl Scene {
+    /// Whether the scene can be simulated.
+    ///
+    /// # Errors
+    /// One sentence about the first setting that is out of bounds.
+    pub fn check(&self) -> Result<(), SceneError> {
+        self.check_numbers()?;
+        self.check_objects()?;
+        self.check_size()
+    }
+
+    fn check_numbers(&self) -> Result<(), SceneError> {
+        let (bed, track, recorder) = (&self.bed, &self.track, &self.recorder);
+        let artefacts = &self.artefacts;
+        within("longitude_deg", self.longitude_deg, -180.0, 180.0)?;
+        within("latitude_deg", self.latitude_deg, -80.0, 80.0)?;
+        within("bed.mean_depth_m", bed.mean_depth_m, 0.5, 200.0)?;
+        if let Some(terrace) = &bed.terrace {
+            within("bed.terrace.depth_m", terrace.depth_m, 0.3, 200.0)?;
+            within("bed.terrace.length_m", terrace.length_m, 0.0, 1e5)?;
+            within("bed.terrace.width_m", terrace.width_m, 0.0, 1e5)?;
+            within("bed.terrace.edge_m", terrace.edge_m, 0.1, 1e5)?;
+            within("bed.terrace.east_m", terrace.east_m, -1e5, 1e5)?;
+            within("bed.terrace.north_m", terrace.north_m, -1e5, 1e5)?;
+        }
+        if let Some(bank) = &bed.bank {
+            within("bed.bank.length_m", bank.length_m, 1.0, 1e6)?;
+            within("bed.bank.width_m", bank.width_m, 1.0, 1e6)?;
+            within("bed.bank.slope_deg", bank.slope_deg, 1.0, 60.0)?;
+        }
+        within("track.lines", f64::from(track.lines), 0.0, 1000.0)?;
+        within(
+            "track.cross_lines",
+            f64::from(track.cross_lines),
+            0.0,
+            1000.0,
+        )?;
+        within("track.length_m", track.length_m, 1.0, 1e5)?;
+        within("track.cross_length_m", track.cross_length_m, 1.0, 1e5)?;
+        within("track.spacing_m", track.spacing_m, 0.1, 1e4)?;
+        within("track.turn_radius_m", track.turn_radius_m, 0.1, 1e3)?;
+        within("track.speed_mps", track.speed_mps, 0.1, 20.0)?;
+        within("track.ping_rate_hz", track.ping_rate_hz, 0.5, 100.0)?;
+        within("track.fix_rate_hz", track.fix_rate_hz, 0.1, 100.0)?;
+        within("recorder.range_m", recorder.range_m, 1.0, 500.0)?;
+        let samples = f64::from(recorder.samples_per_side);
+        within("recorder.samples_per_side", samples, 64.0, 32_000.0)?;
+        within("recorder.beam_axis_deg", recorder.beam_axis_deg, 0.0, 90.0)?;
+        within(
+            "recorder.beam_width_deg",
+            recorder.beam_width_deg,
+            5.0,
+            180.0,
+        )?;
+        within(
+            "recorder.beam_azimuth_deg",
+            recorder.beam_azimuth_deg,
+            0.05,
+            10.0,
+        )?;
+        within("recorder.pulse_m", recorder.pulse_m, 0.0, 0.5)?;
+        within(
+            "recorder.absorption_db_per_km",
+            recorder.absorption_db_per_km,
+            0.0,
+            2000.0,
+        )?;
+        within("recorder.tvg_limit_m", recorder.tvg_limit_m, 0.5, 1e4)?;
+        within(
+            "recorder.electronic_noise",
+            recorder.electronic_noise,
+            0.0,
+            1.0,
+        )?;
+        within("recorder.volume_noise", recorder.volume_noise, 0.0, 1.0)?;
+        within("recorder.bottom_byte", recorder.bottom_byte, 1.0, 255.0)?;
+        within("recorder.bytes_per_db", recorder.bytes_per_db, 0.1, 50.0)?;
+        let sonar_samples = f64::from(recorder.sonar_samples);
+        within("recorder.sonar_samples", sonar_samples, 16.0, 60_000.0)?;
+        within(
+            "recorder.sonar_every",
+            f64::from(recorder.sonar_every),
+            1.0,
+            1e6,
+        )?;
+        within("artefacts.ring_down", artefacts.ring_down, 0.0, 1e3)?;
+        within(
+            "artefacts.gain_wander_db",
+            artefacts.gain_wander_db,
+            0.0,
+            20.0,
+        )?;
+        within("artefacts.fish", artefacts.fish, 0.0, 0.5)?;
+        within("artefacts.interference", artefacts.interference, 0.0, 1.0)?;
+        within("artefacts.weed_m", artefacts.weed_m, 0.0, 1e4)?;
+        within("artefacts.gain_drop", artefacts.gain_drop, 1e-3, 1.0)?;
+        within(
+            "artefacts.second_echo_db",
+            artefacts.second_echo_db,
+            0.0,
+            100.0,
+        )?;
+        within("artefacts.roll_deg", artefacts.roll_deg, 0.0, 45.0)?;
+        within("artefacts.depth_noise_m", artefacts.depth_noise_m, 0.0, 1.0)?;
+        within("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5)?;
+        within("artefacts.range_change", artefacts.range_change, 0.25, 4.0)
+    }
+
+    fn check_objects(&self) -> Result<(), SceneError> {
+        within(
+            "scattered_objects",
+            f64::from(self.scattered_objects),
+            0.0,
+            10_000.0,
+        )?;
+        within(
+            "the number of objects",
+            self.objects.len() as f64,
+            0.0,
+            10_000.0,
+        )?;
+        for object in &self.objects {
+            within("objects.east_m", object.east_m, -1e5, 1e5)?;
+            within("objects.north_m", object.north_m, -1e5, 1e5)?;
+            within("objects.length_m", object.length_m, 0.05, 20.0)?;
+            within("objects.width_m", object.width_m, 0.05, 20.0)?;
+            within("objects.height_m", object.height_m, 0.01, 20.0)?;
+            within("objects.heading_deg", object.heading_deg, -360.0, 360.0)?;
+        }
+        Ok(())
+    }
+
+    fn check_size(&self) -> Result<(), SceneError> {
+        if self.track.lines == 0 && self.track.cross_lines == 0 {
+            return Err(SceneError(
+                "the track has no line: set track.lines or track.cross_lines to at least 1".into(),
+            ));
+        }
+        let seconds = Path::new(&self.track).length_m() / self.track.speed_mps;
+        let pings = seconds * self.track.ping_rate_hz;
+        if pings > MAX_PINGS {
+            return Err(SceneError(format!(
+                "the track gives {pings:.0} pings, more than {MAX_PINGS}: shorten the lines or lower track.ping_rate_hz"
+            )));
+        }
+        let recorder = &self.recorder;
+        let side_scan = 2.0 * f64::from(recorder.samples_per_side) + 144.0;
+        let sonar = 2.0 * (f64::from(recorder.sonar_samples) + 144.0);
+        let bytes = pings * (side_scan + sonar / f64::from(recorder.sonar_every));
+        if bytes > MAX_BYTES {
+            return Err(SceneError(format!(
+                "the log would hold {:.1} GB, more than {:.1}: shorten the lines or lower recorder.samples_per_side",
+                bytes / 1e9,
+                MAX_BYTES / 1e9
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a number outside its bounds, NaN included.
+fn within(name: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(SceneError(format!(
+        "{name} is {value}, but must lie between {low} and {high}"
+    )))
+}

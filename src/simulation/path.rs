@@ -1,0 +1,193 @@
+//! The boat's way: straight lines joined by round turns.
+
+use super::arithmetic::{bearing, cos, sin};
+use super::scene::TrackSettings;
+use std::f64::consts::PI;
+
+/// Where the boat is, and where it heads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Metres east of the scene's centre.
+    pub east_m: f64,
+    /// Metres north of the scene's centre.
+    pub north_m: f64,
+    /// Radians clockwise from north.
+    pub heading_rad: f64,
+}
+
+impl Pose {
+    /// Unit vector (east, north) forward.
+    pub fn forward(&self) -> [f64; 2] {
+        [sin(self.heading_rad), cos(self.heading_rad)]
+    }
+}
+
+/// A piece of the way with a constant rate of turn.
+struct Leg {
+    start: Pose,
+    length_m: f64,
+    /// Radians clockwise per metre; 0 on a straight line.
+    turn_per_m: f64,
+}
+
+/// The whole way.
+pub struct Path {
+    legs: Vec<Leg>,
+    length_m: f64,
+}
+
+impl Path {
+    /// The way through all lines, then all cross lines.
+    pub fn new(track: &TrackSettings) -> Self {
+        let corners = corners(track);
+        let mut path = Self {
+            legs: Vec::new(),
+            length_m: 0.0,
+        };
+        let mut from = corners[0];
+        for index in 1..corners.len() {
+            let corner = corners[index];
+            let heading = bearing(corner[0] - from[0], corner[1] - from[1]);
+            let length = distance(from, corner);
+            let Some(next) = corners.get(index + 1) else {
+                path.push(from, heading, length, 0.0);
+                break;
+            };
+            from = path.turn(from, corner, *next, track.turn_radius_m);
+        }
+        path
+    }
+
+    /// Adds the straight way from `from` towards `corner` and the round turn towards `next`; returns its end.
+    fn turn(
+        &mut self,
+        from: [f64; 2],
+        corner: [f64; 2],
+        next: [f64; 2],
+        radius_m: f64,
+    ) -> [f64; 2] {
+        let heading = bearing(corner[0] - from[0], corner[1] - from[1]);
+        let after = bearing(next[0] - corner[0], next[1] - corner[1]);
+        let turn = (after - heading + PI).rem_euclid(2.0 * PI) - PI;
+        let half = turn.abs() / 2.0;
+        let tangent = sin(half) / cos(half);
+        // Half of the way to the next corner is left to its own turn.
+        let room = distance(from, corner).min(0.5 * distance(corner, next));
+        let cut = (radius_m * tangent).min(room);
+        self.push(from, heading, distance(from, corner) - cut, 0.0);
+        let start = ahead(corner, heading, -cut);
+        if turn.abs() > 1e-6 && cut > 0.0 {
+            let radius = cut / tangent;
+            self.push(start, heading, radius * turn.abs(), turn.signum() / radius);
+        }
+        ahead(corner, after, cut)
+    }
+
+    fn push(&mut self, at: [f64; 2], heading_rad: f64, length_m: f64, turn_per_m: f64) {
+        let start = Pose {
+            east_m: at[0],
+            north_m: at[1],
+            heading_rad,
+        };
+        self.length_m += length_m;
+        self.legs.push(Leg {
+            start,
+            length_m,
+            turn_per_m,
+        });
+    }
+
+    /// Length of the whole way, metres.
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// Where the boat is after `travelled_m` metres (held at both ends).
+    pub fn at(&self, travelled_m: f64) -> Pose {
+        let mut rest = travelled_m.clamp(0.0, self.length_m);
+        for leg in &self.legs {
+            if rest <= leg.length_m {
+                return leg.at(rest);
+            }
+            rest -= leg.length_m;
+        }
+        let last = &self.legs[self.legs.len() - 1];
+        last.at(last.length_m)
+    }
+}
+
+impl Leg {
+    fn at(&self, travelled_m: f64) -> Pose {
+        let turn = self.turn_per_m * travelled_m;
+        // The chord of an arc points half the turn away and is shorter by sin(x) / x.
+        let half = 0.5 * turn;
+        let chord = if half.abs() < 1e-9 {
+            travelled_m
+        } else {
+            travelled_m * sin(half) / half
+        };
+        let start = [self.start.east_m, self.start.north_m];
+        let place = ahead(start, self.start.heading_rad + half, chord);
+        Pose {
+            east_m: place[0],
+            north_m: place[1],
+            heading_rad: (self.start.heading_rad + turn).rem_euclid(2.0 * PI),
+        }
+    }
+}
+
+/// Ends of all lines in the order of the boat, at least two.
+fn corners(track: &TrackSettings) -> Vec<[f64; 2]> {
+    let offset = |index: u32, count: u32| {
+        (f64::from(index) - 0.5 * (f64::from(count) - 1.0)) * track.spacing_m
+    };
+    let mut corners = Vec::new();
+    for line in 0..track.lines {
+        let north = offset(line, track.lines);
+        let west = if line % 2 == 0 { -0.5 } else { 0.5 } * track.length_m;
+        corners.extend([[west, north], [-west, north]]);
+    }
+    for line in 0..track.cross_lines {
+        let east = offset(line, track.cross_lines);
+        let north = if line % 2 == 0 { 0.5 } else { -0.5 } * track.cross_length_m;
+        corners.extend([[east, north], [east, -north]]);
+    }
+    if corners.is_empty() {
+        corners.extend([[0.0, 0.0], [1.0, 0.0]]);
+    }
+    corners
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (east, north) = (b[0] - a[0], b[1] - a[1]);
+    (east * east + north * north).sqrt()
+}
+
+fn ahead(from: [f64; 2], heading_rad: f64, metres: f64) -> [f64; 2] {
+    [
+        from[0] + metres * sin(heading_rad),
+        from[1] + metres * cos(heading_rad),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boat_moves_steadily_and_heads_where_it_goes() {
+        let path = Path::new(&TrackSettings::default());
+        let step = 0.01;
+        let mut before = path.at(0.0);
+        let count = (path.length_m() / step) as usize;
+        for index in 1..count {
+            let pose = path.at(index as f64 * step);
+            let moved = distance([before.east_m, before.north_m], [pose.east_m, pose.north_m]);
+            assert!((moved - step).abs() < 1e-5, "{index}: {moved}");
+            let course = bearing(pose.east_m - before.east_m, pose.north_m - before.north_m);
+            let off = (course - pose.heading_rad + PI).rem_euclid(2.0 * PI) - PI;
+            assert!(off.abs() < 0.01, "{index}: {off}");
+            before = pose;
+        }
+    }
+}

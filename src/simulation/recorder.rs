@@ -1,0 +1,261 @@
+//! From echo power to recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's curve.
+
+use super::arithmetic::{exp, from_db, to_db};
+use super::artefacts::{Trouble, absorption, ring_down};
+use super::bed::Bed;
+use super::echo::{Beam, Echo, Listener, World};
+use super::path::Pose;
+use super::random::{Purpose, Random};
+use super::scene::{BedSettings, RecorderSettings, Scene};
+use crate::survey::Side;
+
+/// The receiver, with its tables for one recorded range.
+pub struct Receiver<'a> {
+    scene: &'a Scene,
+    pub beam: Beam,
+    pub range_m: f64,
+    pub metres_per_sample: f64,
+    pub samples: usize,
+    pulse: Vec<f64>,
+    /// Spreading, absorption and gain together, for echoes.
+    echo_gain: Vec<f64>,
+    /// Ring-down after gain.
+    ringing: Vec<f64>,
+    /// Electronic and volume noise after gain.
+    noise: Vec<f64>,
+    /// Power after gain that is written as `bottom_byte`.
+    reference: f64,
+}
+
+/// Nearest range at which the gain follows r^3: a recorder's gain does not start at nothing.
+const TVG_START_M: f64 = 0.3;
+/// Share of the samples that an interfering sounder hits.
+const INTERFERENCE_SHARE: f64 = 0.08;
+/// Length of a fish in slant range, metres (standard deviation of its echo).
+const FISH_M: f64 = 0.04;
+/// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation of one sample, which
+/// gives speckle correlated as in the real river recording (0.55 and 0.2 at one and two samples).
+const FILTER: [f64; 5] = [
+    0.135_335_283,
+    0.606_530_660,
+    1.0,
+    0.606_530_660,
+    0.135_335_283,
+];
+/// Root of the sum of the squares of `FILTER`.
+const FILTER_NORM: f64 = 1.331_311_443_697_662;
+
+impl<'a> Receiver<'a> {
+    /// The receiver of a scene at one recorded range; its level is set on a level bottom at the scene's mean depth.
+    pub fn new(scene: &'a Scene, range_m: f64) -> Self {
+        let recorder = &scene.recorder;
+        let samples = recorder.samples_per_side as usize;
+        let metres_per_sample = range_m / samples as f64;
+        let middle = |index: usize| (index as f64 + 0.5) * metres_per_sample;
+        let table = |value: &dyn Fn(f64) -> f64| (0..samples).map(|i| value(middle(i))).collect();
+        let gain = |range: f64| tvg(recorder, range);
+        let mut receiver = Self {
+            scene,
+            beam: Beam::new(recorder, range_m),
+            range_m,
+            metres_per_sample,
+            samples,
+            pulse: pulse(recorder.pulse_m / metres_per_sample),
+            echo_gain: table(&|r| {
+                let near = r.max(0.05);
+                gain(r) * absorption(recorder.absorption_db_per_km, r) / (near * near * near)
+            }),
+            ringing: table(&|r| scene.artefacts.ring_down * ring_down(r) * gain(r)),
+            noise: table(&|r| {
+                let near = r.max(0.05);
+                let volume = recorder.volume_noise / (near * near);
+                (recorder.electronic_noise + volume) * gain(r)
+            }),
+            reference: 1.0,
+        };
+        receiver.reference = receiver.level_bottom().max(1e-300);
+        receiver
+    }
+
+    /// Strongest power after gain from a level bottom at the mean depth.
+    fn level_bottom(&self) -> f64 {
+        let settings = BedSettings {
+            mean_depth_m: self.scene.bed.mean_depth_m,
+            terrace: None,
+            bank: None,
+            ..self.scene.bed.clone()
+        };
+        let world = World {
+            bed: Bed::level(&settings),
+            objects: Vec::new(),
+            weed: None,
+        };
+        let pose = Pose {
+            east_m: 0.0,
+            north_m: 0.0,
+            heading_rad: 0.0,
+        };
+        let echo = self.listen(&world, pose, Side::Starboard, 0.0);
+        self.after_gain(&echo).into_iter().fold(0.0, f64::max)
+    }
+
+    /// What one side hears at a place.
+    pub fn listen(&self, world: &World, pose: Pose, side: Side, roll_rad: f64) -> Echo {
+        let listener = Listener {
+            world,
+            beam: &self.beam,
+            pose,
+            side,
+            roll_rad,
+            metres_per_sample: self.metres_per_sample,
+            samples: self.samples,
+        };
+        listener.hear()
+    }
+
+    /// Pulse, losses and time-varied gain.
+    fn after_gain(&self, echo: &Echo) -> Vec<f64> {
+        let half = self.pulse.len() / 2;
+        let smeared = (0..self.samples).map(|i| {
+            let taps = self.pulse.iter().enumerate();
+            taps.map(|(k, tap)| {
+                let source = (i + k).checked_sub(half);
+                tap * source
+                    .and_then(|at| echo.power.get(at))
+                    .copied()
+                    .unwrap_or(0.0)
+            })
+            .sum::<f64>()
+        });
+        smeared
+            .zip(&self.echo_gain)
+            .map(|(power, gain)| power * gain)
+            .collect()
+    }
+
+    /// The bytes of one side, nearest first.
+    pub fn record(
+        &self,
+        echo: &Echo,
+        side: Side,
+        trouble: &Trouble,
+        random: &mut Random,
+    ) -> Vec<u8> {
+        let mut power = self.after_gain(echo);
+        self.add_second_echo(&mut power);
+        self.add_fish(&mut power, echo, side, trouble);
+        let speckle = self.speckle(random);
+        let mut bytes: Vec<u8> = (0..self.samples)
+            .map(|i| {
+                let heard = (power[i] + self.noise[i]) * speckle[i];
+                let total = (heard + self.ringing[i]) * trouble.gain;
+                let ringing = self.ringing[i] * trouble.gain;
+                let limited = self
+                    .byte(total)
+                    .min(f64::from(self.scene.recorder.echo_ceiling));
+                limited.max(self.byte(ringing)).clamp(0.0, 255.0) as u8
+            })
+            .collect();
+        if trouble.interference {
+            self.interfere(&mut bytes, random);
+        }
+        bytes
+    }
+
+    /// The bottom heard again after another way to the surface and back: later and weaker.
+    fn add_second_echo(&self, power: &mut [f64]) {
+        let loss = self.scene.artefacts.second_echo_db;
+        if loss <= 0.0 {
+            return;
+        }
+        let share = from_db(-loss);
+        for index in (0..power.len()).rev() {
+            power[index] += share * power[index / 2];
+        }
+    }
+
+    fn add_fish(&self, power: &mut [f64], echo: &Echo, side: Side, trouble: &Trouble) {
+        let Some((fish_side, place, strength_db)) = trouble.fish else {
+            return;
+        };
+        if fish_side != side || !echo.first_return_m.is_finite() {
+            return;
+        }
+        let at = place * echo.first_return_m / self.metres_per_sample;
+        let width = FISH_M / self.metres_per_sample;
+        let strength = self.reference * from_db(strength_db);
+        let last = ((at + 3.0 * width) as usize + 1).min(power.len());
+        let first = ((at - 3.0 * width).max(0.0) as usize).min(last);
+        for (index, power) in power[first..last].iter_mut().enumerate() {
+            let off = ((first + index) as f64 - at) / width;
+            *power += strength * exp(-0.5 * off * off);
+        }
+    }
+
+    /// Fading of each sample: power of a filtered complex normal process, mean 1.
+    fn speckle(&self, random: &mut Random) -> Vec<f64> {
+        if !self.scene.artefacts.speckle {
+            return vec![1.0; self.samples];
+        }
+        let field: Vec<[f64; 2]> = (0..self.samples + FILTER.len() - 1)
+            .map(|_| random.normal_pair())
+            .collect();
+        let windows = field.windows(FILTER.len());
+        windows
+            .map(|window| {
+                let part = |which: usize| {
+                    let taps = window.iter().zip(FILTER);
+                    taps.map(|(z, tap)| z[which] * tap).sum::<f64>() / FILTER_NORM
+                };
+                let (real, imaginary) = (part(0), part(1));
+                0.5 * (real * real + imaginary * imaginary)
+            })
+            .collect()
+    }
+
+    fn interfere(&self, bytes: &mut [u8], random: &mut Random) {
+        let ceiling = f64::from(self.scene.recorder.echo_ceiling);
+        for byte in bytes {
+            if random.chance(INTERFERENCE_SHARE) {
+                *byte = (*byte).max((ceiling * random.between(0.4, 1.0)) as u8);
+            }
+        }
+    }
+
+    /// The recorder's curve: bytes for each decibel around the level bottom. Not yet limited to a byte.
+    fn byte(&self, power: f64) -> f64 {
+        if power <= 0.0 {
+            return 0.0;
+        }
+        let recorder = &self.scene.recorder;
+        recorder.bottom_byte + recorder.bytes_per_db * to_db(power / self.reference)
+    }
+}
+
+/// Time-varied gain: r^3 with absorption between a start and a limit.
+fn tvg(recorder: &RecorderSettings, range_m: f64) -> f64 {
+    let range = range_m.clamp(TVG_START_M, recorder.tvg_limit_m);
+    range * range * range / absorption(recorder.absorption_db_per_km, range)
+}
+
+/// The pulse's power in samples, of sum 1: a Gaussian out to three standard deviations.
+fn pulse(deviation_samples: f64) -> Vec<f64> {
+    let half = (3.0 * deviation_samples).ceil() as i32;
+    let taps: Vec<f64> = (-half..=half)
+        .map(|k| {
+            let off = f64::from(k) / deviation_samples.max(1e-9);
+            exp(-0.5 * off * off)
+        })
+        .collect();
+    let sum: f64 = taps.iter().sum();
+    taps.into_iter().map(|tap| tap / sum).collect()
+}
+
+/// The stream of a side's speckle in one ping.
+pub fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
+    let side = match side {
+        Side::Port => 0,
+        Side::Starboard => 1,
+    };
+    Random::new(seed, Purpose::Speckle, 2 * ping + side)
+}

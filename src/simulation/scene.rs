@@ -1,0 +1,312 @@
+//! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
+
+use super::objects::ObjectKind;
+use serde::{Deserialize, Serialize};
+
+/// A simulated survey: the ground, the boat, the recorder and what goes wrong.
+///
+/// East and north are metres from the scene's own centre at `longitude_deg`, `latitude_deg`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scene {
+    /// Longitude of the scene's centre, degrees east.
+    pub longitude_deg: f64,
+    /// Latitude of the scene's centre, degrees north.
+    pub latitude_deg: f64,
+    /// Unix time of the first ping, seconds; 0 for a recorder that does not know the time.
+    pub start_unix_s: u32,
+    /// The ground.
+    pub bed: BedSettings,
+    /// Where the boat goes.
+    pub track: TrackSettings,
+    /// How it is recorded.
+    pub recorder: RecorderSettings,
+    /// What is not as it should be.
+    pub artefacts: Artefacts,
+    /// Objects at known places.
+    pub objects: Vec<ObjectSettings>,
+    /// Objects placed at random beside the lines, in addition.
+    pub scattered_objects: u32,
+}
+
+/// The character of the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BedKind {
+    /// Sand or mud, long swells with slopes up to 4 degrees.
+    #[default]
+    Gentle,
+    /// Ridges and troughs with slopes up to 20 degrees.
+    Steep,
+    /// Gravel and stones: a few centimetres high, less than a metre long.
+    Rough,
+}
+
+/// The ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BedSettings {
+    /// Its character.
+    pub kind: BedKind,
+    /// Depth that the ground swings about, metres.
+    pub mean_depth_m: f64,
+    /// A level area: the place to calibrate.
+    pub terrace: Option<Terrace>,
+    /// Banks around a rectangular pond; without them the ground goes on for ever.
+    pub bank: Option<Bank>,
+}
+
+/// A level rectangle in the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Terrace {
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Extent from west to east, metres.
+    pub length_m: f64,
+    /// Extent from south to north, metres.
+    pub width_m: f64,
+    /// Its depth, metres.
+    pub depth_m: f64,
+    /// Width of the slope around it, metres.
+    pub edge_m: f64,
+}
+
+/// The shore of a rectangular pond.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bank {
+    /// Extent of the water from west to east, metres.
+    pub length_m: f64,
+    /// Extent of the water from south to north, metres.
+    pub width_m: f64,
+    /// Slope of the bank, degrees.
+    pub slope_deg: f64,
+}
+
+/// Where the boat goes: lines to and fro from west to east, then lines from south to north across them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrackSettings {
+    /// Lines along the east axis.
+    pub lines: u32,
+    /// Lines along the north axis.
+    pub cross_lines: u32,
+    /// Length of a line, metres.
+    pub length_m: f64,
+    /// Length of a cross line, metres.
+    pub cross_length_m: f64,
+    /// Distance between neighbouring lines, metres.
+    pub spacing_m: f64,
+    /// Radius of the turns, metres (tighter where the lines are too close).
+    pub turn_radius_m: f64,
+    /// Speed over ground, metres a second.
+    pub speed_mps: f64,
+    /// Side-scan pings a second.
+    pub ping_rate_hz: f64,
+    /// Fixes a second; each is written to every frame until the next.
+    pub fix_rate_hz: f64,
+}
+
+/// How the echoes become bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RecorderSettings {
+    /// Slant range of the last side-scan sample, metres.
+    pub range_m: f64,
+    /// Samples on each side.
+    pub samples_per_side: u32,
+    /// Axis of the side beam below the horizontal, degrees.
+    pub beam_axis_deg: f64,
+    /// Vertical width of the side beam between its half-power (-3 dB, one way) directions, degrees.
+    pub beam_width_deg: f64,
+    /// Horizontal (along-track) width of the side beam, degrees.
+    pub beam_azimuth_deg: f64,
+    /// Length of the pulse: standard deviation of its power, metres of slant range.
+    pub pulse_m: f64,
+    /// Absorption of sound, dB per kilometre (455 kHz in fresh water of 20 C: 45.6).
+    pub absorption_db_per_km: f64,
+    /// Range beyond which the time-varied gain (r^3) grows no more, metres.
+    pub tvg_limit_m: f64,
+    /// Electronic noise, in the unit of the echo power of a square metre of perfect scatterer at 1 m.
+    pub electronic_noise: f64,
+    /// Sound scattered by the water itself at 1 m, same unit.
+    pub volume_noise: f64,
+    /// Byte of a level bottom's edge at the mean depth.
+    pub bottom_byte: f64,
+    /// Bytes for each decibel.
+    pub bytes_per_db: f64,
+    /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay below 127.
+    pub echo_ceiling: u8,
+    /// Samples in a frame of the primary and the down-scan channel.
+    pub sonar_samples: u32,
+    /// Side-scan pings for each ping of the primary and the down-scan channel.
+    pub sonar_every: u32,
+    /// Whether a compass writes headings (2 degrees noise).
+    pub compass: bool,
+}
+
+/// What is not as it should be. The default is everything, in the amounts seen in the field.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Artefacts {
+    /// Rayleigh speckle.
+    pub speckle: bool,
+    /// Ring-down of the transducer: 1 as measured, 0 none.
+    pub ring_down: f64,
+    /// Slow wander of the gain along the track, dB (standard deviation).
+    pub gain_wander_db: f64,
+    /// Share of pings with a fish in the water column.
+    pub fish: f64,
+    /// Share of pings that another sounder disturbs.
+    pub interference: f64,
+    /// Diameter of the weed bed on the track, metres.
+    pub weed_m: f64,
+    /// Factor on the gain along ten metres of the track; 1 for none.
+    pub gain_drop: f64,
+    /// Strength of the second bottom echo at twice the depth, dB below the first; 0 for none.
+    pub second_echo_db: f64,
+    /// Amplitude of the roll, degrees.
+    pub roll_deg: f64,
+    /// Noise of the recorded depth, metres (standard deviation).
+    pub depth_noise_m: f64,
+    /// Share of pings that are missing in the log.
+    pub dropouts: f64,
+    /// Factor on the recorded range along a fifth of the track; 1 for none.
+    pub range_change: f64,
+}
+
+/// An object on the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectSettings {
+    /// What it is.
+    pub kind: ObjectKind,
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Extent along its heading, metres.
+    pub length_m: f64,
+    /// Extent across its heading, metres.
+    pub width_m: f64,
+    /// Height above the ground, metres.
+    pub height_m: f64,
+    /// Direction of its length, degrees clockwise from north.
+    #[serde(default)]
+    pub heading_deg: f64,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            longitude_deg: -82.110,
+            latitude_deg: 29.410,
+            start_unix_s: 1_634_000_000,
+            bed: BedSettings::default(),
+            track: TrackSettings::default(),
+            recorder: RecorderSettings::default(),
+            artefacts: Artefacts::default(),
+            objects: Vec::new(),
+            scattered_objects: 4,
+        }
+    }
+}
+
+impl Default for BedSettings {
+    fn default() -> Self {
+        Self {
+            kind: BedKind::Gentle,
+            mean_depth_m: 2.6,
+            terrace: Some(Terrace {
+                east_m: 8.0,
+                north_m: 0.0,
+                length_m: 10.0,
+                width_m: 20.0,
+                depth_m: 2.5,
+                edge_m: 6.0,
+            }),
+            bank: None,
+        }
+    }
+}
+
+impl Default for TrackSettings {
+    fn default() -> Self {
+        Self {
+            lines: 2,
+            cross_lines: 2,
+            length_m: 40.0,
+            cross_length_m: 40.0,
+            spacing_m: 10.0,
+            turn_radius_m: 4.0,
+            speed_mps: 2.7,
+            ping_rate_hz: 20.0,
+            fix_rate_hz: 10.0,
+        }
+    }
+}
+
+impl Default for RecorderSettings {
+    fn default() -> Self {
+        Self {
+            range_m: 12.0,
+            samples_per_side: 1400,
+            beam_axis_deg: 45.0,
+            beam_width_deg: 58.0,
+            beam_azimuth_deg: 0.9,
+            pulse_m: 0.017,
+            absorption_db_per_km: 45.6,
+            tvg_limit_m: 6.0,
+            electronic_noise: 4e-11,
+            volume_noise: 6e-11,
+            bottom_byte: 105.0,
+            bytes_per_db: 2.6,
+            echo_ceiling: 120,
+            sonar_samples: 400,
+            sonar_every: 2,
+            compass: false,
+        }
+    }
+}
+
+impl Default for Artefacts {
+    fn default() -> Self {
+        Self {
+            speckle: true,
+            ring_down: 1.0,
+            gain_wander_db: 1.0,
+            fish: 0.03,
+            interference: 0.015,
+            weed_m: 8.0,
+            gain_drop: 0.15,
+            second_echo_db: 20.0,
+            roll_deg: 2.0,
+            depth_noise_m: 0.03,
+            dropouts: 0.005,
+            range_change: 1.25,
+        }
+    }
+}
+
+impl Artefacts {
+    /// A recorder's dream: speckle and ring-down only.
+    pub fn none() -> Self {
+        Self {
+            speckle: true,
+            ring_down: 1.0,
+            gain_wander_db: 0.0,
+            fish: 0.0,
+            interference: 0.0,
+            weed_m: 0.0,
+            gain_drop: 1.0,
+            second_echo_db: 0.0,
+            roll_deg: 0.0,
+            depth_noise_m: 0.0,
+            dropouts: 0.0,
+            range_change: 1.0,
+        }
+    }
+}

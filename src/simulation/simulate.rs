@@ -1,0 +1,400 @@
+//! Runs a scene.
+
+use super::artefacts::{Plan, Trouble};
+use super::bed::Bed;
+use super::echo::{Echo, Seen, World};
+use super::objects;
+use super::path::{Path, Pose};
+use super::random::{Purpose, Random};
+use super::recorder::{Receiver, speckle_stream};
+use super::scene::Scene;
+use super::sl2::{self, Frame, WrittenFix};
+use super::sonar::echogram;
+use super::truth::{self, ObjectTruth, PingTruth, SideTruth};
+use super::weed::Weed;
+use crate::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{ChannelKind, Side};
+use rayon::prelude::*;
+use std::io::{self, Write};
+
+/// A simulated survey: the log, and the truth.
+pub struct Simulated {
+    /// One entry per recorded side-scan ping, in the order of the log.
+    pub pings: Vec<PingTruth>,
+    /// The objects on the ground.
+    pub objects: Vec<ObjectTruth>,
+    /// The survey's frame: its origin is the first recorded fix, so it equals that of the opened log.
+    pub frame: LocalFrame,
+    frames: Vec<Frame>,
+    start_unix_s: u32,
+    world: World,
+    scene_frame: LocalFrame,
+}
+
+/// Pings between looks at the progress.
+const CHUNK: usize = 64;
+
+/// Runs a scene with a seed. The scene should have passed [`Scene::check`].
+///
+/// # Errors
+/// When `progress` was cancelled.
+pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulated, Cancelled> {
+    let run = Run::new(scene, seed);
+    let count = run.ping_count();
+    progress.start(count);
+    let mut heard = Vec::new();
+    for first in (0..count).step_by(CHUNK) {
+        progress.check()?;
+        let last = (first + CHUNK as u64).min(count);
+        let chunk: Vec<Heard> = (first..last)
+            .into_par_iter()
+            .filter_map(|ping| run.ping(ping))
+            .collect();
+        heard.extend(chunk);
+        progress.advance(last - first);
+    }
+    Ok(run.finish(heard))
+}
+
+impl Simulated {
+    /// The log as SL2.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_sl2(&self, out: &mut impl Write) -> io::Result<()> {
+        sl2::write(&self.frames, self.start_unix_s, out)
+    }
+
+    /// The log as SL2 in memory.
+    pub fn sl2_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // Writing to memory fails only for a log beyond the format's 4 GiB, which `Scene::check` refuses.
+        self.write_sl2(&mut bytes).ok();
+        bytes
+    }
+
+    /// The truth about every ping as CSV: `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,`
+    /// `port_range_m,port_weed,starboard_range_m,starboard_weed`.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_truth_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        truth::write_pings(&self.pings, out)
+    }
+
+    /// The truth about the objects as CSV, one line per pass that heard one.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_objects_csv(&self, out: &mut impl Write) -> io::Result<()> {
+        truth::write_objects(&self.objects, out)
+    }
+
+    /// True depth of the ground (objects included, weed not) at a place in the survey's frame, metres; negative on land.
+    pub fn bed_depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let position = self.frame.to_lon_lat(east_m, north_m);
+        let [east, north] = self.scene_frame.to_enu(position);
+        self.world.depth_m(east, north)
+    }
+}
+
+/// Everything that pings share.
+struct Run<'a> {
+    scene: &'a Scene,
+    seed: u64,
+    path: Path,
+    plan: Plan<'a>,
+    world: World,
+    scene_frame: LocalFrame,
+    frame: LocalFrame,
+    /// The receiver at the usual range, and at the changed one.
+    receivers: [Receiver<'a>; 2],
+}
+
+/// One recorded ping.
+struct Heard {
+    ping: u64,
+    truth: PingTruth,
+    seen: Vec<(Side, Seen)>,
+    /// Port far to near, then starboard near to far.
+    composite: Vec<u8>,
+    range_m: f64,
+}
+
+impl<'a> Run<'a> {
+    fn new(scene: &'a Scene, seed: u64) -> Self {
+        let path = Path::new(&scene.track);
+        let scene_frame = LocalFrame::new(LonLat {
+            lon_deg: scene.longitude_deg,
+            lat_deg: scene.latitude_deg,
+        });
+        let start = path.at(0.0);
+        let [x, y] = mercator(&scene_frame, start);
+        let range_m = scene.recorder.range_m;
+        Self {
+            scene,
+            seed,
+            plan: Plan::new(scene, &path, seed),
+            world: World {
+                bed: Bed::new(&scene.bed, seed),
+                objects: objects::place(scene, &path, seed),
+                weed: Weed::new(scene.artefacts.weed_m, &path, seed),
+            },
+            frame: LocalFrame::new(lowrance_mercator_inverse(f64::from(x), f64::from(y))),
+            scene_frame,
+            path,
+            receivers: [
+                Receiver::new(scene, range_m),
+                Receiver::new(scene, range_m * scene.artefacts.range_change),
+            ],
+        }
+    }
+
+    fn ping_count(&self) -> u64 {
+        let track = &self.scene.track;
+        (self.path.length_m() / track.speed_mps * track.ping_rate_hz) as u64
+    }
+
+    /// Recorded time of a ping, whole milliseconds.
+    fn milliseconds(&self, ping: u64) -> i32 {
+        (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
+    }
+
+    fn pose_at(&self, time_s: f64) -> Pose {
+        self.path.at(time_s * self.scene.track.speed_mps)
+    }
+
+    /// Simulates one ping; `None` when the log misses it.
+    fn ping(&self, ping: u64) -> Option<Heard> {
+        let time_s = f64::from(self.milliseconds(ping)) / 1000.0;
+        let travelled_m = time_s * self.scene.track.speed_mps;
+        let trouble = self.plan.at(ping, time_s, travelled_m);
+        // The first ping is always there: it defines the survey's origin.
+        if trouble.missing && ping > 0 {
+            return None;
+        }
+        let pose = self.pose_at(time_s);
+        let changed = trouble.range_m != self.scene.recorder.range_m;
+        let receiver = &self.receivers[usize::from(changed)];
+        let [port, starboard] =
+            Side::BOTH.map(|side| self.side(ping, pose, side, &trouble, receiver));
+        let mut composite: Vec<u8> = port.1.iter().rev().copied().collect();
+        composite.extend(&starboard.1);
+        let seen = |side: Side, echo: &Echo| -> Vec<(Side, Seen)> {
+            echo.seen.iter().map(|seen| (side, *seen)).collect()
+        };
+        let position = self.scene_frame.to_lon_lat(pose.east_m, pose.north_m);
+        let [east_m, north_m] = self.frame.to_enu(position);
+        Some(Heard {
+            ping,
+            truth: PingTruth {
+                time_s,
+                position,
+                east_m,
+                north_m,
+                heading_rad: pose.heading_rad,
+                depth_m: self.world.depth_m(pose.east_m, pose.north_m),
+                metres_per_sample: receiver.metres_per_sample,
+                port: side_truth(&port.0),
+                starboard: side_truth(&starboard.0),
+            },
+            seen: [
+                seen(Side::Port, &port.0),
+                seen(Side::Starboard, &starboard.0),
+            ]
+            .concat(),
+            composite,
+            range_m: receiver.range_m,
+        })
+    }
+
+    fn side(
+        &self,
+        ping: u64,
+        pose: Pose,
+        side: Side,
+        trouble: &Trouble,
+        receiver: &Receiver,
+    ) -> (Echo, Vec<u8>) {
+        // Rolling to starboard turns the starboard beam down and the port beam up.
+        let roll_rad = match side {
+            Side::Port => -trouble.roll_rad,
+            Side::Starboard => trouble.roll_rad,
+        };
+        let echo = receiver.listen(&self.world, pose, side, roll_rad);
+        let mut random = speckle_stream(self.seed, ping, side);
+        let bytes = receiver.record(&echo, side, trouble, &mut random);
+        (echo, bytes)
+    }
+
+    /// The fix that is valid at a time, and its number.
+    fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
+        let rate = self.scene.track.fix_rate_hz;
+        let number = (time_s * rate + 1e-6).floor();
+        let pose = self.pose_at(number / rate);
+        let mut random = Random::new(self.seed, Purpose::Track, 1 + number as u64);
+        let [course_noise, compass_noise] = random.normal_pair();
+        let speed_noise = random.normal();
+        let noisy = |noise_deg: f64| {
+            (pose.heading_rad + noise_deg.to_radians()).rem_euclid(std::f64::consts::TAU)
+        };
+        let fix = WrittenFix {
+            mercator: mercator(&self.scene_frame, pose),
+            course_rad: noisy(COURSE_NOISE_DEG * course_noise),
+            speed_mps: (self.scene.track.speed_mps + SPEED_NOISE_MPS * speed_noise).max(0.0),
+            compass_rad: (self.scene.recorder.compass)
+                .then(|| noisy(COMPASS_NOISE_DEG * compass_noise)),
+        };
+        (number as u64, fix)
+    }
+
+    /// Puts the pings into frames, in the order in which the recorder would write them.
+    fn finish(self, heard: Vec<Heard>) -> Simulated {
+        let objects = self.object_truth(&heard);
+        let mut frames = FrameList::default();
+        let mut depth_m = self.recorded_depth_m(0);
+        let mut pings = Vec::with_capacity(heard.len());
+        let every = u64::from(self.scene.recorder.sonar_every.max(1));
+        for (recorded, ping) in heard.into_iter().enumerate() {
+            let milliseconds = self.milliseconds(ping.ping);
+            let fix = self.fix(ping.truth.time_s);
+            if recorded == 0 || ping.ping % every == 0 {
+                depth_m = self.recorded_depth_m(ping.ping);
+                for (channel, kind) in [
+                    (sl2::PRIMARY, ChannelKind::Primary),
+                    (sl2::DOWN_SCAN, ChannelKind::DownScan),
+                ] {
+                    let range_m = self.sonar_range_m(ping.truth.depth_m);
+                    let samples = self.scene.recorder.sonar_samples as usize;
+                    let bytes = echogram(
+                        kind,
+                        samples,
+                        range_m,
+                        ping.truth.depth_m,
+                        self.seed,
+                        ping.ping,
+                    );
+                    frames.push(channel, [0.0, range_m], depth_m, milliseconds, fix, bytes);
+                }
+            }
+            let range = [-ping.range_m, ping.range_m];
+            frames.push(
+                sl2::COMPOSITE,
+                range,
+                depth_m,
+                milliseconds,
+                fix,
+                ping.composite,
+            );
+            pings.push(ping.truth);
+        }
+        Simulated {
+            pings,
+            objects,
+            frame: self.frame,
+            frames: frames.frames,
+            start_unix_s: self.scene.start_unix_s,
+            world: self.world,
+            scene_frame: self.scene_frame,
+        }
+    }
+
+    /// What the down-scan's bottom lock says at a ping.
+    fn recorded_depth_m(&self, ping: u64) -> f64 {
+        let pose = self.pose_at(f64::from(self.milliseconds(ping)) / 1000.0);
+        let noise = Random::new(self.seed, Purpose::Sounding, ping.wrapping_add(1 << 40)).normal();
+        let depth_m = self.world.depth_m(pose.east_m, pose.north_m);
+        (depth_m + self.scene.artefacts.depth_noise_m * noise).max(0.0)
+    }
+
+    /// Range of the sonar channels: the recorder's next step of 5 m that shows the second bottom echo begin.
+    fn sonar_range_m(&self, depth_m: f64) -> f64 {
+        5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
+    }
+
+    fn object_truth(&self, heard: &[Heard]) -> Vec<ObjectTruth> {
+        let mut objects: Vec<ObjectTruth> = self
+            .world
+            .objects
+            .iter()
+            .map(|placed| {
+                let object = &placed.settings;
+                let position = self.scene_frame.to_lon_lat(object.east_m, object.north_m);
+                let [east_m, north_m] = self.frame.to_enu(position);
+                ObjectTruth {
+                    kind: object.kind,
+                    position,
+                    east_m,
+                    north_m,
+                    length_m: object.length_m,
+                    width_m: object.width_m,
+                    height_m: object.height_m,
+                    heading_deg: object.heading_deg,
+                    sightings: Vec::new(),
+                }
+            })
+            .collect();
+        for (ping, heard) in heard.iter().enumerate() {
+            for (side, seen) in &heard.seen {
+                truth::note(&mut objects[seen.object].sightings, ping, *side, seen);
+            }
+        }
+        objects
+    }
+}
+
+/// Noise of the recorded course, degrees; of the compass; and of the speed.
+const COURSE_NOISE_DEG: f64 = 1.5;
+const COMPASS_NOISE_DEG: f64 = 2.0;
+const SPEED_NOISE_MPS: f64 = 0.05;
+/// Weed this little behind the ground still changes its edge, metres.
+const WEED_MARGIN_M: f64 = 0.1;
+
+fn side_truth(echo: &Echo) -> SideTruth {
+    SideTruth {
+        first_return_m: echo.first_return_m,
+        weed: echo.canopy_m < echo.first_return_m + WEED_MARGIN_M,
+    }
+}
+
+/// Whole Lowrance Mercator metres of a place in the scene's frame.
+fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
+    lowrance_mercator(frame.to_lon_lat(pose.east_m, pose.north_m))
+        .map(|metres| metres.round() as i32)
+}
+
+/// Frames in file order, with the counters that the recorder keeps.
+#[derive(Default)]
+struct FrameList {
+    frames: Vec<Frame>,
+    next_index: [u32; 6],
+    last_fix: Option<u64>,
+}
+
+impl FrameList {
+    fn push(
+        &mut self,
+        channel: u16,
+        range_m: [f64; 2],
+        depth_m: f64,
+        milliseconds: i32,
+        (fix_number, fix): (u64, WrittenFix),
+        bytes: Vec<u8>,
+    ) {
+        let index = self.next_index[usize::from(channel)];
+        self.next_index[usize::from(channel)] += 1;
+        let fresh = self.last_fix != Some(fix_number);
+        self.last_fix = Some(fix_number);
+        self.frames.push(Frame {
+            channel,
+            index,
+            range_m,
+            depth_m,
+            milliseconds,
+            fix,
+            fresh,
+            bytes,
+        });
+    }
+}

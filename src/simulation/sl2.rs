@@ -1,0 +1,176 @@
+//! Writes a simulated survey as Lowrance SL2: an 8-byte file header, then frames of 144 bytes and their echo bytes, all
+//! little-endian. Offsets of the fields as verified on real files.
+
+use crate::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
+use std::io::{self, Write};
+
+/// Header of the file: format 2 (SL2), version 1, block size 3200 (a side-scan unit).
+const FILE_HEADER: [u8; 8] = [2, 0, 1, 0, 0x80, 0x0c, 0, 0];
+/// Bytes before the echo bytes of a frame.
+const FRAME_HEADER: usize = 144;
+/// Flags of a frame with a fresh fix: speed, temperature, packet, position, course, altitude.
+const FRESH: u16 = 0x0002 | 0x0004 | 0x0008 | 0x0010 | 0x0080 | 0x0200;
+/// Flag of a frame with a compass heading.
+const HEADING: u16 = 0x0100;
+/// Flags of a frame that repeats the last fix.
+const REPEATED: u16 = 0x0008;
+
+/// The recorder's channel number of the composite side-scan; channels up to it have a "last frame" field in each header.
+pub const COMPOSITE: u16 = 5;
+/// The recorder's channel number of the primary sonar.
+pub const PRIMARY: u16 = 0;
+/// The recorder's channel number of the down-scan.
+pub const DOWN_SCAN: u16 = 2;
+
+/// A fix as the recorder writes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WrittenFix {
+    /// Lowrance Mercator metres east and north.
+    pub mercator: [i32; 2],
+    pub course_rad: f64,
+    pub speed_mps: f64,
+    /// Compass heading; `None` without a compass.
+    pub compass_rad: Option<f64>,
+}
+
+/// A frame before it has a place in the file.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub channel: u16,
+    /// Counts the pings of the channel.
+    pub index: u32,
+    /// Near and far limit of the echo bytes, metres; negative to port.
+    pub range_m: [f64; 2],
+    pub depth_m: f64,
+    pub milliseconds: i32,
+    pub fix: WrittenFix,
+    /// First frame since this fix.
+    pub fresh: bool,
+    pub bytes: Vec<u8>,
+}
+
+/// Writes a whole log. `start_unix_s` 0 writes "no time" (0xFFFFFFFF).
+///
+/// # Errors
+/// When writing fails, or when a frame or the file is larger than the format's fields can say.
+pub fn write(frames: &[Frame], start_unix_s: u32, out: &mut impl Write) -> io::Result<()> {
+    out.write_all(&FILE_HEADER)?;
+    let mut writer = Writer {
+        offset: FILE_HEADER.len() as u32,
+        last: [0; 6],
+        previous_size: 0,
+        start_unix_s,
+    };
+    for frame in frames {
+        let header = writer.header(frame)?;
+        out.write_all(&header)?;
+        out.write_all(&frame.bytes)?;
+    }
+    Ok(())
+}
+
+struct Writer {
+    offset: u32,
+    /// Offset of the last frame of each channel.
+    last: [u32; 6],
+    previous_size: u16,
+    start_unix_s: u32,
+}
+
+impl Writer {
+    fn header(&mut self, frame: &Frame) -> io::Result<[u8; FRAME_HEADER]> {
+        let too_large = || io::Error::other("the log is larger than SL2 can hold");
+        let packet = u16::try_from(frame.bytes.len()).map_err(|_| too_large())?;
+        let size = packet
+            .checked_add(FRAME_HEADER as u16)
+            .ok_or_else(too_large)?;
+        if let Some(last) = self.last.get_mut(usize::from(frame.channel)) {
+            *last = self.offset;
+        }
+        let mut header = Header([0; FRAME_HEADER]);
+        header.put(0, self.offset.to_le_bytes());
+        for (channel, offset) in self.last.iter().enumerate() {
+            header.put(4 + 4 * channel, offset.to_le_bytes());
+        }
+        header.put(28, size.to_le_bytes());
+        header.put(30, self.previous_size.to_le_bytes());
+        header.put(32, frame.channel.to_le_bytes());
+        header.put(34, packet.to_le_bytes());
+        header.put(36, frame.index.to_le_bytes());
+        header.feet(40, frame.range_m[0]);
+        header.feet(44, frame.range_m[1]);
+        header.put(53, [frequency_code(frame.channel)]);
+        header.put(60, self.clock(frame).to_le_bytes());
+        header.feet(64, frame.depth_m);
+        for offset in [80, 84, 88, 92] {
+            header.float(offset, -1.0);
+        }
+        header.float(104, WATER_C);
+        header.fix(frame);
+        header.put(140, frame.milliseconds.to_le_bytes());
+        self.offset = self
+            .offset
+            .checked_add(u32::from(size))
+            .ok_or_else(too_large)?;
+        self.previous_size = size;
+        Ok(header.0)
+    }
+
+    /// The hardware time field: Unix seconds in the first frame of the file, milliseconds later.
+    fn clock(&self, frame: &Frame) -> u32 {
+        match (self.previous_size, self.start_unix_s) {
+            (0, 0) => u32::MAX,
+            (0, seconds) => seconds,
+            _ => frame.milliseconds as u32,
+        }
+    }
+}
+
+/// Temperature of the water, degrees Celsius: the one the default absorption belongs to.
+const WATER_C: f64 = 20.0;
+
+/// Frequency codes: 200 kHz for the primary, 800 kHz for the down-scan, 455 kHz for the side-scan.
+fn frequency_code(channel: u16) -> u8 {
+    match channel {
+        PRIMARY => 0,
+        DOWN_SCAN => 4,
+        _ => 3,
+    }
+}
+
+/// A frame header under construction.
+struct Header([u8; FRAME_HEADER]);
+
+impl Header {
+    fn put<const N: usize>(&mut self, offset: usize, bytes: [u8; N]) {
+        self.0[offset..offset + N].copy_from_slice(&bytes);
+    }
+
+    fn float(&mut self, offset: usize, value: f64) {
+        self.put(offset, (value as f32).to_le_bytes());
+    }
+
+    fn feet(&mut self, offset: usize, metres: f64) {
+        self.float(offset, metres / METRES_PER_FOOT);
+    }
+
+    fn fix(&mut self, frame: &Frame) {
+        let fix = &frame.fix;
+        self.float(100, fix.speed_mps / MPS_PER_KNOT);
+        self.put(108, fix.mercator[0].to_le_bytes());
+        self.put(112, fix.mercator[1].to_le_bytes());
+        self.float(120, fix.course_rad);
+        self.float(128, fix.compass_rad.unwrap_or(0.0));
+        let heading = if fix.compass_rad.is_some() {
+            HEADING
+        } else {
+            0
+        };
+        let flags = if frame.fresh {
+            FRESH | heading
+        } else {
+            REPEATED | heading
+        };
+        self.put(132, flags.to_le_bytes());
+    }
+}

@@ -1,0 +1,196 @@
+//! What the log hides: where everything really was.
+
+use super::echo::Seen;
+use super::objects::ObjectKind;
+use crate::geo::LonLat;
+use crate::survey::Side;
+use std::io::{self, Write};
+
+/// The truth about one recorded side-scan ping. East and north are metres in the survey's frame, whose origin is the
+/// first recorded fix ([`crate::survey::Track::frame`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PingTruth {
+    /// Seconds after the first ping, as recorded (whole milliseconds).
+    pub time_s: f64,
+    /// True position of the boat.
+    pub position: LonLat,
+    /// True position, metres east.
+    pub east_m: f64,
+    /// True position, metres north.
+    pub north_m: f64,
+    /// True heading, radians clockwise from north.
+    pub heading_rad: f64,
+    /// True depth of the ground (objects included, weed not) under the boat, metres below the transducer.
+    pub depth_m: f64,
+    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this.
+    pub metres_per_sample: f64,
+    /// What the port side should find.
+    pub port: SideTruth,
+    /// What the starboard side should find.
+    pub starboard: SideTruth,
+}
+
+/// The truth about one side of one ping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideTruth {
+    /// Slant range of the nearest ground (objects included, fish and weed not) on this side, in the vertical plane across
+    /// the boat's heading, metres. NaN where there is no water under the boat.
+    pub first_return_m: f64,
+    /// Weed is heard before the ground, or within 10 cm of it: the first return is a canopy, not an error.
+    pub weed: bool,
+}
+
+impl PingTruth {
+    /// The truth about one side.
+    pub fn side(&self, side: Side) -> &SideTruth {
+        match side {
+            Side::Port => &self.port,
+            Side::Starboard => &self.starboard,
+        }
+    }
+}
+
+/// An object, and the passes that heard it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectTruth {
+    /// What it is.
+    pub kind: ObjectKind,
+    /// Position of its centre.
+    pub position: LonLat,
+    /// Its centre, metres east in the survey's frame.
+    pub east_m: f64,
+    /// Its centre, metres north in the survey's frame.
+    pub north_m: f64,
+    /// Extent along its heading, metres.
+    pub length_m: f64,
+    /// Extent across its heading, metres.
+    pub width_m: f64,
+    /// Height above the ground, metres.
+    pub height_m: f64,
+    /// Direction of its length, degrees clockwise from north.
+    pub heading_deg: f64,
+    /// Each pass of the boat in which a side heard it.
+    pub sightings: Vec<Sighting>,
+}
+
+/// One pass of the boat along an object. Pings count recorded pings ([`super::Simulated::pings`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// The side that heard it.
+    pub side: Side,
+    /// First ping with its echo.
+    pub first_ping: usize,
+    /// Last ping with its echo.
+    pub last_ping: usize,
+    /// Nearest slant range of its visible surface, metres.
+    pub near_m: f64,
+    /// Farthest slant range of its visible surface, metres.
+    pub far_m: f64,
+    /// Farthest slant range at which its shadow ends, metres; NaN when the shadow runs off the range.
+    pub shadow_end_m: f64,
+}
+
+/// Pings without an echo that end a pass.
+const PASS_GAP: usize = 20;
+
+/// Adds what one ping heard of an object to its sightings.
+pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen) {
+    let pass = sightings.iter_mut().rev().find(|pass| pass.side == side);
+    match pass.filter(|pass| ping - pass.last_ping <= PASS_GAP) {
+        Some(pass) => {
+            pass.last_ping = ping;
+            pass.near_m = pass.near_m.min(seen.near_m);
+            pass.far_m = pass.far_m.max(seen.far_m);
+            // One ping whose shadow runs off the range makes the end of the whole shadow unknown.
+            let known = !pass.shadow_end_m.is_nan() && !seen.shadow_end_m.is_nan();
+            let farther = pass.shadow_end_m.max(seen.shadow_end_m);
+            pass.shadow_end_m = if known { farther } else { f64::NAN };
+        }
+        None => sightings.push(Sighting {
+            side,
+            first_ping: ping,
+            last_ping: ping,
+            near_m: seen.near_m,
+            far_m: seen.far_m,
+            shadow_end_m: seen.shadow_end_m,
+        }),
+    }
+}
+
+/// Writes one line per recorded ping:
+/// `ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,port_range_m,port_weed,starboard_range_m,starboard_weed`.
+pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,metres_per_sample,\
+         port_range_m,port_weed,starboard_range_m,starboard_weed"
+    )?;
+    for (index, ping) in pings.iter().enumerate() {
+        writeln!(
+            out,
+            "{index},{:.3},{:.9},{:.9},{:.4},{:.4},{:.4},{:.4},{:.9},{},{},{},{}",
+            ping.time_s,
+            ping.position.lon_deg,
+            ping.position.lat_deg,
+            ping.east_m,
+            ping.north_m,
+            ping.heading_rad.to_degrees(),
+            ping.depth_m,
+            ping.metres_per_sample,
+            metres(ping.port.first_return_m),
+            u8::from(ping.port.weed),
+            metres(ping.starboard.first_return_m),
+            u8::from(ping.starboard.weed),
+        )?;
+    }
+    Ok(())
+}
+
+/// Writes one line per sighting, and one with empty fields for an object that was never heard:
+/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_end_m`.
+pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
+         side,first_ping,last_ping,near_m,far_m,shadow_end_m"
+    )?;
+    for (index, object) in objects.iter().enumerate() {
+        let what = format!(
+            "{index},{},{:.9},{:.9},{:.3},{:.3},{:.3},{:.3},{:.3},{:.1}",
+            object.kind.name(),
+            object.position.lon_deg,
+            object.position.lat_deg,
+            object.east_m,
+            object.north_m,
+            object.length_m,
+            object.width_m,
+            object.height_m,
+            object.heading_deg,
+        );
+        if object.sightings.is_empty() {
+            writeln!(out, "{what},,,,,,")?;
+        }
+        for seen in &object.sightings {
+            writeln!(
+                out,
+                "{what},{},{},{},{},{},{}",
+                seen.side.name(),
+                seen.first_ping,
+                seen.last_ping,
+                metres(seen.near_m),
+                metres(seen.far_m),
+                metres(seen.shadow_end_m),
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Metres for a table; empty when there is no value.
+fn metres(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.4}")
+    } else {
+        String::new()
+    }
+}

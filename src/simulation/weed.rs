@@ -1,0 +1,65 @@
+//! A bed of water weed on the track: a canopy that is heard before the ground.
+
+use super::noise::{Field, smooth};
+use super::path::Path;
+use super::random::{Purpose, Random};
+
+/// A round bed of weed.
+pub struct Weed {
+    east_m: f64,
+    north_m: f64,
+    radius_m: f64,
+    height: Field,
+    stems: Field,
+}
+
+/// Lowest and highest canopy above the ground, metres.
+const CANOPY_M: (f64, f64) = (0.25, 0.45);
+/// Width of the rim over which the canopy comes down, metres.
+const RIM_M: f64 = 1.0;
+
+impl Weed {
+    /// A bed of a diameter (0 for none) somewhere on the way, away from its ends.
+    pub fn new(diameter_m: f64, path: &Path, seed: u64) -> Option<Self> {
+        if diameter_m <= 0.0 {
+            return None;
+        }
+        let mut random = Random::new(seed, Purpose::Weed, 0);
+        let pose = path.at(random.between(0.1, 0.9) * path.length_m());
+        Some(Self {
+            east_m: pose.east_m,
+            north_m: pose.north_m,
+            radius_m: 0.5 * diameter_m,
+            height: Field::new(seed, Purpose::Canopy, 0.8),
+            stems: Field::new(seed, Purpose::Weed, 0.15),
+        })
+    }
+
+    /// Whether the bed comes within a distance of a place.
+    pub fn is_near(&self, east_m: f64, north_m: f64, distance_m: f64) -> bool {
+        self.inside(east_m, north_m) > -distance_m
+    }
+
+    /// Distance to the rim, metres; negative outside.
+    fn inside(&self, east_m: f64, north_m: f64) -> f64 {
+        let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        self.radius_m - (east * east + north * north).sqrt()
+    }
+
+    /// Height of the canopy above the ground, metres; 0 outside.
+    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let inside = self.inside(east_m, north_m);
+        if inside <= 0.0 {
+            return 0.0;
+        }
+        let (low, high) = CANOPY_M;
+        let middle =
+            0.5 * (low + high) + 0.5 * (high - low) * self.height.at(east_m, north_m) / 2.4;
+        middle * smooth(inside / RIM_M)
+    }
+
+    /// How densely the place is grown: 0 (a gap) to about 2.
+    pub fn density(&self, east_m: f64, north_m: f64) -> f64 {
+        (1.0 + 0.6 * self.stems.at(east_m, north_m)).max(0.0)
+    }
+}
