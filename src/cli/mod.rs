@@ -4,6 +4,7 @@
 
 mod info;
 mod process;
+mod simulate;
 mod status_line;
 
 use clap::{Parser, Subcommand};
@@ -31,6 +32,8 @@ enum Command {
     Info(info::InfoArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
+    /// Make a survey of known truth: log, truth and objects
+    Simulate(simulate::SimulateArgs),
 }
 
 /// Runs the program with the process's own arguments.
@@ -44,6 +47,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Process(args)),
             ..
         } => process::run(args),
+        Cli {
+            command: Some(Command::Simulate(args)),
+            ..
+        } => simulate::run(args),
         Cli {
             command: None,
             surveys,

@@ -25,6 +25,7 @@ impl Scene {
         let artefacts = &self.artefacts;
         within("longitude_deg", self.longitude_deg, -180.0, 180.0)?;
         within("latitude_deg", self.latitude_deg, -80.0, 80.0)?;
+        within("duration_s", self.duration_s.unwrap_or(1.0), 0.1, 1e6)?;
         within("bed.mean_depth_m", bed.mean_depth_m, 0.5, 200.0)?;
         if let Some(terrace) = &bed.terrace {
             within("bed.terrace.depth_m", terrace.depth_m, 0.3, 200.0)?;
@@ -147,7 +148,8 @@ impl Scene {
                 "the track has no line: set track.lines or track.cross_lines to at least 1".into(),
             ));
         }
-        let seconds = Path::new(&self.track).length_m() / self.track.speed_mps;
+        let whole_s = Path::new(&self.track).length_m() / self.track.speed_mps;
+        let seconds = self.duration_s.map_or(whole_s, |end| end.min(whole_s));
         let pings = seconds * self.track.ping_rate_hz;
         if pings > MAX_PINGS {
             return Err(SceneError(format!(

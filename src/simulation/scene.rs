@@ -15,6 +15,8 @@ pub struct Scene {
     pub latitude_deg: f64,
     /// Unix time of the first ping, seconds; 0 for a recorder that does not know the time.
     pub start_unix_s: u32,
+    /// Ends the survey after so many seconds, wherever the boat is then; without it, at the end of the track.
+    pub duration_s: Option<f64>,
     /// The ground.
     pub bed: BedSettings,
     /// Where the boat goes.
@@ -205,6 +207,7 @@ impl Default for Scene {
             longitude_deg: -82.110,
             latitude_deg: 29.410,
             start_unix_s: 1_634_000_000,
+            duration_s: None,
             bed: BedSettings::default(),
             track: TrackSettings::default(),
             recorder: RecorderSettings::default(),

@@ -153,7 +153,12 @@ impl<'a> Run<'a> {
 
     fn ping_count(&self) -> u64 {
         let track = &self.scene.track;
-        (self.path.length_m() / track.speed_mps * track.ping_rate_hz) as u64
+        let whole_s = self.path.length_m() / track.speed_mps;
+        let duration_s = self
+            .scene
+            .duration_s
+            .map_or(whole_s, |end| end.min(whole_s));
+        (duration_s * track.ping_rate_hz).ceil() as u64
     }
 
     /// Recorded time of a ping, whole milliseconds.

@@ -1,0 +1,88 @@
+//! `bathyscope simulate`: a survey of known truth, as a log and tables.
+
+use super::status_line::StatusLine;
+use crate::progress::Progress;
+use crate::simulation::{Scene, Simulated, simulate};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+/// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`.
+#[derive(Debug, clap::Args)]
+pub struct SimulateArgs {
+    /// The scene; without one, the scene of the bundled demo survey
+    scene: Option<PathBuf>,
+    /// Written are PREFIX.sl2, PREFIX.truth.csv and PREFIX.objects.csv
+    #[arg(short, long, value_name = "PREFIX")]
+    output: PathBuf,
+    /// Another seed gives another ground, other objects and other noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Simulates the scene and writes the log and its truth.
+pub fn run(args: SimulateArgs) -> Result<(), String> {
+    let scene = match &args.scene {
+        Some(path) => read_scene(path)?,
+        None => Scene::demo(),
+    };
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("simulating");
+    let survey = simulate(&scene, args.seed, &progress).map_err(|error| error.to_string())?;
+    status.step("writing");
+    let written = write(&survey, &args.output)?;
+    drop(status);
+    println!(
+        "simulated {} pings and {} objects (seed {}); wrote {written}",
+        survey.pings.len(),
+        survey.objects.len(),
+        args.seed
+    );
+    Ok(())
+}
+
+fn read_scene(path: &Path) -> Result<Scene, String> {
+    let text = fs::read_to_string(path)
+        .map_err(|error| format!("cannot read the scene: {error}: {}", path.display()))?;
+    Scene::from_toml(&text)
+        .map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))
+}
+
+/// Writes the three files; returns their names.
+fn write(survey: &Simulated, prefix: &Path) -> Result<String, String> {
+    let log = written(prefix, "sl2", |out| survey.write_sl2(out))?;
+    let truth = written(prefix, "truth.csv", |out| survey.write_truth_csv(out))?;
+    let objects = written(prefix, "objects.csv", |out| survey.write_objects_csv(out))?;
+    Ok(format!("{log}, {truth}, {objects}"))
+}
+
+/// Writes `PREFIX.ending` aside and renames it when it is whole.
+fn written(
+    prefix: &Path,
+    ending: &str,
+    fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<String, String> {
+    let path = with_ending(prefix, ending);
+    let aside = with_ending(prefix, &format!("{ending}.part"));
+    let outcome = File::create(&aside).and_then(|file| {
+        let mut out = BufWriter::new(file);
+        fill(&mut out)?;
+        out.flush()?;
+        fs::rename(&aside, &path)
+    });
+    outcome.map_err(|error| {
+        // The reason is told; what is left of the file is of no use.
+        fs::remove_file(&aside).ok();
+        format!("cannot write: {error}: {}", path.display())
+    })?;
+    Ok(path.display().to_string())
+}
+
+/// `PREFIX.ending`, whatever dots the prefix holds.
+fn with_ending(prefix: &Path, ending: &str) -> PathBuf {
+    let mut name = prefix.as_os_str().to_owned();
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
+}
