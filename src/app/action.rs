@@ -35,6 +35,7 @@ macro_rules! actions {
 
 actions! {
     Open, "Open survey…", Some("Ctrl+O"), "Opens a log: SL2, SL3, Humminbird DAT or SON, XTF.";
+    OpenPath, "Open path…", Some("Ctrl+Shift+P"), "Opens a log by its path: file or folder.";
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     Export, "Export products…", Some("Ctrl+E"), "Writes cloud, first returns and report into a folder.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
@@ -56,6 +57,10 @@ actions! {
     ZoomOut, "Zoom out", Some("-"), "Reduces the focused view.";
     TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
+    LevelsReset, "Reset waterfall levels", None, "Puts brightness, contrast and gamma of the waterfall back.";
+    RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
+    SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
+    Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";
     PreviousPing, "Previous ping", Some("ArrowLeft"), "Selects the ping before.";
     NextPing, "Next ping", Some("ArrowRight"), "Selects the ping after.";
     Back25, "Back 25 pings", Some("Shift+ArrowLeft"), "Selects the ping 25 earlier.";
@@ -66,6 +71,7 @@ actions! {
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
+    CalibrationReset, "Calibrate at the flattest stretch", None, "Forgets the stretch that was picked by hand.";
     OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";
     Theme, "Light or dark", Some("L"), "Switches between the light and the dark theme.";
     Orientation, "Turn the waterfall", Some("V"), "Time to the right, or down the screen.";

@@ -1,10 +1,11 @@
 //! Opening a log off the window's thread.
 
+use super::Jobs;
+use super::task::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::PathBuf;
-use std::sync::{Arc, mpsc};
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,43 +49,28 @@ pub struct LoadStatus {
 
 type Opened = Result<Survey, String>;
 
-/// A log being opened.
+/// A log being opened. Dropping it cancels it.
 pub(super) struct Loading {
     pub origin: Origin,
-    progress: Progress,
-    result: mpsc::Receiver<Opened>,
+    task: Task<Opened>,
 }
 
 impl Loading {
-    /// Starts opening; inside this call when `inline`.
-    pub fn start(origin: Origin, inline: bool, waker: Arc<dyn Fn() + Send + Sync>) -> Self {
-        let (sender, result) = mpsc::channel();
-        let progress = Progress::new();
-        let loading = Self {
-            origin: origin.clone(),
-            progress: progress.clone(),
-            result,
-        };
-        let work = move || {
-            let opened = origin.open(&progress).map_err(|error| error.to_string());
-            // Nobody listens any more when another log was opened meanwhile.
-            sender.send(opened).ok();
-            waker();
-        };
-        if inline {
-            work();
-        } else {
-            std::thread::spawn(work);
-        }
-        loading
+    /// Starts opening.
+    pub fn start(origin: Origin, jobs: &Jobs) -> Self {
+        let wanted = origin.clone();
+        let task = Task::start(jobs, move |progress| {
+            wanted.open(progress).map_err(|error| error.to_string())
+        });
+        Self { origin, task }
     }
 
     /// The outcome, once.
     pub fn poll(&self) -> Option<Opened> {
-        match self.result.try_recv() {
-            Ok(opened) => Some(opened),
-            Err(mpsc::TryRecvError::Empty) => None,
-            Err(mpsc::TryRecvError::Disconnected) => Some(Err(format!(
+        match self.task.poll() {
+            Outcome::Done(opened) => Some(opened),
+            Outcome::Pending => None,
+            Outcome::Failed => Some(Err(format!(
                 "opening failed unexpectedly: {}",
                 self.origin.name()
             ))),
@@ -94,11 +80,7 @@ impl Loading {
     pub fn status(&self) -> LoadStatus {
         LoadStatus {
             name: self.origin.name(),
-            fraction: self.progress.fraction(),
+            fraction: self.task.fraction(),
         }
-    }
-
-    pub fn cancel(&self) {
-        self.progress.cancel();
     }
 }

@@ -9,6 +9,7 @@ mod history;
 mod loader;
 mod options;
 mod state;
+mod task;
 
 pub use action::{Action, Keys};
 pub use command::Command;
@@ -19,3 +20,4 @@ pub use options::{
     ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use state::{App, Jobs, Mark, Notice, Reveal};
+pub use task::{Outcome, Task};

@@ -124,6 +124,16 @@ pub struct WaterfallOptions {
     pub range_lines: bool,
 }
 
+impl WaterfallOptions {
+    /// Puts brightness, contrast and gamma back.
+    pub fn reset_levels(&mut self) {
+        let fresh = Self::default();
+        self.brightness = fresh.brightness;
+        self.contrast = fresh.contrast;
+        self.gamma = fresh.gamma;
+    }
+}
+
 impl Default for WaterfallOptions {
     fn default() -> Self {
         Self {

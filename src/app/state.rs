@@ -1,7 +1,10 @@
 //! The state behind the window, and how commands change it.
 
 use super::loader::Loading;
-use super::{Action, Command, History, LoadStatus, Orientation, Origin, ThemeChoice, ViewOptions};
+use super::{
+    Action, Command, History, LoadStatus, Orientation, Origin, SideColours, ThemeChoice,
+    ViewOptions,
+};
 use crate::calibration::PingRange;
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Engine, EngineStatus, Preset, Products, Settings, Stage};
@@ -147,6 +150,11 @@ impl App {
         self.history.redo_label()
     }
 
+    /// How work off the window's thread is run.
+    pub fn jobs(&self) -> &Jobs {
+        &self.jobs
+    }
+
     /// What the engine does.
     pub fn engine_status(&self) -> EngineStatus {
         self.engine.status()
@@ -213,14 +221,7 @@ impl App {
     }
 
     fn start_loading(&mut self, origin: Origin) {
-        if let Some(loading) = self.loading.take() {
-            loading.cancel();
-        }
-        let (inline, waker): (bool, Arc<dyn Fn() + Send + Sync>) = match &self.jobs {
-            Jobs::Threads(waker) => (false, waker.clone()),
-            Jobs::Inline => (true, Arc::new(|| ())),
-        };
-        self.loading = Some(Loading::start(origin, inline, waker));
+        self.loading = Some(Loading::start(origin, &self.jobs));
     }
 
     /// Carries out a command. Those that only the window can do are left to it.
@@ -299,9 +300,7 @@ impl App {
             }
             Action::Cancel => {
                 self.engine.cancel();
-                if let Some(loading) = self.loading.take() {
-                    loading.cancel();
-                }
+                self.loading = None;
             }
             Action::PreviousPing => self.step(-1),
             Action::NextPing => self.step(1),
@@ -315,7 +314,23 @@ impl App {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.first_return = !waterfall.first_return;
             }
+            Action::LevelsReset => self.options.waterfall.reset_levels(),
+            Action::RangeLines => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.range_lines = !waterfall.range_lines;
+            }
+            Action::SideColours => {
+                self.options.side_colours = match self.options.side_colours {
+                    SideColours::Paper => SideColours::Maritime,
+                    SideColours::Maritime => SideColours::Paper,
+                }
+            }
             Action::CalibrateHere => self.calibrate_here(),
+            Action::CalibrationReset => {
+                let mut settings = self.settings.clone();
+                settings.calibration.pings = None;
+                self.change(settings, "flat spot", false);
+            }
             Action::OutlierPreview => {
                 self.options.cloud.outlier_preview = !self.options.cloud.outlier_preview;
             }
