@@ -1,7 +1,17 @@
 //! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
 
+mod dialogs;
+pub mod offscreen;
+mod panels;
+mod place;
+mod shell;
+mod text;
 pub mod theme;
 pub mod views;
+mod window;
+
+pub use shell::{Alone, Shell};
+pub use window::open_window;
 
 use crate::app::{App, Command};
 

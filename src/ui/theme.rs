@@ -2,7 +2,7 @@
 
 use crate::app::{SideColours, ThemeChoice, ViewOptions};
 use crate::survey::Side;
-use egui::Color32;
+use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
 /// Colour of a side's first return and points.
 pub fn side_colour(options: &ViewOptions, side: Side) -> Color32 {
@@ -43,4 +43,170 @@ pub fn hover_colour() -> Color32 {
 /// Mark of the selection.
 pub fn selection_colour() -> Color32 {
     Color32::from_rgb(90, 220, 220)
+}
+
+/// What is under way or in force: numbers of steps, the focused view, progress.
+pub fn accent_colour(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => Color32::from_rgb(72, 176, 176),
+        ThemeChoice::Light => Color32::from_rgb(14, 120, 124),
+    }
+}
+
+/// A result that is older than its settings, and warnings.
+pub fn stale_colour(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => Color32::from_rgb(226, 168, 62),
+        ThemeChoice::Light => Color32::from_rgb(166, 104, 0),
+    }
+}
+
+/// Something could not be done.
+pub fn error_colour(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => Color32::from_rgb(240, 112, 100),
+        ThemeChoice::Light => Color32::from_rgb(186, 40, 30),
+    }
+}
+
+/// Curve of the recorded depth in the time line.
+pub fn depth_strip_colour(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => Color32::from_rgb(96, 150, 190),
+        ThemeChoice::Light => Color32::from_rgb(58, 112, 156),
+    }
+}
+
+/// Curve of the speed in the time line.
+pub fn speed_strip_colour(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => Color32::from_rgb(134, 150, 110),
+        ThemeChoice::Light => Color32::from_rgb(98, 118, 66),
+    }
+}
+
+/// Width of the panels left and right of the views, points.
+pub const SIDE_PANEL_WIDTH: f32 = 300.0;
+/// Width of the names in front of controls and values, points.
+pub const LABEL_WIDTH: f32 = 96.0;
+/// Small print: hints, legends, section titles.
+pub const SMALL: f32 = 11.0;
+
+/// Greys of one theme, from the deepest background to the strongest text.
+struct Greys {
+    panel: Color32,
+    well: Color32,
+    control: Color32,
+    hovered: Color32,
+    pressed: Color32,
+    line: Color32,
+    text: Color32,
+    strong: Color32,
+}
+
+impl Greys {
+    fn of(theme: ThemeChoice) -> Self {
+        let rgb = Color32::from_rgb;
+        match theme {
+            ThemeChoice::Dark => Self {
+                panel: rgb(27, 31, 38),
+                well: rgb(18, 21, 27),
+                control: rgb(44, 50, 60),
+                hovered: rgb(56, 64, 76),
+                pressed: rgb(68, 78, 92),
+                line: rgb(48, 55, 66),
+                text: rgb(190, 198, 208),
+                strong: rgb(238, 241, 245),
+            },
+            ThemeChoice::Light => Self {
+                panel: rgb(240, 241, 243),
+                well: rgb(255, 255, 255),
+                control: rgb(221, 224, 229),
+                hovered: rgb(208, 213, 220),
+                pressed: rgb(190, 197, 206),
+                line: rgb(204, 208, 214),
+                text: rgb(58, 66, 76),
+                strong: rgb(16, 20, 26),
+            },
+        }
+    }
+}
+
+/// The look of all widgets in a theme.
+pub fn visuals(theme: ThemeChoice) -> Visuals {
+    let greys = Greys::of(theme);
+    let mut visuals = match theme {
+        ThemeChoice::Dark => Visuals::dark(),
+        ThemeChoice::Light => Visuals::light(),
+    };
+    visuals.panel_fill = greys.panel;
+    visuals.window_fill = greys.panel;
+    visuals.window_stroke = Stroke::new(1.0, greys.line);
+    visuals.extreme_bg_color = greys.well;
+    visuals.faint_bg_color = greys.control.gamma_multiply(0.35);
+    visuals.code_bg_color = greys.control;
+    visuals.warn_fg_color = stale_colour(theme);
+    visuals.error_fg_color = error_colour(theme);
+    visuals.hyperlink_color = accent_colour(theme);
+    visuals.weak_text_color = Some(greys.text.gamma_multiply(0.72));
+    visuals.selection.bg_fill = accent_colour(theme).gamma_multiply(0.45);
+    visuals.selection.stroke = Stroke::new(1.0, greys.strong);
+    visuals.slider_trailing_fill = true;
+    visuals.window_corner_radius = CornerRadius::same(4);
+    visuals.menu_corner_radius = CornerRadius::same(4);
+    let widgets = &mut visuals.widgets;
+    let states = [
+        (&mut widgets.noninteractive, greys.panel, greys.text),
+        (&mut widgets.inactive, greys.control, greys.text),
+        (&mut widgets.hovered, greys.hovered, greys.strong),
+        (&mut widgets.active, greys.pressed, greys.strong),
+        (&mut widgets.open, greys.hovered, greys.strong),
+    ];
+    for (state, fill, text) in states {
+        state.bg_fill = fill;
+        state.weak_bg_fill = fill;
+        state.bg_stroke = Stroke::NONE;
+        state.fg_stroke = Stroke::new(1.0, text);
+        state.corner_radius = CornerRadius::same(3);
+        state.expansion = 0.0;
+    }
+    widgets.noninteractive.bg_stroke = Stroke::new(1.0, greys.line);
+    visuals
+}
+
+/// Gives a context our sizes and colours, once, and the theme, always.
+pub fn apply(ctx: &egui::Context, theme: ThemeChoice) {
+    let styled = egui::Id::unique("bathyscope styled");
+    if ctx.data(|data| data.get_temp::<bool>(styled)).is_none() {
+        ctx.data_mut(|data| data.insert_temp(styled, true));
+        ctx.set_visuals_of(egui::Theme::Dark, visuals(ThemeChoice::Dark));
+        ctx.set_visuals_of(egui::Theme::Light, visuals(ThemeChoice::Light));
+        ctx.all_styles_mut(sizes);
+    }
+    ctx.set_theme(match theme {
+        ThemeChoice::Dark => egui::Theme::Dark,
+        ThemeChoice::Light => egui::Theme::Light,
+    });
+}
+
+fn sizes(style: &mut egui::Style) {
+    style.text_styles = [
+        (TextStyle::Heading, FontId::proportional(15.0)),
+        (TextStyle::Body, FontId::proportional(13.0)),
+        (TextStyle::Button, FontId::proportional(13.0)),
+        (TextStyle::Small, FontId::proportional(SMALL)),
+        (TextStyle::Monospace, FontId::monospace(12.0)),
+    ]
+    .into();
+    let spacing = &mut style.spacing;
+    spacing.item_spacing = egui::vec2(6.0, 4.0);
+    spacing.button_padding = egui::vec2(6.0, 2.0);
+    spacing.interact_size = egui::vec2(28.0, 20.0);
+    spacing.slider_width = 104.0;
+    spacing.combo_width = 120.0;
+    spacing.icon_width = 14.0;
+    spacing.icon_width_inner = 8.0;
+    spacing.menu_margin = egui::Margin::same(6);
+    spacing.scroll = egui::style::ScrollStyle::thin();
+    style.interaction.tooltip_delay = 0.4;
 }

@@ -1,0 +1,144 @@
+//! Choosing a log or a folder: the system's dialog on a worker, and a path field where there is none.
+
+use super::ViewContext;
+use crate::app::{Command, Jobs, Outcome, Task};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look the same.
+const TOO_FAST: Duration = Duration::from_millis(150);
+
+/// What a path is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    OpenLog,
+    ExportInto,
+}
+
+struct Waiting {
+    purpose: Purpose,
+    since: Instant,
+    task: Task<Option<PathBuf>>,
+}
+
+/// The dialogs of the window; one at a time.
+#[derive(Default)]
+pub(super) struct Dialogs {
+    waiting: Option<Waiting>,
+    field: Option<(Purpose, String)>,
+}
+
+impl Dialogs {
+    /// Asks for a log.
+    pub fn pick_log(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenLog, jobs);
+    }
+
+    /// Asks for the folder that products go into.
+    pub fn pick_folder(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::ExportInto, jobs);
+    }
+
+    /// Shows the path field.
+    pub fn ask_for_path(&mut self) {
+        self.field = Some((Purpose::OpenLog, String::new()));
+    }
+
+    fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
+        if self.waiting.is_some() {
+            return;
+        }
+        match jobs {
+            // Tests and pictures never reach the system's dialog: it would wait for somebody.
+            Jobs::Inline => self.field = Some((purpose, String::new())),
+            Jobs::Threads(_) => {
+                self.waiting = Some(Waiting {
+                    purpose,
+                    since: Instant::now(),
+                    task: Task::start(jobs, move |_| system_dialog(purpose)),
+                });
+            }
+        }
+    }
+
+    /// Collects what was chosen.
+    pub fn poll(&mut self, commands: &mut Vec<Command>) {
+        let Some(waiting) = &self.waiting else {
+            return;
+        };
+        let (purpose, since) = (waiting.purpose, waiting.since);
+        let chosen = match waiting.task.poll() {
+            Outcome::Pending => return,
+            Outcome::Done(chosen) => chosen,
+            Outcome::Failed => None,
+        };
+        self.waiting = None;
+        match chosen {
+            Some(path) => commands.push(command(purpose, path)),
+            None if since.elapsed() < TOO_FAST => self.field = Some((purpose, String::new())),
+            None => {}
+        }
+    }
+
+    /// Draws the path field while it is open.
+    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+        let Some((purpose, mut path)) = self.field.take() else {
+            return;
+        };
+        let (title, name, verb) = match purpose {
+            Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
+            Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
+        };
+        let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
+            ui.set_width(480.0);
+            ui.heading(title);
+            let label = ui.label(name);
+            let field = egui::TextEdit::singleline(&mut path).desired_width(f32::INFINITY);
+            let field = ui.add(field).labelled_by(label.id);
+            let enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            if path.is_empty() && !enter {
+                field.request_focus();
+            }
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                let given = !path.trim().is_empty();
+                let go = ui.add_enabled(given, egui::Button::new(verb)).clicked();
+                let cancel = ui.button("Cancel").clicked();
+                (given && (go || enter), cancel)
+            })
+            .inner
+        });
+        let (go, cancel) = modal.inner;
+        if go {
+            context.push(command(purpose, PathBuf::from(path.trim())));
+        } else if !cancel && !modal.should_close() {
+            self.field = Some((purpose, path));
+        }
+    }
+}
+
+fn command(purpose: Purpose, path: PathBuf) -> Command {
+    match purpose {
+        Purpose::OpenLog => Command::Open(path),
+        Purpose::ExportInto => Command::Export(path),
+    }
+}
+
+/// Waits for the system's dialog; `None` when it was cancelled or there is none.
+fn system_dialog(purpose: Purpose) -> Option<PathBuf> {
+    match purpose {
+        Purpose::OpenLog => rfd::FileDialog::new()
+            .set_title("Open a sonar log")
+            .add_filter(
+                "Sonar logs",
+                &[
+                    "sl2", "SL2", "sl3", "SL3", "dat", "DAT", "son", "SON", "xtf", "XTF",
+                ],
+            )
+            .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::ExportInto => rfd::FileDialog::new()
+            .set_title("Write the products into")
+            .pick_folder(),
+    }
+}

@@ -1,0 +1,263 @@
+//! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
+
+use super::Shell;
+use eframe::egui_wgpu::{
+    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
+};
+use image::RgbaImage;
+use std::future::Future;
+use std::pin::pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, Wake, Waker};
+use std::time::{Duration, Instant};
+
+/// Longest wait for everything to be computed and drawn at its final quality.
+const TIME_LIMIT: Duration = Duration::from_secs(240);
+/// Longest wait for the GPU to finish one frame.
+const FRAME_LIMIT: Duration = Duration::from_secs(60);
+
+/// Draws the shell into a picture of `size` pixels. Returns it with the name of the adapter that drew it.
+///
+/// Errors say in a sentence what is missing: no adapter, a picture larger than the adapter can hold, a time limit.
+pub fn render(
+    shell: &mut Shell,
+    size: [u32; 2],
+    pixels_per_point: f32,
+) -> Result<(RgbaImage, String), String> {
+    let gpu = gpu()?;
+    let info = gpu.adapter.get_info();
+    let largest = gpu.device.limits().max_texture_dimension_2d;
+    if size.iter().any(|side| *side == 0 || *side > largest) {
+        return Err(format!(
+            "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}",
+            size[0], size[1]
+        ));
+    }
+    let mut host = Host::new(gpu, size, pixels_per_point);
+    let started = Instant::now();
+    let mut quiet = 0;
+    // A few quiet frames: sizes settle over two frames, and tiles asked for in one are drawn in the next.
+    while quiet < 4 {
+        let repaint = host.frame(shell)?;
+        quiet = if shell.is_settled() && !repaint {
+            quiet + 1
+        } else {
+            0
+        };
+        if started.elapsed() > TIME_LIMIT {
+            return Err(format!(
+                "the picture was not ready after {} s; ask for fewer pings or a smaller size",
+                TIME_LIMIT.as_secs()
+            ));
+        }
+        if quiet == 0 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+    let name = format!("{} ({}, {:?})", info.name, info.backend, info.device_type);
+    Ok((host.read_back()?, name))
+}
+
+fn gpu() -> Result<RenderState, String> {
+    let setup = WgpuSetup::without_display_handle();
+    let config = WgpuConfiguration {
+        wgpu_setup: setup.clone(),
+        ..WgpuConfiguration::default()
+    };
+    let instance = block_on(setup.new_instance());
+    let created = RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE);
+    block_on(created).map_err(|error| {
+        format!(
+            "no graphics adapter: install a Vulkan driver (on Debian, `mesa-vulkan-drivers` has one that needs no GPU): {error}"
+        )
+    })
+}
+
+/// An egui context and the texture that it is drawn into.
+struct Host {
+    gpu: RenderState,
+    ctx: egui::Context,
+    target: wgpu::Texture,
+    size: [u32; 2],
+    pixels_per_point: f32,
+    frames: u32,
+}
+
+impl Host {
+    fn new(gpu: RenderState, size: [u32; 2], pixels_per_point: f32) -> Self {
+        let ctx = egui::Context::default();
+        ctx.all_styles_mut(|style| style.animation_time = 0.0);
+        let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("offscreen picture"),
+            size: extent(size),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: gpu.target_format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        Self {
+            gpu,
+            ctx,
+            target,
+            size,
+            pixels_per_point,
+            frames: 0,
+        }
+    }
+
+    fn input(&mut self) -> egui::RawInput {
+        self.frames += 1;
+        let points = egui::vec2(self.size[0] as f32, self.size[1] as f32) / self.pixels_per_point;
+        let mut input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, points)),
+            max_texture_side: Some(self.gpu.device.limits().max_texture_dimension_2d as usize),
+            time: Some(f64::from(self.frames) / 60.0),
+            ..egui::RawInput::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&egui::ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(self.pixels_per_point);
+        }
+        input
+    }
+
+    /// Draws one frame; returns whether another one was asked for at once.
+    fn frame(&mut self, shell: &mut Shell) -> Result<bool, String> {
+        let input = self.input();
+        let gpu = self.gpu.clone();
+        let output = self.ctx.run_ui(input, |ui| shell.frame(ui, Some(&gpu)));
+        let repaint = output
+            .viewport_output
+            .values()
+            .any(|viewport| viewport.repaint_delay.is_zero());
+        self.paint(output)?;
+        Ok(repaint)
+    }
+
+    fn paint(&mut self, mut output: egui::FullOutput) -> Result<(), String> {
+        let primitives = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let screen = ScreenDescriptor {
+            size_in_pixels: self.size,
+            pixels_per_point: output.pixels_per_point,
+        };
+        let RenderState { device, queue, .. } = &self.gpu;
+        let mut renderer = self.gpu.renderer.write();
+        for (id, images) in output.textures_delta.set.drain() {
+            for image in images {
+                renderer.update_texture(device, queue, id, &image);
+            }
+        }
+        let mut encoder = device.create_command_encoder(&Default::default());
+        let own = renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
+        let view = self.target.create_view(&Default::default());
+        let attachment = wgpu::RenderPassColorAttachment {
+            view: &view,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Store,
+            },
+            depth_slice: None,
+        };
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("offscreen egui"),
+            color_attachments: &[Some(attachment)],
+            ..Default::default()
+        });
+        renderer.render(&mut pass.forget_lifetime(), &primitives, &screen);
+        queue.submit(own.into_iter().chain([encoder.finish()]));
+        for id in output.textures_delta.free.drain() {
+            renderer.free_texture(&id);
+        }
+        drop(renderer);
+        wait(device)
+    }
+
+    fn read_back(&self) -> Result<RgbaImage, String> {
+        let [width, height] = self.size;
+        let bytes_per_row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let RenderState { device, queue, .. } = &self.gpu;
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture"),
+            size: u64::from(bytes_per_row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            self.target.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(bytes_per_row),
+                    rows_per_image: None,
+                },
+            },
+            extent(self.size),
+        );
+        queue.submit([encoder.finish()]);
+        buffer.slice(..).map_async(wgpu::MapMode::Read, |_| ());
+        wait(device)?;
+        let mapped = buffer
+            .slice(..)
+            .get_mapped_range()
+            .map_err(|error| format!("the picture could not be read back: {error}"))?;
+        let mut pixels = Vec::with_capacity(4 * (width * height) as usize);
+        for row in mapped.chunks(bytes_per_row as usize) {
+            pixels.extend_from_slice(&row[..4 * width as usize]);
+        }
+        opaque(&mut pixels, self.gpu.target_format);
+        RgbaImage::from_raw(width, height, pixels)
+            .ok_or_else(|| "the picture could not be read back whole".to_owned())
+    }
+}
+
+/// Red before blue, and no transparency: what is behind a window is not part of a picture.
+fn opaque(pixels: &mut [u8], format: wgpu::TextureFormat) {
+    let swapped = format == wgpu::TextureFormat::Bgra8Unorm;
+    for pixel in pixels.as_chunks_mut::<4>().0 {
+        if swapped {
+            pixel.swap(0, 2);
+        }
+        pixel[3] = 255;
+    }
+}
+
+fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    }
+}
+
+fn wait(device: &wgpu::Device) -> Result<(), String> {
+    device
+        .poll(wgpu::PollType::Wait {
+            submission_index: None,
+            timeout: Some(FRAME_LIMIT),
+        })
+        .map(|_| ())
+        .map_err(|error| format!("the graphics adapter did not finish a frame: {error}"))
+}
+
+/// Parks this thread until a future is ready: adapters and devices are asked for once, nothing else is async here.
+fn block_on<F: Future>(future: F) -> F::Output {
+    struct Unpark(std::thread::Thread);
+    impl Wake for Unpark {
+        fn wake(self: Arc<Self>) {
+            self.0.unpark();
+        }
+    }
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    let mut context = Context::from_waker(&waker);
+    let mut future = pin!(future);
+    loop {
+        match future.as_mut().poll(&mut context) {
+            Poll::Ready(value) => return value,
+            Poll::Pending => std::thread::park(),
+        }
+    }
+}

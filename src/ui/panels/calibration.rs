@@ -1,0 +1,177 @@
+//! Step 2: from samples to metres. All scales side by side, and the stretch that the pixels per metre come from.
+
+use super::parts::{self, Choice, Section, choice, fact, result, section};
+use crate::app::{Action, Command};
+use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
+use crate::pipeline::Stage;
+use crate::ui::{ViewContext, text};
+use egui::Ui;
+use std::ops::Range;
+
+const MODES: &[Choice<ScaleMode>] = &[
+    (
+        ScaleMode::Header,
+        "recorded range",
+        "The range that the recorder states for each ping.",
+    ),
+    (
+        ScaleMode::FlatSpot,
+        "flat spot (PPD)",
+        "Pixels per metre measured at a flat stretch, PPD = p / d.",
+    ),
+];
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: Some(2),
+        title: "Calibration",
+        stage: Some(Stage::Calibration),
+    };
+    section(ui, context, &heading, |ui, context| {
+        choice(
+            ui,
+            context,
+            "Scale",
+            "Which scale turns samples into metres.",
+            MODES,
+            context.app.settings.calibration.mode,
+            |settings, mode| settings.calibration.mode = mode,
+        );
+        let Some(products) = context.app.products.clone() else {
+            parts::remark(ui, "No result yet.");
+            return;
+        };
+        scales(ui, &products.calibration);
+        for text in &products.calibration.warnings {
+            parts::warning(ui, context, text);
+        }
+        spot_in_use(ui, context, &products.calibration);
+        ranked_spots(ui, context, &products.flat_spots);
+    });
+}
+
+fn scale(scale: Option<&Scale>) -> String {
+    scale.map_or_else(
+        || text::NONE.to_owned(),
+        |scale| format!("{:.2} ±{:.2} px/m", scale.px_per_m, scale.spread_px_per_m),
+    )
+}
+
+fn scales(ui: &mut Ui, calibration: &Calibration) {
+    if let (Some(ppd), ScaleMode::FlatSpot) = (&calibration.ppd, calibration.mode) {
+        result(
+            ui,
+            format!(
+                "{:.2} px/m from {} picks",
+                ppd.px_per_m,
+                text::count(ppd.picks)
+            ),
+        );
+    }
+    fact(
+        ui,
+        "PPD",
+        "Pixels per metre at the flat spot, PPD = p / d: median over its pings and robust spread.",
+        scale(calibration.ppd.as_ref()),
+    );
+    fact(
+        ui,
+        "Header",
+        "Pixels per metre that the recorder's own ranges imply.",
+        scale(calibration.header.as_ref()),
+    );
+    let fit = calibration.fit.map_or_else(
+        || text::NONE.to_owned(),
+        |fit| {
+            format!(
+                "k {:.3}  b {:+.2} m  ±{:.2} m",
+                fit.k, fit.b_m, fit.spread_m
+            )
+        },
+    );
+    fact(
+        ui,
+        "r = k d + b",
+        "Robust line of first-return range r against recorded depth d over the whole log.",
+        fit,
+    );
+}
+
+fn spot_in_use(ui: &mut Ui, context: &mut ViewContext<'_>, calibration: &Calibration) {
+    let picked = context.app.settings.calibration.pings;
+    let shown = match (&calibration.flat_spot, picked) {
+        (Some(spot), _) => pings(&spot.pings),
+        (None, Some(range)) => pings(&(range.start..range.end)),
+        (None, None) => "none found".to_owned(),
+    };
+    fact(
+        ui,
+        "Flat spot",
+        "Pings that PPD is measured on. Click the map or the waterfall and press C to take another stretch.",
+        format!("{shown}{}", if picked.is_some() { " (picked)" } else { "" }),
+    );
+    ui.horizontal(|ui| {
+        let can = context.app.selection.is_some();
+        for (action, label, enabled) in [
+            (Action::CalibrateHere, "Calibrate here", can),
+            (Action::CalibrationReset, "Reset", picked.is_some()),
+        ] {
+            let button = ui.add_enabled(enabled, egui::Button::new(label));
+            let button = button
+                .accessible_name(action.label())
+                .on_hover_text(action.hint())
+                .on_disabled_hover_text("Select a ping first.");
+            if button.clicked() {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
+
+fn pings(range: &Range<usize>) -> String {
+    format!("{}..{}", range.start, range.end)
+}
+
+fn ranked_spots(ui: &mut Ui, context: &mut ViewContext<'_>, spots: &[FlatSpot]) {
+    if spots.is_empty() {
+        return;
+    }
+    let title = text::plural(spots.len(), "flat stretch", "flat stretches");
+    egui::CollapsingHeader::new(title)
+        .id_salt("ranked flat stretches")
+        .show(ui, |ui| {
+            for (rank, spot) in spots.iter().enumerate() {
+                ranked_spot(ui, context, rank + 1, spot);
+            }
+        });
+}
+
+fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &FlatSpot) {
+    let picked = context.app.settings.calibration.pings;
+    let range = PingRange {
+        start: spot.pings.start,
+        end: spot.pings.end,
+    };
+    ui.horizontal(|ui| {
+        let label = format!(
+            "{rank}  {:.2} m  slope {:.3}  ±{:.0} cm",
+            spot.depth_m,
+            spot.slope,
+            spot.scatter_m * 100.0
+        );
+        let row = ui
+            .selectable_label(picked == Some(range), label)
+            .accessible_name(format!(
+                "Flat stretch {rank}, pings {}, {:.2} m deep",
+                pings(&spot.pings),
+                spot.depth_m
+            ));
+        let row = row.on_hover_text("Calibrate on this stretch and show it in all views.");
+        if row.clicked() {
+            context.push(Command::CalibrateAt(range));
+            let middle = (spot.pings.start + spot.pings.end) / 2;
+            context.push(Command::Reveal(crate::app::Mark::ping(middle)));
+        }
+    });
+}

@@ -1,0 +1,163 @@
+//! Step 1: where the bottom is first heard.
+
+use super::parts::{self, Choice, Knob, Section, choice, knob, result, section};
+use crate::first_return::{FirstReturns, Method, Pick, SampleMode};
+use crate::pipeline::Stage;
+use crate::survey::Side;
+use crate::ui::{ViewContext, text};
+use egui::Ui;
+
+const METHODS: &[Choice<Method>] = &[
+    (
+        Method::Tracker,
+        "tracker",
+        "The bottom edge as one line, among the samples that reach the threshold.",
+    ),
+    (
+        Method::Threshold,
+        "threshold",
+        "The first sample that reaches the threshold, as in the paper.",
+    ),
+];
+
+const IMAGES: &[Choice<SampleMode>] = &[
+    (SampleMode::Bytes, "recorded bytes", "One sample a byte."),
+    (
+        SampleMode::Words,
+        "int32 words (published)",
+        "Four bytes read as one number, as the published code does: 700 columns of 2800.",
+    ),
+];
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: Some(1),
+        title: "First return",
+        stage: Some(Stage::FirstReturn),
+    };
+    section(ui, context, &heading, |ui, context| {
+        if !has_side_scan(context) {
+            parts::remark(ui, "There is no side-scan to search.");
+            return;
+        }
+        found(ui, context);
+        controls(ui, context);
+    });
+}
+
+fn has_side_scan(context: &ViewContext<'_>) -> bool {
+    context
+        .app
+        .survey
+        .as_ref()
+        .is_some_and(|survey| survey.has_side_scan())
+}
+
+fn found(ui: &mut Ui, context: &ViewContext<'_>) {
+    let Some(products) = &context.app.products else {
+        parts::remark(ui, "Searching…");
+        return;
+    };
+    // A preview may hold the visible pings only; the counts are those of the whole log.
+    result(ui, summary(&products.returns));
+    for text in &products.returns.warnings {
+        parts::warning(ui, context, text);
+    }
+}
+
+fn summary(returns: &FirstReturns) -> String {
+    let some = |picks: &[Pick]| picks.iter().filter(|pick| pick.is_some()).count();
+    let share = |side: Side| {
+        let picks = returns.side(side);
+        let found = some(picks);
+        let percent = 100.0 * found as f64 / picks.len().max(1) as f64;
+        format!("{} {} ({percent:.0} %)", side.name(), text::count(found))
+    };
+    let canopy = Side::BOTH
+        .iter()
+        .flat_map(|side| returns.side(*side))
+        .filter(|pick| pick.canopy)
+        .count();
+    format!(
+        "{} · {} · canopy {}",
+        share(Side::Port),
+        share(Side::Starboard),
+        text::count(canopy)
+    )
+}
+
+fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let settings = context.app.settings.clone();
+    let first_return = &settings.first_return;
+    choice(
+        ui,
+        context,
+        "Method",
+        "How the first return is found.",
+        METHODS,
+        first_return.method,
+        |settings, method| settings.first_return.method = method,
+    );
+    choice(
+        ui,
+        context,
+        "Image",
+        "What a sample of the picture is.",
+        IMAGES,
+        settings.image.samples,
+        |settings, samples| settings.image.samples = samples,
+    );
+    let threshold = Knob {
+        name: "Threshold",
+        undo: "threshold",
+        hint: "Normalised intensity that a sample must reach to count as a return; the paper uses 0.30. Keys [ and ].",
+        range: 0.0..=1.0,
+        step: 0.01,
+        decimals: 2,
+        suffix: "",
+    };
+    knob(
+        ui,
+        context,
+        threshold,
+        f64::from(first_return.threshold),
+        |settings, value| settings.first_return.threshold = value as f32,
+    );
+    let dead_zone = Knob {
+        name: "Dead zone",
+        undo: "dead zone",
+        hint: "Slant range around the transducer that is ignored: its ring-down.",
+        range: 0.0..=5.0,
+        step: 0.05,
+        decimals: 2,
+        suffix: " m",
+    };
+    knob(
+        ui,
+        context,
+        dead_zone,
+        first_return.dead_zone_m,
+        |settings, value| {
+            settings.first_return.dead_zone_m = value;
+        },
+    );
+    let margin = Knob {
+        name: "Canopy margin",
+        undo: "canopy margin",
+        hint: "A return nearer than the recorded depth by more than this is flagged as canopy, fish or another obstacle.",
+        range: 0.0..=2.0,
+        step: 0.05,
+        decimals: 2,
+        suffix: " m",
+    };
+    knob(
+        ui,
+        context,
+        margin,
+        first_return.canopy_margin_m,
+        |settings, value| {
+            settings.first_return.canopy_margin_m = value;
+        },
+    );
+}

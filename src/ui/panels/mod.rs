@@ -1,0 +1,29 @@
+//! What stands around the views: one file a panel. Each reads the state and pushes commands.
+
+pub mod calibration;
+pub mod cloud;
+pub mod first_return;
+pub mod notices;
+pub mod outliers;
+mod parts;
+pub mod products;
+pub mod selection;
+pub mod status;
+mod strip;
+pub mod survey;
+pub mod timeline;
+
+use super::ViewContext;
+
+/// The left side: the survey and the paper's steps in order.
+pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+    survey::ui(ui, context);
+    if context.app.survey.is_none() {
+        return;
+    }
+    first_return::ui(ui, context);
+    calibration::ui(ui, context);
+    cloud::ui(ui, context);
+    outliers::ui(ui, context);
+    products::ui(ui, context);
+}

@@ -1,0 +1,31 @@
+//! Step 5: what other programs open.
+
+use super::parts::{self, Section, section};
+use crate::app::{Action, Command};
+use crate::ui::ViewContext;
+use egui::Ui;
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: Some(5),
+        title: "Products",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        let action = Action::Export;
+        let ready = context.app.products.is_some();
+        let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
+        let button = ui
+            .add_enabled(ready, button)
+            .on_hover_text(action.hint())
+            .on_disabled_hover_text("There is no result to write yet.");
+        if button.clicked() {
+            context.push(Command::Do(action));
+        }
+        parts::remark(
+            ui,
+            "first_returns.csv, cloud.csv, cloud.laz, cloud.ply, report.json with every setting",
+        );
+    });
+}

@@ -1,0 +1,170 @@
+//! What is selected: one ping with everything known about it, to read and to copy.
+
+use super::parts::{Section, fact, remark, section};
+use crate::app::{Command, Mark};
+use crate::cloud::PointSource;
+use crate::survey::{HeadingSource, Side};
+use crate::ui::{ViewContext, place, text, theme};
+use egui::{RichText, Ui};
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Selection",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        match context.app.selection {
+            Some(mark) => selected(ui, context, mark),
+            None => remark(
+                ui,
+                "Nothing is selected: click the waterfall, the map, the cloud or the time line.",
+            ),
+        }
+    });
+}
+
+fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
+    let Some(survey) = context.app.survey.clone() else {
+        return;
+    };
+    let Some(ping) = survey.side_scan.get(mark.ping) else {
+        return;
+    };
+    ui.horizontal(|ui| {
+        ui.label(
+            RichText::new(format!("Ping {}", mark.ping))
+                .heading()
+                .strong(),
+        );
+        ui.label(text::clock(survey.start_unix_s, ping.time_s));
+    });
+    if let Some(at) = place::lon_lat(context.app, mark) {
+        ui.label(RichText::new(text::place(at)).monospace());
+    }
+    fact(
+        ui,
+        "Depth",
+        "Depth below the transducer by the recorder's own bottom lock, at the time of this ping.",
+        format!("{} (sonar)", text::measure(f64::from(ping.depth_m), 2, "m")),
+    );
+    if let Some(range) = place::range_m(context.app, mark) {
+        let side = mark.side.map_or("", Side::name);
+        fact(
+            ui,
+            "Range here",
+            "Slant range of the selected place by the calibration in force.",
+            format!("{range:.2} m {side}"),
+        );
+    }
+    for side in Side::BOTH {
+        first_return(ui, context, mark.ping, side);
+    }
+    heading(ui, context, mark.ping);
+    point(ui, context, mark);
+    ui.add_space(2.0);
+    let show = ui.button("Show in all views");
+    if show
+        .on_hover_text("Brings this place into the waterfall, the map and the cloud.")
+        .clicked()
+    {
+        context.push(Command::Reveal(mark));
+    }
+}
+
+fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {
+    let pick = context
+        .app
+        .returns()
+        .and_then(|returns| returns.side(side).get(ping).copied())
+        .filter(crate::first_return::Pick::is_some);
+    let value = match pick {
+        None => "no return".to_owned(),
+        Some(pick) => {
+            let mark = Mark {
+                side: Some(side),
+                sample: Some(pick.sample),
+                ..Mark::ping(ping)
+            };
+            let range = place::range_m(context.app, mark).unwrap_or(f64::NAN);
+            let canopy = if pick.canopy { " · canopy" } else { "" };
+            format!(
+                "{} · confidence {:.2}{canopy}",
+                text::measure(range, 2, "m"),
+                pick.confidence
+            )
+        }
+    };
+    let (name, colour) = match side {
+        Side::Port => ("Port", theme::side_colour(&context.app.options, side)),
+        Side::Starboard => ("Starboard", theme::side_colour(&context.app.options, side)),
+    };
+    fact(
+        ui,
+        name,
+        "First return on this side: calibrated slant range and confidence from 0 to 1.",
+        RichText::new(value).color(colour),
+    );
+}
+
+fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
+    let Some(products) = &context.app.products else {
+        return;
+    };
+    let Some(here) = products.navigation.pings.get(ping) else {
+        return;
+    };
+    let source = match products.settings.heading.source {
+        HeadingSource::Steps => "fix to fix",
+        HeadingSource::TrackFit => "track",
+        HeadingSource::Cog => "recorded course",
+        HeadingSource::Compass => "compass",
+    };
+    let value = if here.heading_rad.is_finite() {
+        let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
+        format!("{degrees:.0}° ({source})")
+    } else {
+        format!("none ({source})")
+    };
+    fact(
+        ui,
+        "Heading",
+        "Clockwise from north, and where it comes from.",
+        value,
+    );
+    fact(
+        ui,
+        "Speed",
+        "Over ground.",
+        text::measure(here.speed_mps, 1, "m/s"),
+    );
+}
+
+fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
+    let Some(products) = &context.app.products else {
+        return;
+    };
+    let Some(index) = mark.point else {
+        return;
+    };
+    let Some(point) = products.cloud.points.get(index) else {
+        return;
+    };
+    let source = match point.source {
+        PointSource::DownScan => "down-scan",
+        PointSource::Port => "port",
+        PointSource::Starboard => "starboard",
+    };
+    let removed = products.kept.get(index).is_some_and(|kept| !kept);
+    fact(
+        ui,
+        "Point",
+        "What measured the selected point of the cloud, and its depth.",
+        format!(
+            "{source} · {:.2} m deep{}",
+            -point.z_m,
+            if removed { " · outlier" } else { "" }
+        ),
+    );
+}

@@ -1,0 +1,101 @@
+//! The bottom line: what is under the pointer, and what the program is doing.
+
+use crate::app::{Action, Command, Mark};
+use crate::pipeline::EngineStatus;
+use crate::survey::Side;
+use crate::ui::{ViewContext, place, text, theme};
+use egui::{RichText, Ui};
+
+/// Draws the line.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
+        match context.app.hover.or(context.app.selection) {
+            Some(mark) => cursor(ui, context, mark),
+            None => {
+                ui.label(RichText::new("Nothing under the pointer").weak());
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 8.0;
+            jobs(ui, context);
+            rest(ui, context);
+        });
+    });
+}
+
+fn cell(ui: &mut Ui, text: String) {
+    ui.add(egui::Label::new(RichText::new(text).monospace()));
+}
+
+fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
+    let app = context.app;
+    let Some(ping) = app
+        .survey
+        .as_ref()
+        .and_then(|survey| survey.side_scan.get(mark.ping))
+    else {
+        return;
+    };
+    if let Some(at) = place::lon_lat(app, mark) {
+        cell(ui, text::place(at));
+    }
+    cell(ui, format!("ping {}", mark.ping));
+    if let Some(range) = place::range_m(app, mark) {
+        let side = match mark.side {
+            Some(Side::Port) => " port",
+            Some(Side::Starboard) => " stbd",
+            None => "",
+        };
+        cell(ui, format!("range {range:.2} m{side}"));
+    }
+    cell(
+        ui,
+        format!("depth {}", text::measure(f64::from(ping.depth_m), 2, "m")),
+    );
+    let speed = app
+        .products
+        .as_ref()
+        .and_then(|products| products.navigation.pings.get(mark.ping))
+        .map_or(f64::NAN, |here| here.speed_mps);
+    cell(ui, text::measure(speed, 1, "m/s"));
+}
+
+fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
+    let frame_s = ui.input(|input| input.stable_dt).max(1e-3);
+    ui.label(
+        RichText::new(format!("{:.0} fps", 1.0 / frame_s))
+            .weak()
+            .small(),
+    );
+    let map = context.app.options.waterfall.colour_map.name();
+    ui.label(RichText::new(map).weak().small());
+}
+
+fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let job = match (context.app.load_status(), context.app.engine_status()) {
+        (Some(load), _) => Some((format!("opening {}", load.name), load.fraction)),
+        (None, EngineStatus::Running { stage, fraction }) => {
+            Some((stage.name().to_owned(), fraction))
+        }
+        (None, EngineStatus::Idle) => None,
+    };
+    let Some((what, share)) = job else {
+        return;
+    };
+    let stop = ui.small_button("Cancel");
+    if stop
+        .accessible_name(Action::Cancel.label())
+        .on_hover_text(Action::Cancel.hint())
+        .clicked()
+    {
+        context.push(Command::Do(Action::Cancel));
+    }
+    let text = format!("{what} {:.0} %", f64::from(share) * 100.0);
+    let bar = egui::ProgressBar::new(share)
+        .desired_width(110.0)
+        .desired_height(8.0)
+        .fill(theme::accent_colour(context.app.options.theme));
+    ui.add(bar);
+    ui.label(RichText::new(text).small());
+}

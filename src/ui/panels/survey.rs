@@ -1,0 +1,235 @@
+//! The survey: what was found in the log, what is wrong with it, and which settings are in force.
+
+use super::parts::{Section, fact, remark, section, warning};
+use crate::app::{Action, Command};
+use crate::pipeline::Preset;
+use crate::survey::{SideScanState, Survey};
+use crate::ui::{ViewContext, text};
+use egui::Ui;
+
+/// Warnings shown at once; a damaged log can have thousands.
+const WARNINGS_SHOWN: usize = 40;
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Survey",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        match context.app.survey.clone() {
+            Some(survey) => {
+                summary(ui, context, &survey);
+                warnings(ui, context, &survey);
+                preset_line(ui, context);
+            }
+            None => nothing_open(ui, context),
+        }
+    });
+}
+
+fn nothing_open(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.label("Nothing is open.");
+    remark(
+        ui,
+        "Drop a log on the window, or open one: Lowrance SL2 or SL3, Humminbird DAT or SON, XTF.",
+    );
+    ui.add_space(4.0);
+    for action in [Action::Open, Action::OpenDemo] {
+        let button = egui::Button::new(action.label()).min_size(egui::vec2(180.0, 24.0));
+        if ui.add(button).on_hover_text(action.hint()).clicked() {
+            context.push(Command::Do(action));
+        }
+    }
+}
+
+fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    let name = survey.source.files.first().map_or_else(
+        || survey.name(),
+        |file| {
+            file.file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned()
+        },
+    );
+    let title = ui.add(egui::Label::new(egui::RichText::new(name).heading().strong()).truncate());
+    title.on_hover_ui(|ui| {
+        for file in &survey.source.files {
+            ui.label(file.display().to_string());
+        }
+    });
+    remark(
+        ui,
+        format!(
+            "{} · {}",
+            survey.source.format,
+            text::bytes(survey.source.byte_count)
+        ),
+    );
+    let span = time_span(survey);
+    let pings = survey.side_scan.len();
+    let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
+        text::duration(to - from)
+    });
+    fact(
+        ui,
+        "Side-scan",
+        "Pings with both sides joined, and the time that they cover.",
+        format!("{} · {length}", text::plural(pings, "ping", "pings")),
+    );
+    fact(
+        ui,
+        "Soundings",
+        "Depths of the recorder's own bottom lock; repeated ones are left out.",
+        soundings(survey),
+    );
+    if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
+        fact(
+            ui,
+            "Recorded",
+            "Start of the log in UTC, as the recorder's clock had it.",
+            format!(
+                "{} {}",
+                text::date(start + from),
+                text::clock(Some(start), from)
+            ),
+        );
+    }
+    channels(ui, survey);
+    state_line(ui, context, survey);
+}
+
+fn time_span(survey: &Survey) -> Option<(f64, f64)> {
+    match (survey.side_scan.first(), survey.side_scan.last()) {
+        (Some(first), Some(last)) => Some((first.time_s, last.time_s)),
+        _ => Some((
+            survey.soundings.first()?.time_s,
+            survey.soundings.last()?.time_s,
+        )),
+    }
+}
+
+fn soundings(survey: &Survey) -> String {
+    let depths = survey.soundings.iter().map(|sounding| sounding.depth_m);
+    let (low, high) = depths.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), depth| {
+        (low.min(depth), high.max(depth))
+    });
+    if low > high {
+        return "none".to_owned();
+    }
+    format!(
+        "{} · {low:.1} to {high:.1} m",
+        text::count(survey.soundings.len())
+    )
+}
+
+fn channels(ui: &mut Ui, survey: &Survey) {
+    let names: Vec<String> = survey
+        .channels
+        .iter()
+        .filter(|channel| channel.ping_count > 0)
+        .map(|channel| channel.kind.name())
+        .collect();
+    if names.is_empty() {
+        return;
+    }
+    let shown = ui.add(egui::Label::new(
+        egui::RichText::new(names.join(", ")).small().weak(),
+    ));
+    shown.on_hover_ui(|ui| {
+        for channel in &survey.channels {
+            let frequency = channel
+                .frequency_khz
+                .map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
+            let range = channel.range_m.map_or(String::new(), |(near, far)| {
+                format!(", {near:.1} to {far:.1} m")
+            });
+            ui.label(format!(
+                "{} ({}): {}{frequency}{range}",
+                channel.kind.name(),
+                channel.recorder_name,
+                text::plural(channel.ping_count, "ping", "pings"),
+            ));
+        }
+    });
+}
+
+fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    match survey.side_scan_state {
+        SideScanState::Usable => {}
+        SideScanState::Absent => warning(
+            ui,
+            context,
+            "no side-scan in this log: depths and track only; record sl2 or sl3 with side-scan on",
+        ),
+        SideScanState::Noise { range_m } => warning(
+            ui,
+            context,
+            &format!("no side-scan: range ±{range_m:.1} m, noise; was a transducer connected?"),
+        ),
+    }
+}
+
+fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    let count = survey.warnings.len();
+    if count == 0 {
+        return;
+    }
+    let title = text::plural(count, "warning", "warnings");
+    egui::CollapsingHeader::new(title)
+        .id_salt("warnings of the log")
+        .show(ui, |ui| {
+            for one in survey.warnings.iter().take(WARNINGS_SHOWN) {
+                let place = one.place.map_or(String::new(), |(file, offset)| {
+                    let name = survey.source.files.get(file);
+                    let name = name.and_then(|file| file.file_name()).unwrap_or_default();
+                    format!(
+                        " ({} byte {})",
+                        name.to_string_lossy(),
+                        text::count(offset as usize)
+                    )
+                });
+                warning(ui, context, &format!("{}{place}", one.text));
+            }
+            if count > WARNINGS_SHOWN {
+                remark(
+                    ui,
+                    format!("and {} more", text::count(count - WARNINGS_SHOWN)),
+                );
+            }
+        });
+}
+
+fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let in_force = context.app.settings.is_preset();
+    ui.add_space(2.0);
+    ui.horizontal(|ui| {
+        ui.add(egui::Label::new("Preset").selectable(false));
+        for (preset, label, hint) in [
+            (
+                Preset::Recommended,
+                "recommended",
+                "What measures best on surveys of known truth.",
+            ),
+            (
+                Preset::Published,
+                "published",
+                "The paper's formulas to the digit, so that its figures can be reproduced.",
+            ),
+        ] {
+            let chip = ui.selectable_label(in_force == Some(preset), label);
+            let chip = chip.accessible_name(format!("Preset {label}"));
+            if chip.on_hover_text(hint).clicked() {
+                context.push(Command::UsePreset(preset));
+            }
+        }
+        if in_force.is_none() {
+            let colour = crate::ui::theme::stale_colour(context.app.options.theme);
+            ui.colored_label(colour, "changed").on_hover_text(
+                "The settings are those of no preset; one click on a preset takes them back.",
+            );
+        }
+    });
+}

@@ -1,0 +1,51 @@
+//! What the shell itself does about a command; the rest goes to the state.
+
+use super::{Shell, ViewRequest};
+use crate::app::{Action, Command, LayoutPreset, View};
+
+impl Shell {
+    /// Carries out a command.
+    pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
+        match command {
+            Command::Do(action) => self.act(ctx, action),
+            Command::Focus(view) => self.layout.focus(view),
+            Command::Layout(preset) => self.layout.arrange(preset),
+            other => self.app.apply(other),
+        }
+    }
+
+    fn act(&mut self, ctx: &egui::Context, action: Action) {
+        match action {
+            Action::Open => self.dialogs.pick_log(self.app.jobs()),
+            Action::OpenPath => self.dialogs.ask_for_path(),
+            Action::Export => self.dialogs.pick_folder(self.app.jobs()),
+            Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            Action::Palette => self.palette.open(),
+            Action::Help => self.help_open = !self.help_open,
+            Action::Play => self.play.toggle(&self.app),
+            Action::FocusWaterfall => self.layout.focus(View::Waterfall),
+            Action::FocusMap => self.layout.focus(View::Map),
+            Action::FocusCloud => self.layout.focus(View::Cloud),
+            Action::Maximise => self.layout.toggle_maximised(self.layout.target()),
+            Action::LayoutSurvey => self.layout.arrange(LayoutPreset::Survey),
+            Action::LayoutWaterfall => self.only(View::Waterfall),
+            Action::LayoutMap => self.only(View::Map),
+            Action::LayoutCloud => self.only(View::Cloud),
+            Action::Fit => self.request(ViewRequest::Fit),
+            Action::ZoomIn => self.request(ViewRequest::ZoomIn),
+            Action::ZoomOut => self.request(ViewRequest::ZoomOut),
+            Action::TopView => self.views.request(View::Cloud, ViewRequest::Top),
+            Action::SideView => self.views.request(View::Cloud, ViewRequest::Side),
+            other => self.app.apply(Command::Do(other)),
+        }
+        ctx.request_repaint();
+    }
+
+    fn only(&mut self, view: View) {
+        self.layout.arrange(LayoutPreset::Only(view));
+    }
+
+    fn request(&mut self, request: ViewRequest) {
+        self.views.request(self.layout.target(), request);
+    }
+}

@@ -1,0 +1,37 @@
+//! Logs dropped on the window.
+
+use crate::app::Command;
+use egui::Ui;
+
+/// Opens what was dropped; of several files the first.
+pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
+    let dropped = ui.input(|input| {
+        let files = &input.raw.dropped_files;
+        files.first().map(|file| file.path().to_owned())
+    });
+    if let Some(path) = dropped.filter(|path| !path.as_os_str().is_empty()) {
+        commands.push(Command::Open(path));
+    }
+}
+
+/// Says what a drop would do while files hang over the window.
+pub fn overlay(ui: &Ui) {
+    let Some(name) = ui.input(|input| {
+        let file = input.raw.hovered_files.first()?;
+        let path = file.path.as_ref()?;
+        Some(path.file_name()?.to_string_lossy().into_owned())
+    }) else {
+        return;
+    };
+    let layer = egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop"));
+    let painter = ui.ctx().layer_painter(layer);
+    let rect = ui.ctx().content_rect();
+    painter.rect_filled(rect, 0.0, egui::Color32::from_black_alpha(160));
+    painter.text(
+        rect.center(),
+        egui::Align2::CENTER_CENTER,
+        format!("Drop to open {name}"),
+        egui::FontId::proportional(22.0),
+        egui::Color32::WHITE,
+    );
+}

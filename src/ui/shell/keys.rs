@@ -1,0 +1,109 @@
+//! Keys of the command table, turned into commands.
+
+use crate::app::{Action, Command};
+use egui::{Key, KeyboardShortcut, Modifiers, Ui};
+use std::sync::LazyLock;
+
+/// All shortcuts, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
+static SHORTCUTS: LazyLock<Vec<(KeyboardShortcut, Action)>> = LazyLock::new(|| {
+    let mut shortcuts: Vec<_> = Action::ALL
+        .iter()
+        .filter_map(|&action| Some((parse(action.keys()?)?, action)))
+        .collect();
+    shortcuts.sort_by_key(|(shortcut, _)| {
+        let held = shortcut.modifiers;
+        std::cmp::Reverse(
+            [held.command, held.shift, held.alt]
+                .iter()
+                .filter(|on| **on)
+                .count(),
+        )
+    });
+    shortcuts
+});
+
+/// Turns the table's text into a shortcut: `Ctrl+Shift+Z`, `[`, `F11`, `+`.
+fn parse(keys: &str) -> Option<KeyboardShortcut> {
+    let (held, key) = match keys.rfind('+') {
+        Some(last) if last > 0 && last + 1 < keys.len() => keys.split_at(last + 1),
+        _ => ("", keys),
+    };
+    let mut modifiers = Modifiers::NONE;
+    for name in held.split('+').filter(|name| !name.is_empty()) {
+        modifiers = match name {
+            "Ctrl" => modifiers | Modifiers::COMMAND,
+            "Shift" => modifiers | Modifiers::SHIFT,
+            "Alt" => modifiers | Modifiers::ALT,
+            _ => return None,
+        };
+    }
+    Some(KeyboardShortcut::new(modifiers, Key::from_name(key)?))
+}
+
+/// Whether a control may want this key for itself: typing, stepping a slider.
+fn is_plain(shortcut: &KeyboardShortcut) -> bool {
+    let function_key =
+        shortcut.logical_key.name().starts_with('F') && shortcut.logical_key.name().len() > 1;
+    !shortcut.modifiers.command && !shortcut.modifiers.alt && !function_key
+}
+
+/// Pushes a command for each key of the table that was pressed.
+pub fn collect(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let typing = ui.text_edit_focused();
+    // A focused slider or button steps with arrows and acts on Space.
+    let control_focused = ui.memory(|memory| memory.focused().is_some());
+    for (shortcut, action) in SHORTCUTS.iter() {
+        if is_plain(shortcut) && (typing || (control_focused && is_control_key(shortcut))) {
+            continue;
+        }
+        if ui.input_mut(|input| input.consume_shortcut(shortcut)) {
+            commands.push(Command::Do(*action));
+        }
+    }
+}
+
+fn is_control_key(shortcut: &KeyboardShortcut) -> bool {
+    matches!(
+        shortcut.logical_key,
+        Key::ArrowLeft | Key::ArrowRight | Key::Home | Key::End | Key::Space
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_of_the_table_is_understood() {
+        for action in Action::ALL {
+            if let Some(keys) = action.keys() {
+                assert!(parse(keys).is_some(), "{keys} of {}", action.label());
+            }
+        }
+        assert_eq!(
+            parse("Ctrl+Shift+Z"),
+            Some(KeyboardShortcut::new(
+                Modifiers::COMMAND | Modifiers::SHIFT,
+                Key::Z
+            ))
+        );
+        assert_eq!(parse("+").map(|keys| keys.logical_key), Some(Key::Plus));
+        assert_eq!(parse("Hyper+Q"), None);
+    }
+
+    #[test]
+    fn no_two_actions_share_a_shortcut() {
+        let mut seen = std::collections::HashMap::new();
+        for (shortcut, action) in SHORTCUTS.iter() {
+            let other = seen.insert(*shortcut, action.label());
+            assert_eq!(other, None, "{shortcut:?} is {} too", action.label());
+        }
+    }
+
+    #[test]
+    fn more_modifiers_come_first() {
+        let place = |wanted: Action| SHORTCUTS.iter().position(|(_, action)| *action == wanted);
+        assert!(place(Action::Redo) < place(Action::Undo));
+        assert!(place(Action::Forward25) < place(Action::NextPing));
+    }
+}

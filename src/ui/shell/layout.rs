@@ -1,0 +1,276 @@
+//! The tiles of the centre: which view lies where, which one has the keyboard, and which one fills the centre.
+
+use super::{Views, toolbar};
+use crate::app::{LayoutPreset, View};
+use crate::ui::{ViewContext, theme};
+use egui::{Color32, Stroke, Ui};
+use egui_tiles::{
+    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tabs, Tile, TileId,
+    Tiles, Tree, UiResponse,
+};
+use serde::{Deserialize, Serialize};
+
+/// Arrangement of the views; saved between runs.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Layout {
+    tree: Tree<View>,
+    focus: View,
+    maximised: Option<View>,
+    /// The view under the pointer in the last frame.
+    #[serde(skip)]
+    hovered: Option<View>,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self {
+            tree: tree(LayoutPreset::Survey),
+            focus: View::Waterfall,
+            maximised: None,
+            hovered: None,
+        }
+    }
+}
+
+fn tree(preset: LayoutPreset) -> Tree<View> {
+    let mut tiles = Tiles::default();
+    let tab = |view: View, tiles: &mut Tiles<View>| {
+        let pane = tiles.insert_pane(view);
+        tiles.insert_tab_tile(vec![pane])
+    };
+    let root = match preset {
+        LayoutPreset::Only(view) => tab(view, &mut tiles),
+        LayoutPreset::Survey => {
+            let waterfall = tab(View::Waterfall, &mut tiles);
+            let map = tab(View::Map, &mut tiles);
+            let cloud = tab(View::Cloud, &mut tiles);
+            let below = tiles.insert_horizontal_tile(vec![map, cloud]);
+            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], 0.55);
+            tiles.insert_container(Container::Linear(split))
+        }
+    };
+    Tree::new(egui::Id::unique("views"), root, tiles)
+}
+
+impl Layout {
+    /// Starts over with an arrangement.
+    pub fn arrange(&mut self, preset: LayoutPreset) {
+        self.tree = tree(preset);
+        self.maximised = None;
+        if let LayoutPreset::Only(view) = preset {
+            self.focus = view;
+        }
+    }
+
+    /// Gives a view the keyboard, and brings it to the front.
+    pub fn focus(&mut self, view: View) {
+        self.focus = view;
+        if self.maximised.is_some() {
+            self.maximised = Some(view);
+        } else if self.tree.tiles.find_pane(&view).is_none() {
+            // The arrangement does not hold this view: show it alone rather than do nothing.
+            self.arrange(LayoutPreset::Only(view));
+        } else {
+            self.tree
+                .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == view));
+        }
+    }
+
+    /// Gives the whole centre to a view, or gives it back.
+    pub fn toggle_maximised(&mut self, view: View) {
+        self.focus = view;
+        self.maximised = match self.maximised {
+            Some(_) => None,
+            None => Some(view),
+        };
+    }
+
+    /// The view that keys act on: the one under the pointer, or else the focused one.
+    pub fn target(&self) -> View {
+        self.hovered.unwrap_or(self.focus)
+    }
+
+    /// The views on screen.
+    pub fn shown(&self) -> Vec<View> {
+        match self.maximised {
+            Some(view) => vec![view],
+            None => {
+                let active = self.tree.active_tiles();
+                let panes = active
+                    .iter()
+                    .filter_map(|tile| self.tree.tiles.get_pane(tile));
+                panes.copied().collect()
+            }
+        }
+    }
+
+    /// Draws the tiles.
+    pub fn ui(&mut self, ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>) {
+        let mut panes = Panes {
+            views,
+            context,
+            focus: self.focus,
+            hovered: None,
+            pressed: None,
+            maximise: None,
+        };
+        match self.maximised {
+            Some(view) => {
+                let mut alone = Tree::new_tabs(egui::Id::unique("maximised view"), vec![view]);
+                alone.ui(&mut panes, ui);
+            }
+            None => self.tree.ui(&mut panes, ui),
+        }
+        let (hovered, pressed, maximise) = (panes.hovered, panes.pressed, panes.maximise);
+        self.hovered = hovered;
+        if let Some(view) = pressed {
+            self.focus = view;
+        }
+        if let Some(view) = maximise {
+            self.toggle_maximised(view);
+        }
+    }
+}
+
+/// What egui_tiles asks while it draws.
+struct Panes<'a, 'c> {
+    views: &'a mut Views,
+    context: &'a mut ViewContext<'c>,
+    focus: View,
+    hovered: Option<View>,
+    pressed: Option<View>,
+    maximise: Option<View>,
+}
+
+impl Behavior<View> for Panes<'_, '_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, view: &mut View) -> UiResponse {
+        if ui.rect_contains_pointer(ui.max_rect()) {
+            self.hovered = Some(*view);
+            if ui.input(|input| input.pointer.any_pressed()) {
+                self.pressed = Some(*view);
+            }
+        }
+        self.views.ui(*view, ui, self.context);
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, view: &View) -> egui::WidgetText {
+        view.title().into()
+    }
+
+    fn on_tab_button(
+        &mut self,
+        tiles: &mut Tiles<View>,
+        tile: TileId,
+        response: egui::Response,
+    ) -> egui::Response {
+        if let Some(&view) = tiles.get_pane(&tile) {
+            if response.double_clicked() {
+                self.maximise = Some(view);
+            } else if response.clicked() {
+                self.pressed = Some(view);
+            }
+        }
+        response.on_hover_text("Drag to move the view; double-click to maximise it, or press F11.")
+    }
+
+    fn top_bar_right_ui(
+        &mut self,
+        tiles: &Tiles<View>,
+        ui: &mut Ui,
+        _: TileId,
+        tabs: &Tabs,
+        _: &mut f32,
+    ) {
+        let active = tabs.active.and_then(|tile| tiles.get_pane(&tile));
+        if let Some(&view) = active {
+            toolbar::ui(ui, view, self.context);
+        }
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            ..SimplificationOptions::default()
+        }
+    }
+
+    fn tab_bar_height(&self, _: &egui::Style) -> f32 {
+        26.0
+    }
+
+    fn gap_width(&self, _: &egui::Style) -> f32 {
+        3.0
+    }
+
+    fn min_size(&self) -> f32 {
+        120.0
+    }
+
+    fn tab_bar_color(&self, visuals: &egui::Visuals) -> Color32 {
+        visuals.panel_fill
+    }
+
+    fn tab_bg_color(
+        &self,
+        visuals: &egui::Visuals,
+        _: &Tiles<View>,
+        _: TileId,
+        _: &TabState,
+    ) -> Color32 {
+        visuals.panel_fill
+    }
+
+    fn tab_outline_stroke(
+        &self,
+        _: &egui::Visuals,
+        _: &Tiles<View>,
+        _: TileId,
+        _: &TabState,
+    ) -> Stroke {
+        Stroke::NONE
+    }
+
+    fn tab_bar_hline_stroke(&self, visuals: &egui::Visuals) -> Stroke {
+        visuals.widgets.noninteractive.bg_stroke
+    }
+
+    fn tab_text_color(
+        &self,
+        visuals: &egui::Visuals,
+        tiles: &Tiles<View>,
+        tile: TileId,
+        state: &TabState,
+    ) -> Color32 {
+        let focused = tiles.get_pane(&tile) == Some(&self.focus);
+        match (state.active, focused) {
+            (true, true) => theme::accent_colour(self.context.app.options.theme),
+            (true, false) => visuals.strong_text_color(),
+            (false, _) => visuals.weak_text_color(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_survives_saving() {
+        let mut layout = Layout::default();
+        layout.arrange(LayoutPreset::Only(View::Map));
+        let text = serde_json::to_string(&layout).unwrap();
+        let back: Layout = serde_json::from_str(&text).unwrap();
+        assert!(back.tree.tiles.find_pane(&View::Map).is_some());
+        assert!(back.tree.tiles.find_pane(&View::Cloud).is_none());
+        assert_eq!(back.focus, View::Map);
+    }
+
+    #[test]
+    fn focusing_a_view_that_is_not_there_brings_it() {
+        let mut layout = Layout::default();
+        layout.arrange(LayoutPreset::Only(View::Map));
+        layout.focus(View::Cloud);
+        assert!(layout.tree.tiles.find_pane(&View::Cloud).is_some());
+    }
+}

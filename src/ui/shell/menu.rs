@@ -1,0 +1,201 @@
+//! The menu bar. Entries come from the command table.
+
+use super::toolbar;
+use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
+use crate::ui::ViewContext;
+use egui::{Button, Ui};
+
+const FILE: &[Action] = &[Action::Open, Action::OpenPath, Action::OpenDemo];
+const LAYOUTS: &[Action] = &[
+    Action::LayoutSurvey,
+    Action::LayoutWaterfall,
+    Action::LayoutMap,
+    Action::LayoutCloud,
+    Action::Maximise,
+];
+const CAMERAS: &[Action] = &[
+    Action::Fit,
+    Action::ZoomIn,
+    Action::ZoomOut,
+    Action::TopView,
+    Action::SideView,
+];
+const STEPS: &[Action] = &[
+    Action::PreviousPing,
+    Action::NextPing,
+    Action::Back25,
+    Action::Forward25,
+    Action::FirstPing,
+    Action::LastPing,
+    Action::Play,
+];
+const PROCESSING: &[Action] = &[
+    Action::PresetRecommended,
+    Action::PresetPublished,
+    Action::ThresholdDown,
+    Action::ThresholdUp,
+    Action::CalibrateHere,
+    Action::CalibrationReset,
+    Action::OutlierPreview,
+    Action::Cancel,
+];
+
+/// Draws the bar.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    egui::containers::menu::MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, context));
+        ui.menu_button("Edit", |ui| edit(ui, context));
+        ui.menu_button("View", |ui| view(ui, context));
+        ui.menu_button("Survey", |ui| survey(ui, context));
+        ui.menu_button("Help", |ui| {
+            entries(ui, context, &[Action::Palette, Action::Help]);
+        });
+        ui.add_space(12.0);
+        buttons(ui, context);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            theme_button(ui, context);
+            palette_field(ui, context);
+        });
+    });
+}
+
+fn entry(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
+    titled(ui, context, action, action.label(), true);
+}
+
+fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
+    let button = Button::new(title).shortcut_text(action.keys().unwrap_or_default());
+    let response = ui.add_enabled(enabled, button);
+    if response.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
+        ui.close();
+    }
+}
+
+fn entries(ui: &mut Ui, context: &mut ViewContext<'_>, actions: &[Action]) {
+    for &action in actions {
+        entry(ui, context, action);
+    }
+}
+
+fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    entries(ui, context, FILE);
+    let recent = context.app.recent.clone();
+    ui.add_enabled_ui(!recent.is_empty(), |ui| {
+        ui.menu_button("Recent", |ui| {
+            for path in recent {
+                let shown = path.display().to_string();
+                if ui.button(shown).clicked() {
+                    context.push(Command::Open(path));
+                    ui.close();
+                }
+            }
+        });
+    });
+    ui.separator();
+    let ready = context.app.products.is_some();
+    titled(ui, context, Action::Export, Action::Export.label(), ready);
+    ui.separator();
+    entry(ui, context, Action::Quit);
+}
+
+fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    for (action, label) in [
+        (Action::Undo, context.app.undo_label()),
+        (Action::Redo, context.app.redo_label()),
+    ] {
+        let title = match label {
+            Some(label) => format!("{} {label}", action.label()),
+            None => action.label().to_owned(),
+        };
+        titled(ui, context, action, &title, label.is_some());
+    }
+}
+
+fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    entries(ui, context, LAYOUTS);
+    ui.separator();
+    entries(ui, context, CAMERAS);
+    ui.separator();
+    let before = context.app.options.clone();
+    let mut options = before.clone();
+    ui.menu_button("Waterfall", |ui| {
+        for map in ColourMap::ALL {
+            ui.radio_value(&mut options.waterfall.colour_map, map, map.name());
+        }
+        ui.separator();
+        toolbar::levels(ui, &mut options.waterfall);
+        ui.separator();
+        ui.checkbox(&mut options.waterfall.first_return, "First return");
+        ui.checkbox(&mut options.waterfall.range_lines, "Range lines");
+    });
+    ui.menu_button("Map", |ui| {
+        ui.checkbox(&mut options.map.depth_map, "Depth map");
+        ui.checkbox(&mut options.map.track, "Track");
+        ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
+    });
+    ui.menu_button("Side colours", |ui| {
+        let paper = "paper: starboard red, port blue";
+        ui.radio_value(&mut options.side_colours, SideColours::Paper, paper);
+        let maritime = "maritime: port red, starboard green";
+        ui.radio_value(&mut options.side_colours, SideColours::Maritime, maritime);
+    });
+    if options != before {
+        context.push(Command::Show(Box::new(options)));
+    }
+    entries(ui, context, &[Action::Orientation, Action::Theme]);
+}
+
+fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    entries(ui, context, PROCESSING);
+    ui.separator();
+    entries(ui, context, STEPS);
+}
+
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let undo = context.app.undo_label();
+    let redo = context.app.redo_label();
+    let open = "Open";
+    for (action, label, enabled, what) in [
+        (Action::Open, open, true, None),
+        (Action::Undo, "Undo", undo.is_some(), undo),
+        (Action::Redo, "Redo", redo.is_some(), redo),
+    ] {
+        let hint = what.map_or_else(
+            || action.hint().to_owned(),
+            |what| format!("{}: {what}", action.label()),
+        );
+        let hint = format!("{hint} ({})", action.keys().unwrap_or_default());
+        let button = ui.add_enabled(enabled, Button::new(label));
+        if button
+            .accessible_name(format!("{label} button"))
+            .on_hover_text(hint)
+            .clicked()
+        {
+            context.push(Command::Do(action));
+        }
+    }
+}
+
+fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let label = match context.app.options.theme {
+        ThemeChoice::Dark => "Light",
+        ThemeChoice::Light => "Dark",
+    };
+    let button = ui.button(label).accessible_name(Action::Theme.label());
+    if button.on_hover_text("Switches the theme (L).").clicked() {
+        context.push(Command::Do(Action::Theme));
+    }
+}
+
+fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let action = Action::Palette;
+    let text = egui::RichText::new("Search or run a command").weak();
+    let button = Button::new(text)
+        .shortcut_text(action.keys().unwrap_or_default())
+        .min_size(egui::vec2(280.0, 20.0))
+        .fill(ui.visuals().extreme_bg_color);
+    if ui.add(button).accessible_name(action.label()).clicked() {
+        context.push(Command::Do(action));
+    }
+}

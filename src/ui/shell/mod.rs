@@ -1,0 +1,241 @@
+//! The window as a whole: menu, panels and tiles of views, and what ties them to the state.
+
+mod commands;
+mod drop;
+mod help;
+mod keys;
+mod layout;
+mod menu;
+mod palette;
+mod persist;
+mod play;
+mod toolbar;
+
+use super::dialogs::Dialogs;
+use super::panels::{self, timeline::TimeLine};
+use super::views::{CloudView, MapView, ProfileView, WaterfallView};
+use super::{ViewContext, ViewRequest, theme};
+use crate::app::{App, Command, View};
+use eframe::egui_wgpu::RenderState;
+use egui::{CentralPanel, Frame, Panel, Ui};
+use layout::Layout;
+use palette::Palette;
+use play::Play;
+
+/// A view that fills the whole picture, for `bathyscope snapshot`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alone {
+    /// One of the views of the centre.
+    View(View),
+    /// The profile of the selected ping.
+    Profile,
+}
+
+/// The views with where each of them looks.
+#[derive(Default)]
+struct Views {
+    waterfall: WaterfallView,
+    map: MapView,
+    cloud: CloudView,
+    profile: ProfileView,
+}
+
+impl Views {
+    fn ui(&mut self, view: View, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        match view {
+            View::Waterfall => self.waterfall.ui(ui, context),
+            View::Map => self.map.ui(ui, context),
+            View::Cloud => self.cloud.ui(ui, context),
+        }
+    }
+
+    fn request(&mut self, view: View, request: ViewRequest) {
+        match view {
+            View::Waterfall => self.waterfall.request(request),
+            View::Map => self.map.request(request),
+            View::Cloud => self.cloud.request(request),
+        }
+    }
+
+    fn is_settled(&self, view: View) -> bool {
+        match view {
+            View::Waterfall => self.waterfall.is_settled(),
+            View::Map => self.map.is_settled(),
+            View::Cloud => self.cloud.is_settled(),
+        }
+    }
+}
+
+/// The window: the state, the views, and everything around them.
+pub struct Shell {
+    /// The state that all of it shows.
+    pub app: App,
+    views: Views,
+    layout: Layout,
+    timeline: TimeLine,
+    palette: Palette,
+    dialogs: Dialogs,
+    play: Play,
+    help_open: bool,
+    alone: Option<Alone>,
+    started: bool,
+}
+
+impl Shell {
+    /// A window on `app`.
+    pub fn new(app: App) -> Self {
+        Self {
+            app,
+            views: Views::default(),
+            layout: Layout::default(),
+            timeline: TimeLine::default(),
+            palette: Palette::default(),
+            dialogs: Dialogs::default(),
+            play: Play::default(),
+            help_open: false,
+            alone: None,
+            started: false,
+        }
+    }
+
+    /// Fills the whole picture with one view, without anything around it.
+    pub fn show_alone(&mut self, alone: Alone) {
+        self.alone = Some(alone);
+    }
+
+    /// Makes the waterfall show exactly these pings.
+    pub fn show_pings(&mut self, pings: std::ops::Range<usize>) {
+        self.views.waterfall.show_pings(pings);
+    }
+
+    /// Whether nothing runs any more and everything on screen is drawn at its final quality.
+    pub fn is_settled(&self) -> bool {
+        let views_settled = match self.alone {
+            Some(Alone::View(view)) => self.views.is_settled(view),
+            Some(Alone::Profile) => true,
+            None => {
+                let shown = self.layout.shown();
+                shown.into_iter().all(|view| self.views.is_settled(view))
+                    && self.timeline.is_settled()
+            }
+        };
+        self.app.is_idle() && views_settled
+    }
+
+    /// One frame: collects what workers finished, draws everything, and carries out what the analyst asked for.
+    pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
+        self.app.poll();
+        theme::apply(ui.ctx(), self.app.options.theme);
+        let mut commands = Vec::new();
+        self.dialogs.poll(&mut commands);
+        drop::collect(ui, &mut commands);
+        if !self.palette.is_open() {
+            keys::collect(ui, &mut commands);
+        }
+        self.play.advance(ui, &self.app, &mut commands);
+        self.draw(ui, render_state, &mut commands);
+        let ctx = ui.ctx().clone();
+        if !self.started {
+            // The first frame was laid out in sizes that were not ours yet.
+            self.started = true;
+            ctx.request_repaint();
+        }
+        for command in commands {
+            self.carry_out(&ctx, command);
+        }
+    }
+
+    fn draw(
+        &mut self,
+        ui: &mut Ui,
+        render_state: Option<&RenderState>,
+        commands: &mut Vec<Command>,
+    ) {
+        let mut context = ViewContext {
+            app: &self.app,
+            render_state,
+            commands,
+        };
+        if let Some(alone) = self.alone {
+            return draw_alone(ui, &mut self.views, &mut context, alone);
+        }
+        let bar = Frame::new()
+            .fill(ui.visuals().panel_fill)
+            .inner_margin(egui::Margin::symmetric(8, 3));
+        Panel::top("menu bar").frame(bar).show(ui, |ui| {
+            menu::ui(ui, &mut context);
+        });
+        Panel::bottom("status bar")
+            .exact_size(24.0)
+            .frame(bar)
+            .show(ui, |ui| panels::status::ui(ui, &mut context));
+        if !context.app.notices.is_empty() {
+            let line = bar.fill(ui.visuals().extreme_bg_color);
+            Panel::bottom("notices")
+                .frame(line)
+                .show(ui, |ui| panels::notices::ui(ui, &mut context));
+        }
+        let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
+        Panel::left("steps")
+            .default_size(theme::SIDE_PANEL_WIDTH)
+            .size_range(240.0..=480.0)
+            .frame(side)
+            .show(ui, |ui| {
+                egui::ScrollArea::vertical()
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| panels::steps(ui, &mut context));
+            });
+        Panel::right("details")
+            .default_size(theme::SIDE_PANEL_WIDTH)
+            .size_range(220.0..=560.0)
+            .frame(side)
+            .show(ui, |ui| details(ui, &mut context, &mut self.views.profile));
+        Panel::bottom("time line")
+            .exact_size(panels::timeline::HEIGHT)
+            .frame(bar)
+            .show(ui, |ui| {
+                self.timeline.ui(ui, &mut context);
+                self.play.ui(ui, &mut context);
+            });
+        CentralPanel::no_frame().show(ui, |ui| {
+            self.layout.ui(ui, &mut self.views, &mut context);
+        });
+        self.palette.ui(ui.ctx(), &mut context);
+        help::ui(ui.ctx(), &mut self.help_open);
+        self.dialogs.ui(ui.ctx(), &mut context);
+        drop::overlay(ui);
+    }
+}
+
+fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alone: Alone) {
+    let canvas = Frame::new().fill(theme::canvas_colour(&context.app.options));
+    CentralPanel::no_frame()
+        .frame(canvas)
+        .show(ui, |ui| match alone {
+            Alone::View(view) => views.ui(view, ui, context),
+            Alone::Profile => views.profile.ui(ui, context),
+        });
+}
+
+/// The right side: what is selected, and its profile.
+fn details(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView) {
+    panels::selection::ui(ui, context);
+    let title = egui::RichText::new("PROFILE").size(12.0).strong();
+    ui.add(egui::Label::new(title).selectable(false));
+    profile.ui(ui, context);
+}
+
+impl eframe::App for Shell {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        let render_state = frame.wgpu_render_state().cloned();
+        self.frame(ui, render_state.as_ref());
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        persist::save(self, storage);
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}

@@ -1,0 +1,177 @@
+//! The command palette: a few letters of a name find any command or recent log.
+
+use crate::app::{Action, Command};
+use crate::ui::ViewContext;
+use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+
+/// The palette; closed at the start.
+#[derive(Default)]
+pub(super) struct Palette {
+    open: bool,
+    query: String,
+    chosen: usize,
+}
+
+/// What can be run.
+struct Item {
+    label: String,
+    keys: &'static str,
+    hint: String,
+    command: Command,
+}
+
+impl Palette {
+    /// Shows the palette with an empty field.
+    pub fn open(&mut self) {
+        *self = Self {
+            open: true,
+            ..Self::default()
+        };
+    }
+
+    /// Whether it is shown.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws the palette while it is open.
+    pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
+        if !self.open {
+            return;
+        }
+        let id = egui::Id::unique("command palette");
+        let area = Modal::default_area(id).anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]);
+        let modal = Modal::new(id).area(area).show(ctx, |ui| {
+            ui.set_width(520.0);
+            self.contents(ui, context)
+        });
+        if modal.inner || modal.should_close() {
+            self.open = false;
+        }
+    }
+
+    /// Draws the field and the list; returns whether something was run.
+    fn contents(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) -> bool {
+        let down = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowDown));
+        let up = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowUp));
+        let enter = ui.input(|input| input.key_pressed(Key::Enter));
+        let field = TextEdit::singleline(&mut self.query)
+            .hint_text("Type a command")
+            .desired_width(f32::INFINITY);
+        let field = ui.add(field).accessible_name("Command");
+        field.request_focus();
+        if field.changed() {
+            self.chosen = 0;
+        }
+        let found = search(items(context), &self.query);
+        let last = found.len().saturating_sub(1);
+        self.chosen = (self.chosen + usize::from(down))
+            .saturating_sub(usize::from(up))
+            .min(last);
+        ui.add_space(4.0);
+        if found.is_empty() {
+            ui.label(RichText::new("No command has these letters.").weak());
+        }
+        let mut run = None;
+        ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+            for (index, item) in found.into_iter().enumerate() {
+                let chosen = index == self.chosen;
+                if line(ui, &item, chosen, down || up) || (chosen && enter) {
+                    run = Some(item.command);
+                }
+            }
+        });
+        let ran = run.is_some();
+        if let Some(command) = run {
+            context.push(command);
+        }
+        ran
+    }
+}
+
+fn line(ui: &mut Ui, item: &Item, chosen: bool, moved: bool) -> bool {
+    let button = egui::Button::selectable(chosen, item.label.as_str())
+        .shortcut_text(item.keys)
+        .min_size(egui::vec2(ui.available_width(), 22.0));
+    let response = ui.add(button);
+    if chosen && moved {
+        response.scroll_to_me(None);
+    }
+    response.on_hover_text(&item.hint).clicked()
+}
+
+fn items(context: &ViewContext<'_>) -> Vec<Item> {
+    let actions = Action::ALL.iter().map(|&action| Item {
+        label: action.label().to_owned(),
+        keys: action.keys().unwrap_or_default(),
+        hint: action.hint().to_owned(),
+        command: Command::Do(action),
+    });
+    let recent = context.app.recent.iter().map(|path| Item {
+        label: format!("Open {}", path.display()),
+        keys: "",
+        hint: "Opens this log again.".to_owned(),
+        command: Command::Open(path.clone()),
+    });
+    actions.chain(recent).collect()
+}
+
+/// Items whose labels contain the letters of the query in order, best first.
+fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
+    let mut found: Vec<(i32, Item)> = items
+        .into_iter()
+        .filter_map(|item| Some((score(&item.label, query)?, item)))
+        .collect();
+    found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    found.into_iter().map(|(_, item)| item).collect()
+}
+
+/// How well the letters of `query` fit into `label` in order: letters that start a word or follow each other count
+/// more. `None` when they do not fit.
+fn score(label: &str, query: &str) -> Option<i32> {
+    let letters: Vec<char> = label.to_lowercase().chars().collect();
+    let wanted = query.to_lowercase();
+    let mut total = 0;
+    let mut from = 0;
+    let mut last = None;
+    for letter in wanted.chars().filter(|letter| !letter.is_whitespace()) {
+        let follows = last.map(|last: usize| last + 1);
+        let starts_word = |at: usize| at == 0 || !letters[at - 1].is_alphanumeric();
+        let places = || (from..letters.len()).filter(|&at| letters[at] == letter);
+        let at = places()
+            .find(|&at| Some(at) == follows)
+            .or_else(|| places().find(|&at| starts_word(at)))
+            .or_else(|| places().next())?;
+        total += if Some(at) == follows {
+            5
+        } else if starts_word(at) {
+            8
+        } else {
+            1
+        };
+        from = at + 1;
+        last = Some(at);
+    }
+    Some(total * 100 - letters.len() as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn best(query: &str) -> &'static str {
+        let scored = Action::ALL
+            .iter()
+            .filter_map(|action| Some((score(action.label(), query)?, action.label())));
+        scored.max_by_key(|(score, _)| *score).unwrap().1
+    }
+
+    #[test]
+    fn letters_in_order_find_a_command() {
+        assert_eq!(best("outl"), "Outlier preview");
+        assert_eq!(best("preset pub"), "Preset: published");
+        assert_eq!(best("lcl"), "Layout: 3D cloud only");
+        assert_eq!(score("Undo", "xyz"), None);
+        assert!(score("Undo", "").is_some());
+    }
+}

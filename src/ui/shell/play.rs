@@ -1,0 +1,114 @@
+//! Running along the survey by itself.
+
+use crate::app::{Action, App, Command, Mark};
+use crate::ui::ViewContext;
+use egui::Ui;
+use std::time::Duration;
+
+/// Survey seconds in a second of playing.
+const SPEEDS: [f64; 4] = [1.0, 4.0, 10.0, 30.0];
+
+/// Whether and how fast the selection runs.
+pub(super) struct Play {
+    running: bool,
+    speed: f64,
+    /// Survey time of the play head: finer than the pings.
+    time_s: f64,
+}
+
+impl Default for Play {
+    fn default() -> Self {
+        Self {
+            running: false,
+            speed: SPEEDS[1],
+            time_s: 0.0,
+        }
+    }
+}
+
+impl Play {
+    /// Starts at the selection, or stops. At the end it starts over.
+    pub fn toggle(&mut self, app: &App) {
+        let Some(pings) = app.survey.as_ref().map(|survey| &survey.side_scan) else {
+            return;
+        };
+        let here = app.selection.map_or(0, |mark| mark.ping);
+        let from = if here + 1 >= pings.len() { 0 } else { here };
+        if let Some(ping) = pings.get(from) {
+            self.time_s = ping.time_s;
+            self.running = !self.running;
+        }
+    }
+
+    /// Moves the selection by the time since the last frame.
+    pub fn advance(&mut self, ui: &Ui, app: &App, commands: &mut Vec<Command>) {
+        if !self.running {
+            return;
+        }
+        let Some(survey) = &app.survey else {
+            self.running = false;
+            return;
+        };
+        let frame_s = f64::from(ui.input(|input| input.stable_dt)).min(0.25);
+        self.time_s += frame_s * self.speed;
+        let pings = &survey.side_scan;
+        let next = pings.partition_point(|ping| ping.time_s <= self.time_s);
+        if next >= pings.len() {
+            self.running = false;
+        }
+        let ping = next.saturating_sub(1);
+        if app.selection.map(|mark| mark.ping) != Some(ping) {
+            commands.push(Command::Reveal(Mark::ping(ping)));
+        }
+        ui.ctx().request_repaint_after(Duration::from_millis(16));
+    }
+
+    /// Draws the button and the speed at the left end of the time line.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        if context.app.survey.is_none() {
+            return;
+        }
+        let corner = ui.min_rect().left_top();
+        let place = egui::Rect::from_min_size(corner, egui::vec2(34.0, 44.0));
+        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(place));
+        ui.spacing_mut().item_spacing.y = 3.0;
+        let size = egui::vec2(30.0, 20.0);
+        let button = ui
+            .add_sized(size, egui::Button::new(""))
+            .accessible_name(Action::Play.label())
+            .on_hover_text("Runs along the survey (Space).");
+        icon(&ui, button.rect, self.running);
+        if button.clicked() {
+            context.push(Command::Do(Action::Play));
+        }
+        let speed = egui::Button::new(egui::RichText::new(format!("{}×", self.speed)).small());
+        let speed = ui
+            .add_sized(size, speed)
+            .accessible_name("Play speed")
+            .on_hover_text("How much faster than the boat; click for the next speed.");
+        if speed.clicked() {
+            let here = SPEEDS
+                .iter()
+                .position(|speed| *speed == self.speed)
+                .unwrap_or(0);
+            self.speed = SPEEDS[(here + 1) % SPEEDS.len()];
+        }
+    }
+}
+
+/// A triangle, or two bars: the font has neither.
+fn icon(ui: &Ui, rect: egui::Rect, running: bool) {
+    let at = rect.center();
+    let colour = ui.visuals().strong_text_color();
+    if running {
+        for dx in [-3.0, 3.0] {
+            let bar = egui::Rect::from_center_size(at + egui::vec2(dx, 0.0), egui::vec2(2.5, 9.0));
+            ui.painter().rect_filled(bar, 0.0, colour);
+        }
+    } else {
+        let corners = [[-3.5, -5.0], [5.0, 0.0], [-3.5, 5.0]];
+        let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
+        let triangle = egui::Shape::convex_polygon(points, colour, egui::Stroke::NONE);
+        ui.painter().add(triangle);
+    }
+}

@@ -1,0 +1,135 @@
+//! Numbers, places and times as the analyst reads them.
+
+use crate::geo::LonLat;
+
+/// What stands where there is no value.
+pub const NONE: &str = "–";
+
+/// A count with thin groups of three: `12 345`.
+pub fn count(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number with a unit, or a dash when it is not a number.
+pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
+    if value.is_finite() {
+        format!("{value:.decimals$} {unit}")
+    } else {
+        NONE.to_owned()
+    }
+}
+
+/// Decimal degrees with the hemisphere, to about 0.1 m: `36.877100° N 111.516300° W`.
+pub fn place(at: LonLat) -> String {
+    let hemisphere = |value: f64, positive, negative| if value < 0.0 { negative } else { positive };
+    format!(
+        "{:.6}° {} {:.6}° {}",
+        at.lat_deg.abs(),
+        hemisphere(at.lat_deg, "N", "S"),
+        at.lon_deg.abs(),
+        hemisphere(at.lon_deg, "E", "W"),
+    )
+}
+
+/// Minutes and seconds, with hours when there are any: `2:30`, `1:02:30`.
+pub fn duration(seconds: f64) -> String {
+    if !seconds.is_finite() {
+        return NONE.to_owned();
+    }
+    let sign = if seconds < 0.0 { "-" } else { "" };
+    let total = seconds.abs().round() as u64;
+    let (hours, minutes, seconds) = (total / 3600, total / 60 % 60, total % 60);
+    if hours > 0 {
+        format!("{sign}{hours}:{minutes:02}:{seconds:02}")
+    } else {
+        format!("{sign}{minutes}:{seconds:02}")
+    }
+}
+
+/// Time of day in UTC when the recorder knew the time, else the time since the start of the log.
+pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
+    match start_unix_s {
+        Some(start) => {
+            let second = (start + time_s).rem_euclid(86_400.0) as u64;
+            let (hours, minutes, seconds) = (second / 3600, second / 60 % 60, second % 60);
+            format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
+        }
+        None => duration(time_s),
+    }
+}
+
+/// The date in UTC, `2014-09-08`.
+pub fn date(unix_s: f64) -> String {
+    // Civil date from days since 1970 (Howard Hinnant, "chrono-compatible low-level date algorithms").
+    let days = (unix_s / 86_400.0).floor() as i64 + 719_468;
+    let era = days.div_euclid(146_097);
+    let day_of_era = days.rem_euclid(146_097);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 {
+        shifted_month + 3
+    } else {
+        shifted_month - 9
+    };
+    let year = year_of_era + era * 400 + i64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+/// Bytes in the unit that leaves one to three digits before the point.
+pub fn bytes(count: u64) -> String {
+    match count {
+        0..1_000 => format!("{count} B"),
+        1_000..1_000_000 => format!("{:.0} kB", count as f64 / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
+        _ => format!("{:.2} GB", count as f64 / 1e9),
+    }
+}
+
+/// `1 warning`, `2 warnings`.
+pub fn plural(number: usize, one: &str, many: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { many })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_grouped() {
+        assert_eq!(count(0), "0");
+        assert_eq!(count(999), "999");
+        assert_eq!(count(1_000), "1 000");
+        assert_eq!(count(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn dates_and_clocks_are_those_of_the_calendar() {
+        assert_eq!(date(0.0), "1970-01-01");
+        assert_eq!(date(951_782_400.0), "2000-02-29");
+        assert_eq!(date(1_410_181_021.0), "2014-09-08");
+        assert_eq!(clock(Some(1_410_181_021.0), 0.0), "12:57:01 UTC");
+        assert_eq!(clock(None, 150.4), "2:30");
+        assert_eq!(duration(3750.0), "1:02:30");
+        assert_eq!(duration(-1.2), "-0:01");
+    }
+
+    #[test]
+    fn places_name_their_hemisphere() {
+        let at = LonLat {
+            lon_deg: -111.5163,
+            lat_deg: 36.8771,
+        };
+        assert_eq!(place(at), "36.877100° N 111.516300° W");
+    }
+}

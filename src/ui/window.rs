@@ -1,0 +1,43 @@
+//! The window on the desktop.
+
+use super::Shell;
+use crate::app::{App, Command, Jobs};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Opens the window on the first of `paths`, on the demo survey, or empty; returns when it is closed.
+///
+/// Errors say what is missing: a display, or a graphics driver.
+pub fn open_window(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Bathyscope")
+            .with_app_id("bathyscope")
+            .with_inner_size([1600.0, 1000.0])
+            .with_min_inner_size([800.0, 500.0])
+            .with_drag_and_drop(true),
+        renderer: eframe::Renderer::Wgpu,
+        ..eframe::NativeOptions::default()
+    };
+    let start = move |cc: &eframe::CreationContext<'_>| {
+        let ctx = cc.egui_ctx.clone();
+        let mut shell = Shell::new(App::new(Jobs::Threads(Arc::new(move || {
+            ctx.request_repaint()
+        }))));
+        if let Some(storage) = cc.storage {
+            shell.restore(storage);
+        }
+        // One survey is open at a time; of several paths the last would win, so only the first is opened.
+        if let Some(path) = paths.into_iter().next() {
+            shell.app.apply(Command::Open(path));
+        } else if demo {
+            shell.app.apply(Command::OpenDemo);
+        }
+        Ok(Box::new(shell) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("bathyscope", options, Box::new(start)).map_err(|error| {
+        format!(
+            "the window cannot be opened: {error}; `bathyscope process` and `bathyscope snapshot` work without one"
+        )
+    })
+}
