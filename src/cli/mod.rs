@@ -5,7 +5,9 @@
 mod info;
 mod process;
 mod simulate;
+mod snapshot;
 mod status_line;
+mod window;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -32,6 +34,8 @@ enum Command {
     Info(info::InfoArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
+    /// Draw the window, or one of its views, into a picture
+    Snapshot(snapshot::SnapshotArgs),
     /// Make a survey of known truth: log, truth and objects
     Simulate(simulate::SimulateArgs),
 }
@@ -48,6 +52,10 @@ pub fn main() -> ExitCode {
             ..
         } => process::run(args),
         Cli {
+            command: Some(Command::Snapshot(args)),
+            ..
+        } => snapshot::run(args),
+        Cli {
             command: Some(Command::Simulate(args)),
             ..
         } => simulate::run(args),
@@ -55,7 +63,11 @@ pub fn main() -> ExitCode {
             command: None,
             surveys,
             demo,
-        } => Err(format!("{surveys:?} {demo}")),
+        } if window::display_available() => window::run(surveys, demo),
+        Cli { command: None, .. } => Err(
+            "no display to open the window on; `bathyscope process` and `bathyscope snapshot` work without one"
+                .to_owned(),
+        ),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

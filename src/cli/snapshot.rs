@@ -1,0 +1,182 @@
+//! `bathyscope snapshot`: the window's pictures without a window.
+
+use super::process::SettingsArgs;
+use crate::app::{App, Command, Jobs, Mark, ThemeChoice, View};
+use crate::calibration::PingRange;
+use crate::ui::{Alone, Shell, offscreen};
+use std::path::{Path, PathBuf};
+
+/// `bathyscope snapshot SURVEY -o FILE.png`.
+#[derive(Debug, clap::Args)]
+pub struct SnapshotArgs {
+    /// The log; the bundled demo survey when left out
+    survey: Option<PathBuf>,
+    /// Picture to write
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+    /// What to draw: one view, or the whole window
+    #[arg(long, value_enum, default_value_t = Picture::All)]
+    view: Picture,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1600x1000", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Side-scan pings that the waterfall shows; the middle one is selected
+    #[arg(long, value_name = "A..B", value_parser = parse_pings)]
+    pings: Option<PingRange>,
+    /// Pixels in a point: 2 draws all text and lines twice as large
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
+    scale: f32,
+    /// Dark or light
+    #[arg(long, value_enum, default_value_t = Theme::Dark)]
+    theme: Theme,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Picture {
+    /// Side-scan picture with the first return
+    Waterfall,
+    /// Track and depth map
+    Map,
+    /// 3D point cloud
+    Cloud,
+    /// The selected ping as a curve
+    Profile,
+    /// The whole window
+    All,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Theme {
+    Dark,
+    Light,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    parsed
+        .filter(|size: &[u32; 2]| size.iter().all(|side| (16..=16_384).contains(side)))
+        .ok_or_else(|| {
+            format!("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{text}`")
+        })
+}
+
+fn parse_pings(text: &str) -> Result<PingRange, String> {
+    PingRange::try_from(text.to_owned())
+}
+
+/// Draws the picture and writes it; says on stderr which adapter drew it.
+pub fn run(args: SnapshotArgs) -> Result<(), String> {
+    let settings = args.settings.resolve()?;
+    if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {
+        return Err(format!(
+            "a picture's scale lies between 0.5 and 8; got {}",
+            args.scale
+        ));
+    }
+    let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
+    app.settings = settings;
+    app.options.theme = match args.theme {
+        Theme::Dark => ThemeChoice::Dark,
+        Theme::Light => ThemeChoice::Light,
+    };
+    open(&mut app, args.survey.as_deref())?;
+    select(&mut app, args.pings)?;
+    let mut shell = Shell::new(app);
+    if let Some(alone) = alone(args.view) {
+        shell.show_alone(alone);
+    }
+    if let Some(pings) = args.pings {
+        shell.show_pings(pings.start..pings.end);
+    }
+    let (picture, adapter) = offscreen::render(&mut shell, args.size, args.scale)?;
+    if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
+        return Err(error.text.clone());
+    }
+    write(&picture, &args.output)?;
+    eprintln!("drawn by {adapter}");
+    Ok(())
+}
+
+fn alone(picture: Picture) -> Option<Alone> {
+    match picture {
+        Picture::Waterfall => Some(Alone::View(View::Waterfall)),
+        Picture::Map => Some(Alone::View(View::Map)),
+        Picture::Cloud => Some(Alone::View(View::Cloud)),
+        Picture::Profile => Some(Alone::Profile),
+        Picture::All => None,
+    }
+}
+
+/// Opens the log and waits for all results.
+fn open(app: &mut App, path: Option<&Path>) -> Result<(), String> {
+    app.apply(match path {
+        Some(path) => Command::Open(path.to_owned()),
+        None => Command::OpenDemo,
+    });
+    while !app.is_idle() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        app.poll();
+    }
+    match app.notices.iter().find(|notice| notice.is_error) {
+        Some(error) => Err(error.text.clone()),
+        None => Ok(()),
+    }
+}
+
+/// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
+fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
+    let count = app
+        .survey
+        .as_ref()
+        .map_or(0, |survey| survey.side_scan.len());
+    let pings = pings.unwrap_or(PingRange {
+        start: 0,
+        end: count,
+    });
+    if pings.end > count {
+        return Err(format!(
+            "the log has {count} side-scan pings; pings {}..{} were asked for",
+            pings.start, pings.end
+        ));
+    }
+    if count > 0 {
+        let middle = (pings.start + pings.end) / 2;
+        app.apply(Command::Select(Some(Mark::ping(middle))));
+    }
+    Ok(())
+}
+
+/// Writes aside, then renames: an error never leaves half a picture.
+fn write(picture: &image::RgbaImage, path: &Path) -> Result<(), String> {
+    let sentence = |what: &dyn std::fmt::Display| {
+        format!("cannot write the picture: {what}: {}", path.display())
+    };
+    let mut aside = path.as_os_str().to_owned();
+    aside.push(".part");
+    let aside = PathBuf::from(aside);
+    picture
+        .save_with_format(&aside, image::ImageFormat::Png)
+        .map_err(|error| sentence(&error))?;
+    std::fs::rename(&aside, path).map_err(|error| {
+        std::fs::remove_file(&aside).ok();
+        sentence(&error)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_width_times_height() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        for wrong in ["640", "0x10", "axb", "99999x10"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

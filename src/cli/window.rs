@@ -1,0 +1,14 @@
+//! The window, opened from the command line.
+
+use std::path::PathBuf;
+
+/// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
+pub fn run(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
+    crate::ui::open_window(paths, demo)
+}
+
+/// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a display.
+pub fn display_available() -> bool {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos"))) || set("WAYLAND_DISPLAY") || set("DISPLAY")
+}
