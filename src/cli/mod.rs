@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
+mod filter;
 mod info;
 mod process;
 mod simulate;
@@ -32,6 +33,8 @@ struct Cli {
 enum Command {
     /// Tell what is in a log: channels, pings, spans, ranges, warnings
     Info(info::InfoArgs),
+    /// Remove outliers from a point file: xyz, csv, ply, las, laz
+    Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
     /// Draw the window, or one of its views, into a picture
@@ -47,6 +50,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Info(args)),
             ..
         } => info::run(args),
+        Cli {
+            command: Some(Command::Filter(args)),
+            ..
+        } => filter::run(args),
         Cli {
             command: Some(Command::Process(args)),
             ..

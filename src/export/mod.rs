@@ -1,1 +1,25 @@
 //! Files that other programs open: CSV, PLY, LAZ; written aside, then renamed.
+
+mod aside;
+mod cloud_csv;
+mod cloud_laz;
+mod cloud_ply;
+mod first_returns;
+pub mod points;
+
+pub use aside::{ExportError, write_aside};
+pub use cloud_csv::cloud_csv;
+pub use cloud_laz::cloud_laz;
+pub use cloud_ply::cloud_ply;
+pub use first_returns::first_returns_csv;
+
+use crate::cloud::PointSource;
+
+/// Colours of the paper: soundings black, starboard red, port blue.
+fn colour(source: PointSource) -> [u8; 3] {
+    match source {
+        PointSource::DownScan => [0, 0, 0],
+        PointSource::Starboard => [255, 0, 0],
+        PointSource::Port => [0, 0, 255],
+    }
+}

@@ -2,12 +2,14 @@
 
 mod local_frame;
 mod mercator;
+mod utm;
 
 pub use local_frame::LocalFrame;
 pub use mercator::{
     humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,
     web_mercator_inverse,
 };
+pub use utm::UtmZone;
 
 /// A WGS84 position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]

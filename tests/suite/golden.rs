@@ -2,8 +2,8 @@
 
 use bathyscope::cloud::{Geometry, beside, fixed_foot};
 use bathyscope::geo::{
-    LocalFrame, LonLat, humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse,
-    web_mercator, web_mercator_inverse,
+    LocalFrame, LonLat, UtmZone, humminbird_mercator_inverse, lowrance_mercator,
+    lowrance_mercator_inverse, web_mercator, web_mercator_inverse,
 };
 use bathyscope::survey::{PingNav, Side};
 
@@ -161,5 +161,25 @@ fn the_published_point_is_exact() {
         let got = beside(&place, side, foot.across_m).expect("a heading");
         assert_close(got[0], expected[0], 3e-14, side.name());
         assert_close(got[1], expected[1], 3e-14, side.name());
+    }
+}
+
+/// pyproj 3.7.2, EPSG:4326 to EPSG:326xx and 327xx.
+#[test]
+fn utm_agrees_with_proj() {
+    let table = [
+        (-82.110, 29.410, 32617, [392311.9646, 3253923.7680]),
+        (-111.516, 36.877, 32612, [454014.3267, 4081351.9874]),
+        (151.2093, -33.8688, 32756, [334368.6336, 6250948.3454]),
+        (10.3951, 63.4305, 32632, [569618.6286, 7034313.8490]),
+        (2.9999, 0.0, 32631, [499988.8725, 0.0]),
+        (-179.5, -60.25, 32701, [361631.4944, 3318124.8671]),
+    ];
+    for (lon, lat, epsg, expected) in table {
+        let zone = UtmZone::of(at(lon, lat));
+        assert_eq!(zone.epsg(), epsg);
+        let [east_m, north_m] = zone.to_metres(at(lon, lat));
+        assert_close(east_m, expected[0], 5.1e-5, "easting");
+        assert_close(north_m, expected[1], 5.1e-5, "northing");
     }
 }

@@ -3,6 +3,7 @@
 
 mod architecture;
 mod cloud;
+mod export;
 mod first_return;
 mod formats;
 mod golden;

@@ -1,0 +1,61 @@
+//! A file is complete or it is not there.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write the file: {source}: {path}")]
+pub struct ExportError {
+    /// Which file.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+/// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
+/// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers.
+pub fn write_aside(
+    path: &Path,
+    write: impl FnOnce(File) -> io::Result<()>,
+) -> Result<(), ExportError> {
+    let fail = |source| ExportError {
+        path: path.to_path_buf(),
+        source,
+    };
+    let Some(name) = path.file_name() else {
+        return Err(fail(io::Error::other("the path names no file")));
+    };
+    let mut passing = name.to_os_string();
+    passing.push(format!(".{}.part", std::process::id()));
+    let passing = path.with_file_name(passing);
+    let written = File::create(&passing)
+        .and_then(write)
+        .and_then(|()| fs::rename(&passing, path));
+    if written.is_err() {
+        // Best effort: the error that is reported is the one that came first.
+        fs::remove_file(&passing).ok();
+    }
+    written.map_err(fail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write as _;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cloud.csv");
+        write_aside(&path, |mut file| file.write_all(b"old")).unwrap();
+        let failed = write_aside(&path, |mut file| {
+            file.write_all(b"ne")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(failed.unwrap_err().to_string().contains("disk full"));
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

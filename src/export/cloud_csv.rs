@@ -1,0 +1,37 @@
+//! `cloud.csv`: one line a point.
+
+use super::{ExportError, write_aside};
+use crate::cloud::PointCloud;
+use crate::survey::{Navigation, Survey};
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// Writes every point, kept or not, in the cloud's order.
+pub fn cloud_csv(
+    path: &Path,
+    survey: &Survey,
+    navigation: &Navigation,
+    cloud: &PointCloud,
+    kept: &[bool],
+) -> Result<(), ExportError> {
+    write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        writeln!(out, "source,ping,lon,lat,east_m,north_m,z_m,kept")?;
+        for (point, &kept) in cloud.points.iter().zip(kept) {
+            let at = navigation.to_lon_lat(&survey.track, point.east_m, point.north_m);
+            writeln!(
+                out,
+                "{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{}",
+                point.source.name(),
+                point.ping,
+                at.lon_deg,
+                at.lat_deg,
+                point.east_m,
+                point.north_m,
+                point.z_m,
+                u8::from(kept)
+            )?;
+        }
+        out.flush()
+    })
+}

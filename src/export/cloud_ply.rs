@@ -1,0 +1,29 @@
+//! `cloud.ply`: kept points in local metres with the paper's colours.
+
+use super::{ExportError, colour, write_aside};
+use crate::cloud::PointCloud;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+/// Writes the kept points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
+/// plane of the cloud, as doubles; red, green, blue as bytes.
+pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<(), ExportError> {
+    write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
+        write!(
+            out,
+            "ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\
+             element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+             property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+            points.clone().count()
+        )?;
+        for (point, _) in points {
+            for value in [point.east_m, point.north_m, point.z_m] {
+                out.write_all(&value.to_le_bytes())?;
+            }
+            out.write_all(&colour(point.source))?;
+        }
+        out.flush()
+    })
+}

@@ -1,0 +1,62 @@
+//! `first_returns.csv`: one line a ping.
+
+use super::{ExportError, write_aside};
+use crate::calibration::Calibration;
+use crate::cloud::slant_range_m;
+use crate::first_return::FirstReturns;
+use crate::survey::{Navigation, Side, Survey};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
+     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence";
+
+/// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
+/// from the middle, `*_range_m` is after calibration.
+pub fn first_returns_csv(
+    path: &Path,
+    survey: &Survey,
+    navigation: &Navigation,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+) -> Result<(), ExportError> {
+    write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        writeln!(out, "{HEADER}")?;
+        for (index, (ping, place)) in survey.side_scan.iter().zip(&navigation.pings).enumerate() {
+            let at = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
+            write!(out, "{index},{:.3}", ping.time_s)?;
+            number(&mut out, at.lon_deg, 9)?;
+            number(&mut out, at.lat_deg, 9)?;
+            number(&mut out, place.east_m, 3)?;
+            number(&mut out, place.north_m, 3)?;
+            number(
+                &mut out,
+                place.heading_rad.to_degrees().rem_euclid(360.0),
+                2,
+            )?;
+            number(&mut out, f64::from(ping.depth_m), 3)?;
+            for side in [Side::Port, Side::Starboard] {
+                let pick = returns.side(side).get(index).filter(|pick| pick.is_some());
+                let [sample, range_m, confidence] = pick.map_or([f64::NAN; 3], |pick| {
+                    let range_m = slant_range_m(survey, calibration, index, side, pick.sample);
+                    [f64::from(pick.sample), range_m, f64::from(pick.confidence)]
+                });
+                number(&mut out, sample, 2)?;
+                number(&mut out, range_m, 4)?;
+                number(&mut out, confidence, 3)?;
+            }
+            writeln!(out)?;
+        }
+        out.flush()
+    })
+}
+
+/// A comma and the number, or a comma alone where there is none.
+fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
+    if value.is_finite() {
+        write!(out, ",{value:.decimals$}")
+    } else {
+        write!(out, ",")
+    }
+}

@@ -1,0 +1,105 @@
+//! Points in LAS and LAZ.
+
+use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader, Transform, Vector, Writer};
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+/// Points read at a time: the header's count is not trusted with one allocation.
+const BATCH: u64 = 100_000;
+
+/// The points of a LAS file, as they were stored.
+#[derive(Debug)]
+pub(super) struct LasFile {
+    header: Header,
+    batches: Vec<PointData>,
+}
+
+pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
+    let unusable = |error: las::Error| format!("the LAS file cannot be read: {error}");
+    let mut reader = Reader::from_path(path).map_err(unusable)?;
+    let header = reader.header().clone();
+    let (mut batches, mut points) = (Vec::new(), Vec::new());
+    loop {
+        let batch = reader
+            .read_points(BATCH)
+            .map_err(|error| format!("{} after {} points", unusable(error), points.len()))?;
+        if batch.is_empty() {
+            break;
+        }
+        points.extend(
+            batch
+                .x()
+                .zip(batch.y())
+                .zip(batch.z())
+                .map(|((x, y), z)| [x, y, z]),
+        );
+        batches.push(batch);
+    }
+    Ok((LasFile { header, batches }, points))
+}
+
+impl LasFile {
+    /// Writes the kept points with all their attributes and the header's records.
+    pub(super) fn write_kept(&self, file: File, kept: &[bool], compressed: bool) -> io::Result<()> {
+        let mut flags = kept.iter();
+        let mut builder = Builder::from(self.header.clone());
+        builder.point_format.is_compressed = compressed;
+        let write = || -> las::Result<Writer<BufWriter<File>>> {
+            let mut writer = Writer::new(BufWriter::new(file), builder.into_header()?)?;
+            for batch in &self.batches {
+                let records = batch.raw_bytes().chunks(batch.record_len());
+                let kept: Vec<u8> = records
+                    .zip(flags.by_ref())
+                    .filter(|(_, kept)| **kept)
+                    .flat_map(|(record, _)| record.iter().copied())
+                    .collect();
+                let kept = PointDataBuilder::new()
+                    .with_format(*writer.header().point_format())
+                    .with_transforms(*writer.header().transforms())
+                    .build_from_bytes(kept)?;
+                writer.write_points(&kept)?;
+            }
+            Ok(writer)
+        };
+        finish(write())
+    }
+}
+
+/// Writes bare coordinates to a tenth of a millimetre.
+pub(super) fn write<'a>(
+    file: File,
+    points: impl Iterator<Item = &'a [f64; 3]> + Clone,
+    compressed: bool,
+) -> io::Result<()> {
+    let first = points.clone().next().copied().unwrap_or_default();
+    let [x, y, z] = first.map(|value| Transform {
+        scale: 1e-4,
+        offset: value.round(),
+    });
+    let write = || -> las::Result<Writer<BufWriter<File>>> {
+        let mut builder = Builder::from((1, 4));
+        builder.point_format.is_compressed = compressed;
+        builder.transforms = Vector { x, y, z };
+        let mut writer = Writer::new(BufWriter::new(file), builder.into_header()?)?;
+        for &[x, y, z] in points {
+            writer.write_point(Point {
+                x,
+                y,
+                z,
+                ..Point::default()
+            })?;
+        }
+        Ok(writer)
+    };
+    finish(write())
+}
+
+fn finish(writer: las::Result<Writer<BufWriter<File>>>) -> io::Result<()> {
+    let file = writer
+        .and_then(Writer::into_inner)
+        .map_err(io::Error::other)?;
+    file.into_inner()
+        .map_err(|error| error.into_error())?
+        .flush()
+}

@@ -1,0 +1,143 @@
+//! Point files of other programs, for `bathyscope filter`: text, PLY, LAS and LAZ.
+//!
+//! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
+//! formats only the coordinates go over.
+
+mod las_file;
+mod ply_file;
+mod text_file;
+
+use super::write_aside;
+use las_file::LasFile;
+use ply_file::PlyFile;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use text_file::TextFile;
+
+/// Why a point file cannot be used: one sentence, the path last.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}: {path}")]
+pub struct PointFileError {
+    /// What is wrong, with the line or the byte where it is known.
+    pub what: String,
+    /// Which file.
+    pub path: PathBuf,
+}
+
+/// A point file in memory.
+#[derive(Debug)]
+pub struct PointFile {
+    /// x, y, z of each point, in the file's own units and order.
+    pub points: Vec<[f64; 3]>,
+    rows: Rows,
+}
+
+/// What else the file says about its points.
+#[derive(Debug)]
+enum Rows {
+    Text(TextFile),
+    Ply(PlyFile),
+    Las(Box<LasFile>),
+}
+
+/// The format that a file name asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Text,
+    Ply,
+    Las,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Result<Self, String> {
+        let suffix = path
+            .extension()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .to_lowercase();
+        match suffix.as_str() {
+            "csv" | "xyz" | "txt" => Ok(Kind::Text),
+            "ply" => Ok(Kind::Ply),
+            "las" | "laz" => Ok(Kind::Las),
+            _ => Err("a point file ends in .xyz, .csv, .txt, .ply, .las or .laz".to_owned()),
+        }
+    }
+}
+
+/// Splits `FILE.csv:x,y,z` into the file and the names of its three columns.
+pub fn split_columns(argument: &str) -> (PathBuf, Option<[String; 3]>) {
+    if let Some((file, names)) = argument.rsplit_once(':') {
+        let names: Vec<String> = names
+            .split(',')
+            .map(|name| name.trim().to_owned())
+            .collect();
+        if let Ok(names) = <[String; 3]>::try_from(names) {
+            return (file.into(), Some(names));
+        }
+    }
+    (argument.into(), None)
+}
+
+/// Reads a point file; `columns` names the coordinates of a text file with a header line.
+pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
+    let read = |kind| match kind {
+        Kind::Text => {
+            text_file::read(path, columns).map(|(file, points)| (Rows::Text(file), points))
+        }
+        Kind::Ply => ply_file::read(path).map(|(file, points)| (Rows::Ply(file), points)),
+        Kind::Las => las_file::read(path).map(|(file, points)| (Rows::Las(Box::new(file)), points)),
+    };
+    let (rows, points) = Kind::of(path)
+        .and_then(read)
+        .map_err(|what| PointFileError {
+            what,
+            path: path.to_path_buf(),
+        })?;
+    Ok(PointFile { points, rows })
+}
+
+impl PointFile {
+    /// Writes the points whose flag is set, in the format that the path asks for.
+    pub fn write_kept(&self, path: &Path, kept: &[bool]) -> Result<(), PointFileError> {
+        let fail = |what: String| PointFileError {
+            what,
+            path: path.to_path_buf(),
+        };
+        let kind = Kind::of(path).map_err(fail)?;
+        let kept_points = || {
+            self.points
+                .iter()
+                .zip(kept)
+                .filter(|(_, kept)| **kept)
+                .map(|(point, _)| point)
+        };
+        write_aside(path, |file| match (&self.rows, kind) {
+            (Rows::Text(rows), Kind::Text) => rows.write_kept(file, kept),
+            (Rows::Ply(rows), Kind::Ply) => rows.write_kept(file, kept),
+            (Rows::Las(rows), Kind::Las) => rows.write_kept(file, kept, is_laz(path)),
+            (_, Kind::Text) => {
+                let mut out = BufWriter::new(file);
+                let separator = if path.extension().is_some_and(|suffix| suffix == "csv") {
+                    writeln!(out, "x,y,z")?;
+                    ','
+                } else {
+                    ' '
+                };
+                for [x, y, z] in kept_points() {
+                    writeln!(out, "{x}{separator}{y}{separator}{z}")?;
+                }
+                out.flush()
+            }
+            (_, Kind::Ply) => ply_file::write(file, kept_points()),
+            (_, Kind::Las) => {
+                las_file::write(file, kept_points(), is_laz(path)).map_err(io::Error::other)
+            }
+        })
+        .map_err(|error| fail(format!("cannot write the file: {}", error.source)))
+    }
+}
+
+fn is_laz(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|suffix| suffix.eq_ignore_ascii_case("laz"))
+}

@@ -1,0 +1,171 @@
+//! Points in lines of text: xyz, csv, txt.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+/// The lines of a text file.
+#[derive(Debug)]
+pub(super) struct TextFile {
+    /// Comments and the header line before the first point.
+    preamble: Vec<String>,
+    /// One line a point, as it was.
+    lines: Vec<String>,
+}
+
+/// Column names that are taken for coordinates when the user names none, in lower case.
+const KNOWN_NAMES: [[&str; 3]; 4] = [
+    ["x", "y", "z"],
+    ["east_m", "north_m", "z_m"],
+    ["easting", "northing", "elevation"],
+    ["easting", "northing", "z"],
+];
+
+/// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line the first three columns
+/// are x, y, z. Lines that begin with `#` or `//` are comments.
+pub(super) fn read(
+    path: &Path,
+    names: Option<&[String; 3]>,
+) -> Result<(TextFile, Vec<[f64; 3]>), String> {
+    let bytes = fs::read(path).map_err(|error| format!("cannot read the points: {error}"))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| "the points are not text in UTF-8".to_owned())?;
+    let mut file = TextFile {
+        preamble: Vec::new(),
+        lines: Vec::new(),
+    };
+    let mut points = Vec::new();
+    let mut layout: Option<Layout> = None;
+    for (index, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        if is_comment(line) {
+            if points.is_empty() {
+                file.preamble.push(line.to_owned());
+            }
+            continue;
+        }
+        let layout = match &layout {
+            Some(layout) => layout,
+            None => {
+                let (found, is_header) = Layout::of(line, names)?;
+                let found = layout.insert(found);
+                if is_header {
+                    file.preamble.push(line.to_owned());
+                    continue;
+                }
+                found
+            }
+        };
+        points.push(
+            layout
+                .point(line)
+                .map_err(|what| format!("line {}: {what}", index + 1))?,
+        );
+        file.lines.push(line.to_owned());
+    }
+    Ok((file, points))
+}
+
+fn is_comment(line: &str) -> bool {
+    let line = line.trim_start();
+    line.is_empty() || line.starts_with('#') || line.starts_with("//")
+}
+
+impl TextFile {
+    pub(super) fn write_kept(&self, file: File, kept: &[bool]) -> io::Result<()> {
+        let mut out = BufWriter::new(file);
+        let lines = self
+            .lines
+            .iter()
+            .zip(kept)
+            .filter(|(_, kept)| **kept)
+            .map(|(line, _)| line);
+        for line in self.preamble.iter().chain(lines) {
+            writeln!(out, "{line}")?;
+        }
+        out.flush()
+    }
+}
+
+/// Which columns hold the coordinates.
+struct Layout {
+    /// `None` for runs of spaces and tabs.
+    separator: Option<char>,
+    columns: [usize; 3],
+    names: [String; 3],
+}
+
+impl Layout {
+    /// From the first line, which is a header unless all it holds is numbers.
+    fn of(line: &str, names: Option<&[String; 3]>) -> Result<(Self, bool), String> {
+        let separator = [',', ';', '\t']
+            .into_iter()
+            .find(|&separator| line.contains(separator));
+        let fields = fields(line, separator);
+        let is_header = fields
+            .iter()
+            .any(|field| field.parse::<f64>().is_err() && !field.is_empty());
+        let position = |name: &str| {
+            fields
+                .iter()
+                .position(|field| field.eq_ignore_ascii_case(name))
+        };
+        let find = |names: [&str; 3]| {
+            let [x, y, z] = names.map(position);
+            Some(([x?, y?, z?], names.map(str::to_owned)))
+        };
+        let found = match names {
+            Some([x, y, z]) if is_header => Some(find([x, y, z]).ok_or_else(|| {
+                format!(
+                    "there are no columns `{x}`, `{y}` and `{z}`, only {}",
+                    fields.join(", ")
+                )
+            })?),
+            Some([x, y, z]) => {
+                return Err(format!(
+                    "there is no header line that could name `{x}`, `{y}` and `{z}`"
+                ));
+            }
+            None if is_header => KNOWN_NAMES.into_iter().find_map(find),
+            None => None,
+        };
+        let (columns, names) =
+            found.unwrap_or_else(|| ([0, 1, 2], ["1", "2", "3"].map(str::to_owned)));
+        Ok((
+            Self {
+                separator,
+                columns,
+                names,
+            },
+            is_header,
+        ))
+    }
+
+    fn point(&self, line: &str) -> Result<[f64; 3], String> {
+        let fields = fields(line, self.separator);
+        let mut point = [0.0; 3];
+        for (axis, value) in point.iter_mut().enumerate() {
+            let name = &self.names[axis];
+            let field = fields
+                .get(self.columns[axis])
+                .ok_or_else(|| format!("there is no column `{name}`"))?;
+            *value = field
+                .parse()
+                .map_err(|_| format!("`{field}` in column `{name}` is not a number"))?;
+        }
+        Ok(point)
+    }
+}
+
+/// The fields of a line, without quotes and outer spaces. A separator within quotes separates nothing.
+fn fields(line: &str, separator: Option<char>) -> Vec<&str> {
+    let Some(separator) = separator else {
+        return line.split_whitespace().collect();
+    };
+    let mut quoted = false;
+    line.split(|c| {
+        quoted ^= c == '"';
+        c == separator && !quoted
+    })
+    .map(|field| field.trim().trim_matches('"').trim())
+    .collect()
+}
