@@ -1,0 +1,125 @@
+//! Tables of 256 colours, dark to bright, in gamma space.
+
+/// Red, green and blue of the echo strengths 0 to 255.
+pub type Palette = [[u8; 3]; 256];
+
+/// Colours at even distances, between which the table is interpolated.
+type Stops = &'static [[u8; 3]];
+
+/// The classic of fish-finders: red saturates first (as in Matlab's and Matplotlib's `copper`).
+const COPPER: Stops = &[
+    [0, 0, 0],
+    [40, 25, 16],
+    [79, 50, 32],
+    [119, 75, 48],
+    [159, 99, 63],
+    [198, 124, 79],
+    [238, 149, 95],
+    [255, 174, 111],
+    [255, 199, 127],
+];
+const GREY: Stops = &[[0, 0, 0], [255, 255, 255]];
+const INVERSE_GREY: Stops = &[[255, 255, 255], [0, 0, 0]];
+/// Black over brown to pale yellow, as side-scan towfish programs show it.
+const GOLD: Stops = &[
+    [0, 0, 0],
+    [58, 34, 4],
+    [120, 76, 8],
+    [184, 126, 18],
+    [232, 184, 56],
+    [255, 236, 150],
+];
+/// Matplotlib's `viridis` at every 32nd entry: even steps to the eye, safe for the colour-blind.
+const VIRIDIS: Stops = &[
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+/// Black to copper.
+pub fn copper() -> Palette {
+    interpolate(COPPER)
+}
+
+/// Black to white.
+pub fn grey() -> Palette {
+    interpolate(GREY)
+}
+
+/// White to black.
+pub fn inverse_grey() -> Palette {
+    interpolate(INVERSE_GREY)
+}
+
+/// Black over brown to yellow.
+pub fn gold() -> Palette {
+    interpolate(GOLD)
+}
+
+/// Perceptually even.
+pub fn viridis() -> Palette {
+    interpolate(VIRIDIS)
+}
+
+fn interpolate(stops: Stops) -> Palette {
+    std::array::from_fn(|index| {
+        let place = index as f32 / 255.0 * (stops.len() - 1) as f32;
+        let below = (place as usize).min(stops.len() - 2);
+        let share = place - below as f32;
+        std::array::from_fn(|channel| {
+            let [from, to] = [stops[below][channel], stops[below + 1][channel]].map(f32::from);
+            (from + (to - from) * share).round() as u8
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance([r, g, b]: [u8; 3]) -> f32 {
+        0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b)
+    }
+
+    #[test]
+    fn stronger_echoes_are_brighter_in_every_map_but_the_inverse() {
+        for (name, palette) in [
+            ("copper", copper()),
+            ("grey", grey()),
+            ("gold", gold()),
+            ("viridis", viridis()),
+        ] {
+            let rises = palette
+                .windows(2)
+                .all(|two| luminance(two[1]) + 0.8 >= luminance(two[0]));
+            assert!(
+                rises && luminance(palette[255]) > luminance(palette[0]) + 100.0,
+                "{name}"
+            );
+        }
+        let mut inverse = inverse_grey();
+        inverse.reverse();
+        assert_eq!(inverse, grey());
+    }
+
+    #[test]
+    fn copper_follows_its_formula() {
+        // Matplotlib: red = min(1, x / 0.8100), green = 0.7812 x, blue = 0.4975 x.
+        for (index, [r, g, b]) in copper().into_iter().enumerate() {
+            let x = index as f32;
+            for (got, want) in [
+                (r, (x * 1.2346).min(255.0)),
+                (g, x * 0.7812),
+                (b, x * 0.4975),
+            ] {
+                assert!((f32::from(got) - want).abs() < 7.0, "{index}: {got} {want}");
+            }
+        }
+    }
+}

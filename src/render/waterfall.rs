@@ -1,0 +1,292 @@
+//! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a uniform write.
+
+use super::colour_map::Palette;
+use bytemuck::{Pod, Zeroable};
+
+/// Tiles in one picture at most: 4K at the worst zoom needs 160.
+pub const MAX_QUADS: usize = 512;
+
+/// How echo strength becomes colour. Same layout as `Look` in `shaders/waterfall.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Look {
+    /// Added to the intensity, -1 to 1.
+    pub brightness: f32,
+    /// Factor about mid-grey.
+    pub contrast: f32,
+    /// Exponent is 1 / gamma.
+    pub gamma: f32,
+    /// Share of the maximum in what is shown; the rest is the mean.
+    pub highlight: f32,
+    /// 1 where pings run down the screen.
+    pub time_is_down: u32,
+    /// 1 where the target converts to sRGB on writing; set by [`WaterfallPicture::prepare`].
+    pub linear_target: u32,
+    /// Fills the struct to a multiple of 16 bytes.
+    pub padding: [u32; 2],
+}
+
+/// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Quad {
+    /// Edges in the direction of time, clip space.
+    pub along: [f32; 2],
+    /// Edges in the direction of range, near to far, clip space.
+    pub across: [f32; 2],
+    /// Tile rows at the edges along.
+    pub rows: [f32; 2],
+    /// Tile columns at the edges across.
+    pub columns: [f32; 2],
+    /// Columns and rows that a pixel covers.
+    pub footprint: [f32; 2],
+}
+
+/// A tile on the GPU. Clones share it.
+#[derive(Clone, Debug)]
+pub struct TileTexture {
+    bind_group: wgpu::BindGroup,
+}
+
+/// Pipeline and buffers of one waterfall.
+#[derive(Debug)]
+pub struct WaterfallPicture {
+    pipeline: wgpu::RenderPipeline,
+    tile_layout: wgpu::BindGroupLayout,
+    frame: wgpu::BindGroup,
+    look: wgpu::Buffer,
+    quads: wgpu::Buffer,
+    palette: wgpu::Texture,
+    linear_target: bool,
+}
+
+impl WaterfallPicture {
+    /// Builds everything for targets of this format.
+    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+        let frame_layout = frame_layout(device);
+        let tile_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("waterfall tile"),
+            entries: &[texture_entry(0)],
+        });
+        let look = buffer(
+            device,
+            "waterfall look",
+            size_of::<Look>(),
+            wgpu::BufferUsages::UNIFORM,
+        );
+        let bytes = MAX_QUADS * size_of::<Quad>();
+        let quads = buffer(device, "waterfall quads", bytes, wgpu::BufferUsages::VERTEX);
+        let palette = texture(device, [256, 1], wgpu::TextureFormat::Rgba8Unorm);
+        let frame = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("waterfall frame"),
+            layout: &frame_layout,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: look.as_entire_binding(),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(
+                        &palette.create_view(&Default::default()),
+                    ),
+                },
+            ],
+        });
+        Self {
+            pipeline: pipeline(device, &[Some(&frame_layout), Some(&tile_layout)], target),
+            tile_layout,
+            frame,
+            look,
+            quads,
+            palette,
+            linear_target: target.is_srgb(),
+        }
+    }
+
+    /// Replaces the colours.
+    pub fn set_palette(&self, queue: &wgpu::Queue, palette: &Palette) {
+        let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
+        write(queue, &self.palette, [256, 1], bytemuck::cast_slice(&rgba));
+    }
+
+    /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
+    pub fn upload(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        size: [u32; 2],
+        texels: &[[u8; 2]],
+    ) -> TileTexture {
+        let texture = texture(device, size, wgpu::TextureFormat::Rg8Unorm);
+        write(queue, &texture, size, bytemuck::cast_slice(texels));
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("waterfall tile"),
+            layout: &self.tile_layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(
+                    &texture.create_view(&Default::default()),
+                ),
+            }],
+        });
+        TileTexture { bind_group }
+    }
+
+    /// Writes what the next [`WaterfallPicture::paint`] draws; beyond [`MAX_QUADS`] tiles nothing is drawn.
+    pub fn prepare<'a>(
+        &self,
+        queue: &wgpu::Queue,
+        look: Look,
+        quads: impl Iterator<Item = &'a Quad>,
+    ) {
+        let linear_target = u32::from(self.linear_target);
+        let look = Look {
+            linear_target,
+            ..look
+        };
+        queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&look));
+        let quads: Vec<Quad> = quads.take(MAX_QUADS).copied().collect();
+        queue.write_buffer(&self.quads, 0, bytemuck::cast_slice(&quads));
+    }
+
+    /// Draws the tiles in the order of the quads that were prepared.
+    pub fn paint<'a>(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        tiles: impl Iterator<Item = &'a TileTexture>,
+    ) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.frame, &[]);
+        let stride = size_of::<Quad>() as u64;
+        for (index, tile) in tiles.take(MAX_QUADS).enumerate() {
+            // A slice instead of a first instance: OpenGL without base instances draws it too.
+            let start = index as u64 * stride;
+            pass.set_vertex_buffer(0, self.quads.slice(start..start + stride));
+            pass.set_bind_group(1, &tile.bind_group, &[]);
+            pass.draw(0..4, 0..1);
+        }
+    }
+}
+
+fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let look = wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("waterfall frame"),
+        entries: &[look, texture_entry(1)],
+    })
+}
+
+fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn buffer(
+    device: &wgpu::Device,
+    label: &str,
+    bytes: usize,
+    usage: wgpu::BufferUsages,
+) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes as u64,
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("waterfall"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d {
+        width,
+        height,
+        depth_or_array_layers: 1,
+    }
+}
+
+fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, size: [u32; 2], bytes: &[u8]) {
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(bytes.len() as u32 / size[1].max(1)),
+        rows_per_image: None,
+    };
+    queue.write_texture(texture.as_image_copy(), bytes, layout, extent(size));
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    layouts: &[Option<&wgpu::BindGroupLayout>],
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = device.create_shader_module(wgpu::include_wgsl!("../../shaders/waterfall.wgsl"));
+    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("waterfall"),
+        bind_group_layouts: layouts,
+        immediate_size: 0,
+    });
+    let quad = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Quad>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![
+            0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2
+        ],
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("waterfall"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vs_main"),
+            compilation_options: Default::default(),
+            buffers: &[Some(quad)],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fs_main"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

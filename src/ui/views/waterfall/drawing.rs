@@ -1,0 +1,114 @@
+//! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to the GPU.
+
+use super::camera::Lens;
+use super::tiles::TileSet;
+use crate::first_return::FirstReturns;
+use crate::render::waterfall::{Quad, TileTexture};
+use crate::survey::Survey;
+use crate::waterfall::{Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+/// Tiles copied to the GPU in a frame: half a megabyte each, so that a frame stays a frame.
+const UPLOADS: usize = 4;
+
+/// The picture of one survey.
+pub(super) struct Drawing {
+    pub survey_serial: u64,
+    tiler: Tiler,
+    tiles: TileSet,
+    arrived: VecDeque<Tile>,
+    /// Outer `None`: not known yet. Inner `None`: there is nothing to draw.
+    axis: Option<Option<RangeAxis>>,
+    wanted_returns: Option<Arc<FirstReturns>>,
+    wants_tiles: bool,
+    pub picks: Option<Arc<PickLines>>,
+    pub depth: Option<RangeLine>,
+}
+
+impl Drawing {
+    /// Starts the worker, which wakes the window when something arrives.
+    pub fn start(survey: Arc<Survey>, survey_serial: u64, ctx: &egui::Context) -> Self {
+        let ctx = ctx.clone();
+        let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
+        Self {
+            survey_serial,
+            tiler: Tiler::start(survey, waker),
+            tiles: TileSet::new(),
+            arrived: VecDeque::new(),
+            axis: None,
+            wanted_returns: None,
+            wants_tiles: true,
+            picks: None,
+            depth: None,
+        }
+    }
+
+    /// The picture's extent, once it is known.
+    pub fn axis(&self) -> Option<RangeAxis> {
+        self.axis.flatten()
+    }
+
+    /// Collects what arrived; asks for lines when the first returns are others than before.
+    pub fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
+        while let Some(made) = self.tiler.poll() {
+            match made {
+                Made::Axis(axis) => self.axis = Some(axis),
+                Made::Tile(tile) => self.arrived.push_back(tile),
+                Made::Picks(picks) => self.picks = Some(picks),
+                Made::Depth(depth) => self.depth = Some(depth),
+            }
+        }
+        let Some(returns) = returns else {
+            return;
+        };
+        let is_new = |old: &Arc<FirstReturns>| !Arc::ptr_eq(old, returns);
+        if self.wanted_returns.as_ref().is_none_or(is_new) {
+            self.wanted_returns = Some(returns.clone());
+            self.tiler.want_picks(returns.clone());
+        }
+    }
+
+    /// Copies a few of the tiles that arrived to the GPU.
+    pub fn upload(&mut self, mut upload: impl FnMut([u32; 2], &[[u8; 2]]) -> TileTexture) {
+        for tile in self.arrived.drain(..self.arrived.len().min(UPLOADS)) {
+            if !tile.texels.is_empty() {
+                let size = [tile.width as u32, tile.height as u32];
+                let texture = upload(size, &tile.texels);
+                self.tiles.insert(&tile, texture);
+            }
+        }
+    }
+
+    /// Whether tiles wait for the next frame.
+    pub fn has_uploads(&self) -> bool {
+        !self.arrived.is_empty()
+    }
+
+    /// The tiles to draw; asks the worker for those that are missing.
+    pub fn plan(&mut self, lens: &Lens, pixels_per_point: f32) -> Vec<(Quad, TileTexture)> {
+        let Some(axis) = self.axis() else {
+            return Vec::new();
+        };
+        let plan = self.tiles.plan(&axis, lens, pixels_per_point);
+        let mut want = plan.want;
+        want.retain(|want| self.arrived.iter().all(|tile| tile.key != want.key));
+        self.wants_tiles = !want.is_empty() || self.has_uploads();
+        self.tiler.want(want);
+        plan.draw
+    }
+
+    /// Whether nothing more is expected from the worker.
+    pub fn is_settled(&self) -> bool {
+        let picks_made = match (&self.wanted_returns, &self.picks) {
+            (None, _) => true,
+            (Some(wanted), Some(made)) => Arc::ptr_eq(wanted, &made.returns),
+            (Some(_), None) => false,
+        };
+        match self.axis {
+            None => false,
+            Some(None) => true,
+            Some(Some(_)) => !self.wants_tiles && picks_made && self.depth.is_some(),
+        }
+    }
+}

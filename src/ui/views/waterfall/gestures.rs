@@ -1,0 +1,85 @@
+//! What wheel, drag and keys do to the camera.
+
+use super::camera::{Camera, Extent, Lens, Size};
+use crate::app::Orientation;
+use crate::ui::ViewRequest;
+use egui::{Key, PointerButton};
+
+/// Enlargement of one press of the zoom keys.
+const KEY_STEP: f64 = 1.25;
+/// Wheel points that enlarge by a factor of e.
+const WHEEL_POINTS: f64 = 200.0;
+
+/// A wish from menu, key or palette.
+pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Extent, size: Size) {
+    let middle = Size {
+        along: 0.0,
+        across: 0.0,
+    };
+    match request {
+        ViewRequest::Fit => camera.fit(extent, size),
+        ViewRequest::ZoomIn => camera.zoom(both(KEY_STEP), middle),
+        ViewRequest::ZoomOut => camera.zoom(both(1.0 / KEY_STEP), middle),
+        ViewRequest::Top | ViewRequest::Side => {}
+    }
+}
+
+/// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with Alt, the range alone.
+/// Drag with the main or middle button, or move with Space held: pan. Double-click: everything.
+pub(super) fn apply(
+    camera: &mut Camera,
+    ui: &egui::Ui,
+    response: &egui::Response,
+    orientation: Orientation,
+    extent: &Extent,
+) {
+    let size = Size::of(response.rect.size(), orientation);
+    if response.double_clicked() {
+        camera.fit(extent, size);
+        return;
+    }
+    let space = response.hovered() && ui.input(|input| input.key_down(Key::Space));
+    let held = response.dragged_by(PointerButton::Primary)
+        || response.dragged_by(PointerButton::Middle)
+        || space;
+    if held {
+        let by = ui.input(|input| input.pointer.delta());
+        camera.pan(Size::of(by, orientation));
+    }
+    let Some(pointer) = response.hover_pos() else {
+        return;
+    };
+    let (scroll, zoom, modifiers) = ui.input(|input| {
+        (
+            input.smooth_scroll_delta(),
+            f64::from(input.zoom_delta()),
+            input.modifiers,
+        )
+    });
+    let offset = Lens::new(*camera, response.rect, orientation).offset(pointer);
+    let wheel = (f64::from(scroll.y) / WHEEL_POINTS).exp();
+    let factor = match (modifiers.alt, modifiers.command) {
+        (true, _) => Size {
+            along: 1.0,
+            across: wheel,
+        },
+        (_, true) => Size {
+            along: zoom,
+            across: 1.0,
+        },
+        _ => both(wheel * zoom),
+    };
+    camera.zoom(factor, offset);
+    // egui turns the wheel sideways while Shift is held.
+    camera.pan(Size {
+        along: f64::from(scroll.x),
+        across: 0.0,
+    });
+}
+
+fn both(factor: f64) -> Size {
+    Size {
+        along: factor,
+        across: factor,
+    }
+}

@@ -1,0 +1,224 @@
+//! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
+
+mod camera;
+mod drawing;
+mod gestures;
+mod picture;
+mod tiles;
+
+use crate::app::{ColourMap, Command, Orientation, WaterfallOptions};
+use crate::render::colour_map;
+use crate::render::waterfall::{Look, WaterfallPicture};
+use crate::survey::Survey;
+use crate::ui::{ViewContext, ViewRequest, theme};
+use crate::waterfall::RangeAxis;
+use camera::{Camera, Extent, Lens, Size};
+use drawing::Drawing;
+use egui::{Sense, emath::GuiRounding as _};
+use picture::PictureCallback;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an overview, little enough
+/// to leave the ground its texture.
+const HIGHLIGHT: f32 = 0.3;
+
+/// State of the waterfall view: where it looks, and what is drawn of the open survey.
+#[derive(Default)]
+pub struct WaterfallView {
+    drawing: Option<Drawing>,
+    gpu: Option<Gpu>,
+    camera: Option<Camera>,
+    requests: Vec<Request>,
+    reveal_serial: u64,
+    settled: bool,
+}
+
+/// What was asked for between frames, when the size of the view is not known.
+enum Request {
+    View(ViewRequest),
+    Pings(Range<usize>),
+}
+
+struct Gpu {
+    picture: Arc<WaterfallPicture>,
+    palette: Option<ColourMap>,
+}
+
+impl WaterfallView {
+    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+        let rect = ui
+            .available_rect_before_wrap()
+            .round_to_pixels(ui.pixels_per_point());
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        self.follow_survey(ui.ctx(), context);
+        let survey = context.app.survey.clone();
+        let Some((survey, axis)) = survey.zip(self.drawing.as_ref().and_then(Drawing::axis)) else {
+            self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Image, true, "Waterfall, empty")
+            });
+            return;
+        };
+        let lens = self.aim(ui, &response, &axis, context);
+        self.draw_picture(&painter, &lens, context);
+        let visible = lens.visible(survey.side_scan.len());
+        response.widget_info(|| {
+            let name = accessible_name(&visible, &survey, context);
+            egui::WidgetInfo::labeled(egui::Role::Image, true, name)
+        });
+        if context.app.visible != visible {
+            context.push(Command::Visible(visible));
+        }
+    }
+
+    /// Carries out a wish from menu, key or palette.
+    pub fn request(&mut self, request: ViewRequest) {
+        self.requests.push(Request::View(request));
+        self.settled = false;
+    }
+
+    /// Whether everything on screen is drawn at its final quality.
+    pub fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// Shows exactly these pings (`snapshot --pings`).
+    pub fn show_pings(&mut self, pings: Range<usize>) {
+        self.requests.push(Request::Pings(pings));
+        self.settled = false;
+    }
+
+    /// Starts over when another survey is open.
+    fn follow_survey(&mut self, ctx: &egui::Context, context: &ViewContext<'_>) {
+        let app = context.app;
+        let serial = app.survey.as_ref().map(|_| app.survey_serial);
+        if self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial {
+            self.camera = None;
+            self.drawing = app
+                .survey
+                .as_ref()
+                .map(|survey| Drawing::start(survey.clone(), app.survey_serial, ctx));
+        }
+        if let Some(drawing) = &mut self.drawing {
+            drawing.poll(app.returns());
+        }
+    }
+
+    /// Moves the camera by what was asked for and done since the last frame.
+    fn aim(
+        &mut self,
+        ui: &egui::Ui,
+        response: &egui::Response,
+        axis: &RangeAxis,
+        context: &ViewContext<'_>,
+    ) -> Lens {
+        let extent = Extent {
+            pings: axis.pings as f64,
+            far_m: axis.far_m,
+            bin_m: axis.bin_m,
+        };
+        let orientation = context.app.options.waterfall.orientation;
+        let rect = response.rect;
+        let size = Size::of(rect.size().max(egui::Vec2::splat(1.0)), orientation);
+        let mut camera = *self
+            .camera
+            .get_or_insert_with(|| Camera::start(&extent, size));
+        for request in self.requests.drain(..) {
+            match request {
+                Request::Pings(pings) => camera.show_pings(&pings, size),
+                Request::View(request) => gestures::carry_out(&mut camera, request, &extent, size),
+            }
+        }
+        if let Some(reveal) = context.app.reveal
+            && reveal.serial != self.reveal_serial
+        {
+            self.reveal_serial = reveal.serial;
+            camera.reveal(reveal.mark.ping as f64 + 0.5, size);
+        }
+        gestures::apply(&mut camera, ui, response, orientation, &extent);
+        camera.settle(&extent, size);
+        self.camera = Some(camera);
+        Lens::new(camera, rect, orientation)
+    }
+
+    fn draw_picture(&mut self, painter: &egui::Painter, lens: &Lens, context: &ViewContext<'_>) {
+        let (Some(drawing), Some(render_state)) = (&mut self.drawing, context.render_state) else {
+            self.settled = true;
+            return;
+        };
+        let options = &context.app.options.waterfall;
+        let gpu = self.gpu.get_or_insert_with(|| Gpu {
+            picture: Arc::new(WaterfallPicture::new(
+                &render_state.device,
+                render_state.target_format,
+            )),
+            palette: None,
+        });
+        if gpu.palette.replace(options.colour_map) != Some(options.colour_map) {
+            gpu.picture
+                .set_palette(&render_state.queue, &palette(options.colour_map));
+        }
+        drawing.upload(|size, texels| {
+            gpu.picture
+                .upload(&render_state.device, &render_state.queue, size, texels)
+        });
+        let tiles = drawing.plan(lens, painter.pixels_per_point());
+        self.settled = drawing.is_settled();
+        if drawing.has_uploads() {
+            // Not "at once": a harness that waits for stillness may stop here and look again later.
+            painter
+                .ctx()
+                .request_repaint_after(std::time::Duration::from_millis(1));
+        }
+        painter.add(eframe::egui_wgpu::Callback::new_paint_callback(
+            lens.rect,
+            PictureCallback {
+                picture: gpu.picture.clone(),
+                look: look(options),
+                tiles,
+            },
+        ));
+    }
+}
+
+fn look(options: &WaterfallOptions) -> Look {
+    Look {
+        brightness: options.brightness,
+        contrast: options.contrast,
+        gamma: options.gamma.max(0.01),
+        highlight: HIGHLIGHT,
+        time_is_down: u32::from(options.orientation == Orientation::Vertical),
+        linear_target: 0,
+        padding: [0; 2],
+    }
+}
+
+fn palette(map: ColourMap) -> colour_map::Palette {
+    match map {
+        ColourMap::Copper => colour_map::copper(),
+        ColourMap::Grey => colour_map::grey(),
+        ColourMap::InverseGrey => colour_map::inverse_grey(),
+        ColourMap::Gold => colour_map::gold(),
+        ColourMap::Viridis => colour_map::viridis(),
+    }
+}
+
+/// What the picture shows, for screen readers and tests.
+fn accessible_name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
+    let options = &context.app.options.waterfall;
+    let first_return = match (context.app.returns(), options.first_return) {
+        (_, false) => "first return hidden",
+        (None, true) => "first return not yet found",
+        (Some(_), true) => "first return shown",
+    };
+    format!(
+        "Waterfall, pings {} to {} of {}, {first_return}",
+        visible.start,
+        visible.end.saturating_sub(1),
+        survey.side_scan.len()
+    )
+}

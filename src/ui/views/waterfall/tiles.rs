@@ -1,0 +1,236 @@
+//! Which tiles are in view, which of them are there, and what is drawn instead of those that are not.
+
+use super::camera::{Lens, across_m};
+use crate::app::Orientation;
+use crate::render::waterfall::{Quad, TileTexture};
+use crate::survey::Side;
+use crate::waterfall::{Level, Lru, RangeAxis, TILE, Tile, TileKey, Want};
+use std::ops::Range;
+
+/// Bytes of tiles kept on the GPU: a 4K screen at the worst zoom needs 80 MB.
+const BUDGET: usize = 96 << 20;
+
+/// A tile on the GPU and how complete it is.
+pub(super) struct Resident {
+    pub texture: TileTexture,
+    pub completeness: u8,
+}
+
+/// The tiles of one survey that were drawn lately.
+pub(super) struct TileSet {
+    cache: Lru<Resident>,
+}
+
+/// One frame: what to draw, and what to ask the worker for.
+pub(super) struct Plan {
+    pub draw: Vec<(Quad, TileTexture)>,
+    pub want: Vec<Want>,
+}
+
+impl TileSet {
+    pub fn new() -> Self {
+        Self {
+            cache: Lru::new(BUDGET),
+        }
+    }
+
+    pub fn insert(&mut self, tile: &Tile, texture: TileTexture) {
+        let resident = Resident {
+            texture,
+            completeness: tile.completeness,
+        };
+        self.cache.insert(tile.key, resident, tile.byte_count());
+    }
+
+    /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
+    pub fn plan(&mut self, axis: &RangeAxis, lens: &Lens, pixels_per_point: f32) -> Plan {
+        self.cache.begin_frame();
+        let scale = Scale::new(axis, lens, pixels_per_point);
+        let mut plan = Plan {
+            draw: Vec::new(),
+            want: Vec::new(),
+        };
+        for key in scale.keys_in_view() {
+            self.plan_tile(&scale, key, &mut plan);
+        }
+        let level = axis.coarsest();
+        for side in Side::BOTH {
+            self.want(
+                TileKey {
+                    side,
+                    level,
+                    column: 0,
+                    row: 0,
+                },
+                &mut plan,
+            );
+        }
+        plan
+    }
+
+    fn plan_tile(&mut self, scale: &Scale<'_>, key: TileKey, plan: &mut Plan) {
+        self.want(key, plan);
+        let Some(area) = scale.area(&key, &scale.whole(key.side)) else {
+            return;
+        };
+        let Some(shown) = self.nearest(scale, key) else {
+            return;
+        };
+        if let Some(resident) = self.cache.use_now(&shown)
+            && let Some(area) = scale.area(&shown, &area)
+        {
+            plan.draw
+                .push((scale.quad(&shown, &area), resident.texture.clone()));
+        }
+    }
+
+    fn want(&self, key: TileKey, plan: &mut Plan) {
+        let have = self.cache.peek(&key).map(|resident| resident.completeness);
+        if have != Some(Tile::COMPLETE) && plan.want.iter().all(|want| want.key != key) {
+            plan.want.push(Want { key, have });
+        }
+    }
+
+    /// The tile itself, or else the finest coarser one that covers it.
+    fn nearest(&self, scale: &Scale<'_>, key: TileKey) -> Option<TileKey> {
+        let coarsest = scale.axis.coarsest();
+        let most = Level {
+            along: coarsest.along.saturating_sub(key.level.along),
+            across: coarsest.across.saturating_sub(key.level.across),
+        };
+        (0..=most.along + most.across)
+            .flat_map(|sum| (0..=sum.min(most.along)).map(move |along| (along, sum - along)))
+            .filter(|(_, across)| *across <= most.across)
+            .map(|(along, across)| TileKey {
+                level: Level {
+                    along: key.level.along + along,
+                    across: key.level.across + across,
+                },
+                column: key.column >> along,
+                row: key.row >> across,
+                ..key
+            })
+            .find(|key| self.cache.peek(key).is_some())
+    }
+}
+
+/// Pings and bins that a quad covers.
+struct Area {
+    pings: Range<f64>,
+    bins: Range<f64>,
+}
+
+/// The lens in pings and bins instead of points and metres.
+struct Scale<'a> {
+    axis: &'a RangeAxis,
+    lens: &'a Lens,
+    pings_per_pixel: f64,
+    bins_per_pixel: f64,
+    level: Level,
+}
+
+impl<'a> Scale<'a> {
+    fn new(axis: &'a RangeAxis, lens: &'a Lens, pixels_per_point: f32) -> Self {
+        let pixels_per_point = f64::from(pixels_per_point);
+        let pings_per_pixel = lens.pings_per_point() / pixels_per_point;
+        let bins_per_pixel = lens.metres_per_point() / axis.bin_m / pixels_per_point;
+        // Texels no larger than a pixel; the shader averages the one to two that a pixel covers.
+        let halvings = |per_pixel: f64| (per_pixel + 1e-6).log2().floor().clamp(0.0, 40.0) as u8;
+        let level = axis.drawable(Level {
+            along: halvings(pings_per_pixel),
+            across: halvings(bins_per_pixel),
+        });
+        Self {
+            axis,
+            lens,
+            pings_per_pixel,
+            bins_per_pixel,
+            level,
+        }
+    }
+
+    /// What the lens sees of a side, within the survey.
+    fn whole(&self, side: Side) -> Area {
+        let metres = self.lens.metres();
+        let ranges = match side {
+            Side::Port => -metres.end..-metres.start,
+            Side::Starboard => metres,
+        };
+        let seen = self.lens.pings();
+        Area {
+            pings: seen.start.max(0.0)..seen.end.min(self.axis.pings as f64),
+            bins: (ranges.start / self.axis.bin_m).max(0.0)
+                ..(ranges.end / self.axis.bin_m).min(f64::from(self.axis.bins)),
+        }
+    }
+
+    /// Tiles in view, those in the middle of the track first.
+    fn keys_in_view(&self) -> Vec<TileKey> {
+        let tiles = |extent: &Range<f64>, step: usize| {
+            let size = (TILE * step) as f64;
+            (extent.start / size).floor() as u32..(extent.end / size).ceil().max(0.0) as u32
+        };
+        let mut keys = Vec::new();
+        for side in Side::BOTH {
+            let seen = self.whole(side);
+            for column in tiles(&seen.pings, self.level.pings()) {
+                for row in tiles(&seen.bins, self.level.bins()) {
+                    keys.push(TileKey {
+                        side,
+                        level: self.level,
+                        column,
+                        row,
+                    });
+                }
+            }
+        }
+        let pings = self.lens.pings();
+        let middle = (pings.start + pings.end) / 2.0 / (TILE * self.level.pings()) as f64 - 0.5;
+        keys.sort_by(|a, b| {
+            let far = |key: &TileKey| (f64::from(key.column) - middle).abs();
+            far(a).total_cmp(&far(b))
+        });
+        keys
+    }
+
+    /// The part of `within` that a tile covers.
+    fn area(&self, key: &TileKey, within: &Area) -> Option<Area> {
+        let clip = |first: usize, step: usize, within: &Range<f64>| {
+            let (first, last) = (first as f64, (first + TILE * step) as f64);
+            let clipped = first.max(within.start)..last.min(within.end);
+            (clipped.start < clipped.end).then_some(clipped)
+        };
+        Some(Area {
+            pings: clip(key.first_ping(), key.level.pings(), &within.pings)?,
+            bins: clip(key.first_bin(), key.level.bins(), &within.bins)?,
+        })
+    }
+
+    fn quad(&self, key: &TileKey, area: &Area) -> Quad {
+        let seen = self.lens.pings();
+        let metres = self.lens.metres();
+        let share = |value: f64, seen: &Range<f64>| (value - seen.start) / (seen.end - seen.start);
+        let along = [area.pings.start, area.pings.end].map(|ping| share(ping, &seen));
+        let across = [area.bins.start, area.bins.end]
+            .map(|bin| share(across_m(key.side, bin * self.axis.bin_m), &metres));
+        let right = |share: f64| (2.0 * share - 1.0) as f32;
+        let down = |share: f64| (1.0 - 2.0 * share) as f32;
+        let (along, across) = match self.lens.orientation {
+            Orientation::Horizontal => (along.map(right), across.map(down)),
+            Orientation::Vertical => (along.map(down), across.map(right)),
+        };
+        let texels = |range: &Range<f64>, first: usize, step: usize| {
+            [range.start, range.end].map(|value| ((value - first as f64) / step as f64) as f32)
+        };
+        Quad {
+            along,
+            across,
+            rows: texels(&area.pings, key.first_ping(), key.level.pings()),
+            columns: texels(&area.bins, key.first_bin(), key.level.bins()),
+            footprint: [
+                (self.bins_per_pixel / key.level.bins() as f64) as f32,
+                (self.pings_per_pixel / key.level.pings() as f64) as f32,
+            ],
+        }
+    }
+}

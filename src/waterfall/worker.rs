@@ -1,0 +1,209 @@
+//! The worker that makes tiles and lines off the window's thread: what is wanted now comes first, the far-out store next.
+
+use super::coarse::{Coarse, size};
+use super::resample::resample;
+use super::{PickLines, RangeAxis, RangeLine, Tile, TileKey, Want};
+use crate::first_return::FirstReturns;
+use crate::survey::Survey;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+
+/// Something that the worker finished.
+pub enum Made {
+    /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has a usable range.
+    Axis(Option<RangeAxis>),
+    /// A tile.
+    Tile(Tile),
+    /// Lines of first returns.
+    Picks(Arc<PickLines>),
+    /// The line of recorded depths.
+    Depth(RangeLine),
+}
+
+/// Makes what a waterfall draws, on a thread of its own that ends when this is dropped.
+pub struct Tiler {
+    shared: Arc<Shared>,
+    made: mpsc::Receiver<Made>,
+}
+
+#[derive(Default)]
+struct Shared {
+    orders: Mutex<Orders>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct Orders {
+    tiles: Vec<Want>,
+    making: Option<TileKey>,
+    picks: Option<Arc<FirstReturns>>,
+    stop: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Orders> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Tiler {
+    /// Starts the worker. It calls `waker` whenever there is something to poll.
+    pub fn start(survey: Arc<Survey>, waker: impl Fn() + Send + 'static) -> Self {
+        let shared = Arc::new(Shared::default());
+        let (sender, made) = mpsc::channel();
+        let orders = shared.clone();
+        std::thread::spawn(move || {
+            let out = Out { sender, waker };
+            let axis = RangeAxis::of(&survey);
+            out.send(Made::Axis(axis));
+            if let Some(axis) = axis {
+                out.send(Made::Depth(RangeLine::depth(&survey)));
+                Work {
+                    coarse: Coarse::new(&axis),
+                    survey,
+                    axis,
+                }
+                .run(&orders, &out);
+            }
+        });
+        Self { shared, made }
+    }
+
+    /// Replaces the list of wanted tiles, most wanted first. Ones that were wanted before and are not any more are
+    /// forgotten, so a fast scroll leaves no queue behind.
+    pub fn want(&self, mut tiles: Vec<Want>) {
+        let mut orders = self.shared.lock();
+        tiles.retain(|want| Some(want.key) != orders.making);
+        if orders.tiles != tiles {
+            orders.tiles = tiles;
+            self.shared.changed.notify_one();
+        }
+    }
+
+    /// Asks for lines of these picks; the newest request wins.
+    pub fn want_picks(&self, returns: Arc<FirstReturns>) {
+        self.shared.lock().picks = Some(returns);
+        self.shared.changed.notify_one();
+    }
+
+    /// The next finished thing.
+    pub fn poll(&self) -> Option<Made> {
+        self.made.try_recv().ok()
+    }
+}
+
+impl Drop for Tiler {
+    fn drop(&mut self) {
+        self.shared.lock().stop = true;
+        self.shared.changed.notify_one();
+    }
+}
+
+struct Out<W> {
+    sender: mpsc::Sender<Made>,
+    waker: W,
+}
+
+impl<W: Fn()> Out<W> {
+    fn send(&self, made: Made) {
+        // A dropped receiver means that the view is gone; the stop flag ends the thread.
+        self.sender.send(made).ok();
+        (self.waker)();
+    }
+}
+
+struct Work {
+    survey: Arc<Survey>,
+    axis: RangeAxis,
+    coarse: Coarse,
+}
+
+/// What to do next.
+enum Task {
+    Picks(Arc<FirstReturns>),
+    Tile(TileKey),
+    Store,
+}
+
+impl Work {
+    fn run(mut self, shared: &Shared, out: &Out<impl Fn()>) {
+        while let Some(task) = self.next_task(shared) {
+            match task {
+                Task::Picks(returns) => {
+                    let lines = PickLines::new(&self.survey, returns);
+                    out.send(Made::Picks(Arc::new(lines)));
+                }
+                Task::Tile(key) => out.send(Made::Tile(self.tile(key))),
+                Task::Store => {
+                    self.coarse.build_next(&self.survey, &self.axis);
+                }
+            }
+        }
+    }
+
+    /// Waits until there is something to do; `None` when the worker is to stop.
+    fn next_task(&self, shared: &Shared) -> Option<Task> {
+        let mut orders = shared.lock();
+        orders.making = None;
+        loop {
+            if orders.stop {
+                return None;
+            }
+            if let Some(returns) = orders.picks.take() {
+                return Some(Task::Picks(returns));
+            }
+            if let Some(place) = orders.tiles.iter().position(|want| self.can_improve(want)) {
+                let key = orders.tiles.remove(place).key;
+                orders.making = Some(key);
+                return Some(Task::Tile(key));
+            }
+            if !self.coarse.is_complete() {
+                return Some(Task::Store);
+            }
+            orders = shared
+                .changed
+                .wait(orders)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Whether making the tile now gives more than the view has.
+    fn can_improve(&self, want: &Want) -> bool {
+        let now = if self.from_samples(want.key) {
+            Tile::COMPLETE
+        } else {
+            self.coarse.completeness()
+        };
+        want.have.map_or(now > 0, |have| now > have)
+    }
+
+    /// Near levels always come from the samples; middling ones do until the store is complete.
+    fn from_samples(&self, key: TileKey) -> bool {
+        let stored = self.axis.store.is_finer_or_equal(key.level);
+        key.level.is_near() && !(stored && self.coarse.is_complete())
+    }
+
+    fn tile(&self, key: TileKey) -> Tile {
+        if !self.from_samples(key) {
+            return self.coarse.tile(&self.axis, key);
+        }
+        let (width, height) = size(&self.axis, key);
+        let first = key.first_ping();
+        let pings = first..(first + height * key.level.pings()).min(self.axis.pings);
+        let texels = resample(
+            &self.survey,
+            &self.axis,
+            key.side,
+            key.level,
+            pings,
+            key.first_bin(),
+            width,
+        );
+        Tile {
+            key,
+            width,
+            height,
+            texels,
+            completeness: Tile::COMPLETE,
+        }
+    }
+}
