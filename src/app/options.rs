@@ -122,6 +122,8 @@ pub struct WaterfallOptions {
     pub first_return: bool,
     /// Draw range lines.
     pub range_lines: bool,
+    /// Draw the recorded depth.
+    pub depth_line: bool,
 }
 
 impl WaterfallOptions {
@@ -144,6 +146,7 @@ impl Default for WaterfallOptions {
             orientation: Orientation::default(),
             first_return: true,
             range_lines: true,
+            depth_line: false,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! All colours and sizes.
 
-use crate::app::{SideColours, ThemeChoice, ViewOptions};
+use crate::app::{ColourMap, SideColours, ThemeChoice, ViewOptions};
 use crate::survey::Side;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
@@ -209,4 +209,17 @@ fn sizes(style: &mut egui::Style) {
     spacing.menu_margin = egui::Margin::same(6);
     spacing.scroll = egui::style::ScrollStyle::thin();
     style.interaction.tooltip_delay = 0.4;
+}
+
+/// Range lines and ticks on the waterfall.
+pub fn picture_ink(options: &ViewOptions) -> Color32 {
+    match options.waterfall.colour_map {
+        ColourMap::InverseGrey => Color32::from_black_alpha(110),
+        _ => Color32::from_white_alpha(70),
+    }
+}
+
+/// The depth that the recorder itself found, on waterfall and profile.
+pub fn depth_line_colour() -> Color32 {
+    Color32::from_rgb(240, 240, 120)
 }

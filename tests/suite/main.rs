@@ -8,3 +8,4 @@ mod first_return;
 mod formats;
 mod golden;
 mod support;
+mod waterfall;

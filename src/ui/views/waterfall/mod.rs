@@ -3,13 +3,18 @@
 mod camera;
 mod drawing;
 mod gestures;
+mod labels;
+mod lines;
+mod marks;
 mod picture;
+mod pointer;
+mod scales;
 mod tiles;
 
-use crate::app::{ColourMap, Command, Orientation, WaterfallOptions};
+use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
 use crate::render::colour_map;
 use crate::render::waterfall::{Look, WaterfallPicture};
-use crate::survey::Survey;
+use crate::survey::{Side, Survey};
 use crate::ui::{ViewContext, ViewRequest, theme};
 use crate::waterfall::RangeAxis;
 use camera::{Camera, Extent, Lens, Size};
@@ -31,6 +36,7 @@ pub struct WaterfallView {
     camera: Option<Camera>,
     requests: Vec<Request>,
     reveal_serial: u64,
+    was_over: Option<Mark>,
     settled: bool,
 }
 
@@ -56,15 +62,24 @@ impl WaterfallView {
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
         self.follow_survey(ui.ctx(), context);
         let survey = context.app.survey.clone();
-        let Some((survey, axis)) = survey.zip(self.drawing.as_ref().and_then(Drawing::axis)) else {
+        let axis = self.drawing.as_ref().and_then(Drawing::axis);
+        let Some((survey, axis)) = survey.zip(axis) else {
             self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
+            let text = self.empty(context);
+            marks::banner(&painter, rect, &text);
             response.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::Role::Image, true, "Waterfall, empty")
+                let name = format!("Waterfall, empty: {text}");
+                egui::WidgetInfo::labeled(egui::Role::Image, true, name)
             });
             return;
         };
         let lens = self.aim(ui, &response, &axis, context);
         self.draw_picture(&painter, &lens, context);
+        let over = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
+        self.draw_overlay(&painter, &lens, &survey, &axis, context);
+        if let Some((at, place)) = response.hover_pos().zip(over) {
+            pointer::read_out(&painter, &lens, context.app, at, place);
+        }
         let visible = lens.visible(survey.side_scan.len());
         response.widget_info(|| {
             let name = accessible_name(&visible, &survey, context);
@@ -143,6 +158,61 @@ impl WaterfallView {
         camera.settle(&extent, size);
         self.camera = Some(camera);
         Lens::new(camera, rect, orientation)
+    }
+
+    /// Why there is no picture, or not yet.
+    fn empty(&self, context: &ViewContext<'_>) -> String {
+        match &context.app.survey {
+            None => "open a survey to see its side-scan here".to_owned(),
+            Some(_) if !self.settled => "reading the survey…".to_owned(),
+            Some(survey) => marks::warning(survey)
+                .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned()),
+        }
+    }
+
+    /// Everything on top of the picture.
+    fn draw_overlay(
+        &self,
+        painter: &egui::Painter,
+        lens: &Lens,
+        survey: &Survey,
+        axis: &RangeAxis,
+        context: &ViewContext<'_>,
+    ) {
+        let (app, options) = (context.app, &context.app.options);
+        let ink = theme::picture_ink(options);
+        if options.waterfall.range_lines {
+            scales::range_lines(painter, lens, axis.far_m, ink);
+        }
+        marks::flat_spots(painter, lens, app);
+        if let Some(drawing) = &self.drawing {
+            if options.waterfall.depth_line {
+                let pen = lines::Pen {
+                    colour: theme::depth_line_colour(),
+                    width: 1.0,
+                };
+                lines::depth(painter, lens, survey, drawing, pen);
+            }
+            if let Some(returns) = app.returns().filter(|_| options.waterfall.first_return) {
+                for side in Side::BOTH {
+                    let pen = lines::Pen {
+                        colour: theme::side_colour(options, side),
+                        width: 1.5,
+                    };
+                    lines::first_return(painter, lens, survey, drawing, returns, side, pen);
+                }
+            }
+        }
+        scales::ticks(painter, lens, survey, ink);
+        if let Some(mark) = &app.selection {
+            marks::cross_hair(painter, lens, survey, mark, theme::selection_colour());
+        }
+        if let Some(mark) = &app.hover {
+            marks::cross_hair(painter, lens, survey, mark, theme::hover_colour());
+        }
+        if let Some(warning) = marks::warning(survey) {
+            marks::banner(painter, lens.rect, &warning);
+        }
     }
 
     fn draw_picture(&mut self, painter: &egui::Painter, lens: &Lens, context: &ViewContext<'_>) {

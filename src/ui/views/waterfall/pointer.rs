@@ -1,0 +1,167 @@
+//! What is under the pointer: the read-out, hover and selection, and the menu.
+
+use super::camera::{Lens, Place};
+use super::labels;
+use crate::app::{App, Command, Mark};
+use crate::survey::{Side, Survey};
+use crate::ui::ViewContext;
+use egui::{Align2, Painter, Pos2, Response, vec2};
+
+/// The mark at a place; `None` before the first and after the last ping.
+pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
+    if place.ping < 0.0 {
+        return None;
+    }
+    let ping = place.ping as usize;
+    let side = place.side();
+    let recorded = survey.side_scan.get(ping)?;
+    let span = recorded.side(side);
+    let range_m = place.across_m.abs();
+    let sample = span
+        .map(|span| (span.sample_at(range_m), f64::from(span.count)))
+        .filter(|(sample, count)| (0.0..*count).contains(sample))
+        .map(|(sample, _)| sample as f32);
+    Some(Mark {
+        ping,
+        side: sample.map(|_| side),
+        sample,
+        point: None,
+    })
+}
+
+/// Pushes hover, selection and the menu's wishes. Returns what the pointer is over.
+pub(super) fn follow(
+    response: &Response,
+    lens: &Lens,
+    survey: &Survey,
+    was_over: &mut Option<Mark>,
+    context: &mut ViewContext<'_>,
+) -> Option<Place> {
+    let pointer = response.hover_pos().filter(|at| lens.rect.contains(*at));
+    let place = pointer.map(|at| lens.to_place(at));
+    let mark = place.and_then(|place| mark_at(survey, place));
+    if mark != *was_over {
+        *was_over = mark;
+        context.push(Command::Hover(mark));
+    }
+    let clicked = response.clicked() || response.secondary_clicked();
+    if clicked && let Some(at) = response.interact_pointer_pos() {
+        context.push(Command::Select(mark_at(survey, lens.to_place(at))));
+    }
+    menu(response, context);
+    place
+}
+
+/// Acts on the selection, which the click that opened the menu made.
+fn menu(response: &Response, context: &mut ViewContext<'_>) {
+    response.context_menu(|ui| {
+        let Some(mark) = context.app.selection else {
+            ui.label("no ping here");
+            return;
+        };
+        if ui.button("Calibrate here").clicked() {
+            if let Some(pings) = context.app.stretch_around(mark.ping) {
+                context.push(Command::CalibrateAt(pings));
+            }
+            ui.close();
+        }
+        if ui.button("Show in map and 3D").clicked() {
+            context.push(Command::Reveal(mark));
+            ui.close();
+        }
+    });
+}
+
+/// The read-out beside the pointer, on the side where there is room.
+pub(super) fn read_out(painter: &Painter, lens: &Lens, app: &App, at: Pos2, place: Place) {
+    let Some(text) = app
+        .survey
+        .as_ref()
+        .and_then(|survey| describe(app, survey, place))
+    else {
+        return;
+    };
+    let centre = lens.rect.center();
+    let (right, below) = (at.x < centre.x, at.y < centre.y);
+    let anchor = match (right, below) {
+        (true, true) => Align2::LEFT_TOP,
+        (true, false) => Align2::LEFT_BOTTOM,
+        (false, true) => Align2::RIGHT_TOP,
+        (false, false) => Align2::RIGHT_BOTTOM,
+    };
+    let shift = vec2(
+        if right { 14.0 } else { -14.0 },
+        if below { 14.0 } else { -14.0 },
+    );
+    labels::text(painter, at + shift, anchor, &text);
+}
+
+fn describe(app: &App, survey: &Survey, place: Place) -> Option<String> {
+    let mark = mark_at(survey, place)?;
+    let ping = survey.side_scan.get(mark.ping)?;
+    let side = place.side();
+    let mut text = format!(
+        "ping {}  {}\nrange {:.2} m {}",
+        mark.ping,
+        labels::time(survey, ping.time_s, true),
+        place.across_m.abs(),
+        side.name()
+    );
+    if let Some((span, sample)) = ping.side(side).zip(mark.sample)
+        && let Some(samples) = survey.samples(mark.ping, side)
+    {
+        let sample = (sample as usize).min(span.count.saturating_sub(1) as usize);
+        let echo = if sample < samples.len() {
+            samples.get(sample)
+        } else {
+            0
+        };
+        text += &format!("  sample {sample}, echo {echo}");
+    }
+    if ping.depth_m.is_finite() {
+        text += &format!("\ndepth {:.2} m", ping.depth_m);
+    }
+    if let Some(position) = position(app, survey, place) {
+        text += &format!("\n{position}");
+    }
+    Some(text)
+}
+
+/// Where on the ground the place lies, flat bottom assumed; the boat's position within the water column.
+fn position(app: &App, survey: &Survey, place: Place) -> Option<String> {
+    let navigation = &app.products.as_ref()?.navigation;
+    let ping = place.ping as usize;
+    let nav = navigation
+        .pings
+        .get(ping)
+        .filter(|nav| nav.east_m.is_finite())?;
+    let depth_m = f64::from(survey.side_scan.get(ping)?.depth_m);
+    let slant_m = place.across_m.abs();
+    let ground_m = if depth_m.is_finite() && nav.heading_rad.is_finite() {
+        (slant_m * slant_m - depth_m * depth_m).max(0.0).sqrt()
+    } else {
+        0.0
+    };
+    let outward_m = match place.side() {
+        Side::Port => -ground_m,
+        Side::Starboard => ground_m,
+    };
+    let (sin, cos) = if nav.heading_rad.is_finite() {
+        nav.heading_rad.sin_cos()
+    } else {
+        (0.0, 0.0)
+    };
+    let at = navigation.to_lon_lat(
+        &survey.track,
+        nav.east_m + outward_m * cos,
+        nav.north_m - outward_m * sin,
+    );
+    let letter = |value: f64, positive, negative| if value < 0.0 { negative } else { positive };
+    Some(format!(
+        "{:.5}° {}  {:.5}° {}",
+        at.lat_deg.abs(),
+        letter(at.lat_deg, 'N', 'S'),
+        at.lon_deg.abs(),
+        letter(at.lon_deg, 'E', 'W')
+    ))
+}

@@ -1,0 +1,66 @@
+//! Range lines across the picture, and ticks of ping and time along it.
+
+use super::camera::{Lens, Place, across_m};
+use super::labels;
+use crate::app::Orientation;
+use crate::survey::{Side, Survey};
+use egui::{Align2, Color32, Painter, Stroke, vec2};
+
+/// Screen points between range lines, at least.
+const LINE_POINTS: f64 = 45.0;
+/// Screen points between ticks along the track, at least.
+const TICK_POINTS: f64 = 130.0;
+
+/// Lines of equal slant range on both sides, labelled where the picture begins.
+pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color32) {
+    let step_m = labels::round_step(lens.metres_per_point() * LINE_POINTS, 1.0);
+    let seen = lens.metres();
+    let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
+    for line in 1..=(farthest / step_m).floor() as u32 {
+        let range_m = f64::from(line) * step_m;
+        for side in Side::BOTH {
+            let across_m = across_m(side, range_m);
+            if !seen.contains(&across_m) {
+                continue;
+            }
+            let ends = lens.line_at_range(across_m);
+            painter.line_segment(ends, Stroke::new(1.0, ink));
+            let (anchor, shift) = match lens.orientation {
+                Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
+                Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
+            };
+            let label = labels::metres(range_m, step_m);
+            labels::text(painter, ends[0] + shift, anchor, &label);
+        }
+    }
+}
+
+/// Ping numbers and times at the far edge of starboard (below) or port (left).
+pub(super) fn ticks(painter: &Painter, lens: &Lens, survey: &Survey, ink: Color32) {
+    let step = labels::round_step((lens.pings_per_point() * TICK_POINTS).max(1.0), 1.0) as usize;
+    let seen = lens.visible(survey.side_scan.len());
+    for ping in (seen.start.next_multiple_of(step)..seen.end).step_by(step) {
+        let metres = lens.metres();
+        let (edge_m, inward, anchor) = match lens.orientation {
+            Orientation::Horizontal => (metres.end, vec2(0.0, -6.0), Align2::CENTER_BOTTOM),
+            Orientation::Vertical => (metres.start, vec2(6.0, 0.0), Align2::LEFT_CENTER),
+        };
+        let at = lens.to_screen(Place {
+            ping: ping as f64 + 0.5,
+            across_m: edge_m,
+        });
+        painter.line_segment([at, at + inward], Stroke::new(1.0, ink));
+        let Some(recorded) = survey.side_scan.get(ping) else {
+            continue;
+        };
+        let label = format!("{ping}  {}", labels::time(survey, recorded.time_s, false));
+        let along = match lens.orientation {
+            Orientation::Horizontal => at.x - lens.rect.left(),
+            Orientation::Vertical => at.y - lens.rect.top(),
+        };
+        // A label that would hang over the beginning stays away.
+        if along > 40.0 || lens.orientation == Orientation::Vertical {
+            labels::text(painter, at + inward, anchor, &label);
+        }
+    }
+}
