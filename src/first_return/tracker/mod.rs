@@ -2,12 +2,16 @@
 //! to bottom and jumps least.
 //!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
-//! every sample, `viterbi` finds the best path, `line` reads picks and their confidence off it.
+//! every sample, `viterbi` finds the best path, `line` says where it is a pick and how sure, and `refine` finds the edge
+//! within a fraction of a sample on the picture that `straight` lays along the line.
 
+mod grid;
 mod line;
+mod refine;
 mod rows;
 mod runs;
 mod score;
+mod straight;
 mod viterbi;
 
 use super::{FirstReturnSettings, Normalisation, Pick};
@@ -17,14 +21,23 @@ use rayon::prelude::*;
 use runs::Chunk;
 use std::ops::Range;
 
-/// What the tracker is set to, in metres; chosen on simulated ponds and looked at on the real river.
+/// What the tracker is set to; chosen on simulated ponds and looked at on real recordings.
+///
+/// Lengths are in metres where the bottom decides, with limits in cells of the picture where the recorder's grid does:
+/// a range of 37 m in 512 samples is coarser than any step.
 struct Tuning {
-    /// Length of the windows compared on both sides of a step.
+    /// Length of the windows compared on both sides of a step, metres.
     window_m: f64,
-    /// Largest jump of the line from ping to ping.
-    jump_m: f64,
-    /// Score that a metre of jump costs.
-    jump_cost_per_m: f64,
+    /// Fewest cells of that window; a line one or two cells wide must not fill it.
+    window_cells: usize,
+    /// Farthest that the line moves from ping to ping without a leap, metres.
+    move_m: f64,
+    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell.
+    move_cost_per_m: f64,
+    /// See `move_cost_per_m`.
+    move_cost_per_cell: f64,
+    /// Score that a leap costs, to wherever: the edge of a boulder, a weed bed, a wall.
+    leap_cost: f32,
     /// Score that lying outside the window around the recorded depth costs.
     depth_cost: f32,
     /// Window around the recorded depth, as shares of it.
@@ -33,9 +46,12 @@ struct Tuning {
 
 const TUNING: Tuning = Tuning {
     window_m: 0.20,
-    jump_m: 0.052,
-    jump_cost_per_m: 117.0,
-    depth_cost: 2.0,
+    window_cells: 10,
+    move_m: 0.052,
+    move_cost_per_m: 117.0,
+    move_cost_per_cell: 1.0,
+    leap_cost: 10.0,
+    depth_cost: 1.0,
     depth_window: (0.65, 1.12),
 };
 
@@ -84,6 +100,7 @@ struct Workspace {
     rows: rows::Rows,
     scores: score::Scores,
     paths: viterbi::Paths,
+    refiner: refine::Refiner,
 }
 
 impl Workspace {
@@ -109,11 +126,20 @@ impl Workspace {
             self.scores
                 .weigh_depth(row, f64::from(depth_m), chunk, cell_m);
         }
-        let jump = viterbi::Jump {
-            limit: ((TUNING.jump_m / cell_m).ceil() as usize).clamp(2, 64),
-            cost: (TUNING.jump_cost_per_m * cell_m) as f32,
-        };
-        self.paths.solve(&self.scores, &jump);
-        line::read(&self.scores, &self.paths, chunk, cell_m, normalisation)
+        let motion = viterbi::Motion::at(cell_m);
+        let line = self.paths.line(self.scores.grid(), &motion);
+        let confidence = line::confidence(self.scores.grid(), &line, cell_m);
+        let places = self.refiner.refine(&self.rows, &line, motion.limit, cell_m);
+        let samples_per_cell = rows::cell(normalisation.samples) as f32;
+        let kept = chunk.kept.clone();
+        kept.map(|row| match confidence[row] {
+            None => Pick::NONE,
+            Some(confidence) => Pick {
+                sample: places[row] * samples_per_cell,
+                confidence,
+                canopy: false,
+            },
+        })
+        .collect()
     }
 }

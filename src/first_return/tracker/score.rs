@@ -2,6 +2,7 @@
 
 use super::super::{FirstReturnSettings, Normalisation, SampleMode};
 use super::TUNING;
+use super::grid::Grid;
 use super::rows::Rows;
 use super::runs::Chunk;
 
@@ -12,10 +13,13 @@ const ALONG: [u16; 4] = [22, 15, 5, 1];
 const FINE: f32 = 8.0;
 
 /// Variance of the noise floor, bytes squared: even quiet water is not certain to less than 3 bytes.
-const FLOOR: f32 = 9.0;
+pub(super) const FLOOR: f32 = 9.0;
+
+/// Neighbouring pings to each side of which an echo may be the one that reaches the threshold: speckle fades any one of them.
+const LOUD_ALONG: isize = 2;
 
 /// Scores are cut here: one glaring echo must not pull the line off for many pings.
-const MOST: f32 = 6.0;
+pub(super) const MOST: f32 = 6.0;
 
 /// What the score compares.
 pub(super) struct Kernel {
@@ -23,8 +27,8 @@ pub(super) struct Kernel {
     window: usize,
     /// First cell that can be a return.
     first: usize,
-    /// Fine value that a cell within the far window must reach.
-    level: i16,
+    /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour; above 255 for none.
+    level: u16,
 }
 
 impl Kernel {
@@ -40,11 +44,11 @@ impl Kernel {
             SampleMode::Words => settings.threshold * 255.0,
         };
         Self {
-            window: ((TUNING.window_m / cell_m).round() as usize).clamp(3, 255),
+            window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
             first: (((settings.dead_zone_m - chunk.near_m) / cell_m)
                 .ceil()
                 .max(0.0)) as usize,
-            level: (FINE * level).clamp(0.0, f32::from(i16::MAX)) as i16,
+            level: level.ceil().clamp(0.0, 256.0) as u16,
         }
     }
 }
@@ -52,10 +56,10 @@ impl Kernel {
 /// Scores of all cells of a chunk; cells that cannot be a return have [`Scores::CLOSED`].
 #[derive(Default)]
 pub(super) struct Scores {
-    cells: Vec<f32>,
-    /// Cells in a row.
-    pub width: usize,
+    grid: Grid,
     fine: Vec<i16>,
+    loudest: Vec<u8>,
+    spare: Vec<u8>,
     sums: Vec<u32>,
     squares: Vec<u32>,
 }
@@ -66,26 +70,20 @@ impl Scores {
 
     /// Replaces the scores by those of the rows.
     pub fn measure(&mut self, rows: &Rows, kernel: &Kernel) {
-        self.width = rows.width;
-        self.cells.clear();
-        self.cells.resize(rows.len() * rows.width, Self::CLOSED);
+        self.grid.reset(rows.len(), rows.width, Self::CLOSED);
         for row in 0..rows.len() {
             self.smooth(rows, row);
             self.sum_up();
-            let out = &mut self.cells[row * self.width..][..self.width];
+            self.find_loudest(rows, row, kernel.window);
+            let out = self.grid.row_mut(row);
             step_scores(out, &self.sums, &self.squares, kernel, rows.recorded[row]);
-            close_below_level(out, &mut self.fine, kernel);
+            close_below_level(out, &self.loudest, kernel.level);
         }
     }
 
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.cells.len().checked_div(self.width).unwrap_or(0)
-    }
-
-    /// Scores of one row.
-    pub fn row(&self, row: usize) -> &[f32] {
-        &self.cells[row * self.width..][..self.width]
+    /// Scores of all rows.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth, no change.
@@ -95,11 +93,11 @@ impl Scores {
         }
         let cell = |share: f64| {
             let cell = (share * depth_m - chunk.near_m) / cell_m;
-            (cell.max(0.0) as usize).min(self.width)
+            (cell.max(0.0) as usize).min(self.grid.width())
         };
         let (near, far) = TUNING.depth_window;
         let window = cell(near)..cell(far);
-        let row = &mut self.cells[row * self.width..][..self.width];
+        let row = self.grid.row_mut(row);
         for score in &mut row[..window.start] {
             *score -= TUNING.depth_cost;
         }
@@ -128,6 +126,18 @@ impl Scores {
         }
     }
 
+    /// For every cell, the loudest one in the window that begins there, over this ping and its neighbours.
+    fn find_loudest(&mut self, rows: &Rows, row: usize, window: usize) {
+        self.loudest.clear();
+        self.loudest.extend_from_slice(rows.row(row as isize));
+        for offset in (-LOUD_ALONG..=LOUD_ALONG).filter(|&offset| offset != 0) {
+            for (loudest, &byte) in self.loudest.iter_mut().zip(rows.row(row as isize + offset)) {
+                *loudest = byte.max(*loudest);
+            }
+        }
+        window_maximum(&mut self.loudest, &mut self.spare, window);
+    }
+
     /// Running sums; they may wrap, differences over a window do not.
     fn sum_up(&mut self) {
         let (mut sum, mut square) = (0u32, 0u32);
@@ -148,39 +158,65 @@ impl Scores {
 /// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell.
 fn step_scores(out: &mut [f32], sums: &[u32], squares: &[u32], kernel: &Kernel, recorded: usize) {
     let window = kernel.window;
-    let first = kernel.first + window / 4;
-    let full = (kernel.first + window).min(recorded);
     let last = recorded.saturating_sub(window);
+    let full = (kernel.first + window).min(last);
+    let n = window as f32;
     // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of it.
-    for cell in first..full.min(last) {
-        out[cell] = step(sums, squares, (kernel.first, cell), (cell, cell + window));
+    for cell in kernel.first + window / 4..full {
+        let near = (cell - kernel.first) as f32;
+        let near = Moments::between(sums, squares, kernel.first, cell, 1.0 / near);
+        let far = Moments::between(sums, squares, cell, cell + window, 1.0 / n);
+        out[cell] = far.step_from(near);
     }
-    if full >= last {
+    if full < kernel.first + window {
         return;
     }
-    for cell in full..last {
-        out[cell] = step(sums, squares, (cell - window, cell), (cell, cell + window));
+    let per = 1.0 / n;
+    let count = last - full;
+    let [s0, s1, s2] = [full - window, full, full + window].map(|start| &sums[start..][..count]);
+    let [q0, q1, q2] = [full - window, full, full + window].map(|start| &squares[start..][..count]);
+    for (cell, out) in out[full..last].iter_mut().enumerate() {
+        let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
+        let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
+        *out = far.step_from(near);
     }
 }
 
-fn step(sums: &[u32], squares: &[u32], near: (usize, usize), far: (usize, usize)) -> f32 {
-    let moments = |(start, end): (usize, usize)| {
-        let n = (end - start) as f32;
-        let mean = sums[end].wrapping_sub(sums[start]) as f32 / n;
-        let square = squares[end].wrapping_sub(squares[start]) as f32 / n;
-        (mean, square - mean * mean)
-    };
-    let (near_mean, near_variance) = moments(near);
-    let (far_mean, far_variance) = moments(far);
-    let noise = near_variance + far_variance + FLOOR * FINE * FINE;
-    ((far_mean - near_mean) / noise.max(1.0).sqrt()).min(MOST)
+/// Mean and variance of a window of fine values.
+struct Moments {
+    mean: f32,
+    variance: f32,
 }
 
-/// Closes the cells behind which, within the window, nothing reaches the threshold.
-fn close_below_level(out: &mut [f32], fine: &mut [i16], kernel: &Kernel) {
-    window_maximum(fine, kernel.window);
-    for (score, &highest) in out.iter_mut().zip(&*fine) {
-        *score = if highest >= kernel.level {
+impl Moments {
+    /// From the running sums at both ends; `per` is one by the number of cells.
+    #[inline(always)]
+    fn of(sum: u32, sum_end: u32, square: u32, square_end: u32, per: f32) -> Self {
+        // A window of 255 cells stays below 2^31, and signed numbers convert faster.
+        let mean = sum_end.wrapping_sub(sum) as i32 as f32 * per;
+        let square = square_end.wrapping_sub(square) as i32 as f32 * per;
+        Self {
+            mean,
+            variance: square - mean * mean,
+        }
+    }
+
+    fn between(sums: &[u32], squares: &[u32], start: usize, end: usize, per: f32) -> Self {
+        Self::of(sums[start], sums[end], squares[start], squares[end], per)
+    }
+
+    #[inline(always)]
+    fn step_from(&self, near: Self) -> f32 {
+        let noise = near.variance + self.variance + FLOOR * FINE * FINE;
+        let score = (self.mean - near.mean) / noise.sqrt();
+        if score < MOST { score } else { MOST }
+    }
+}
+
+/// Closes the cells behind which nothing reaches the threshold.
+fn close_below_level(out: &mut [f32], loudest: &[u8], level: u16) {
+    for (score, &loudest) in out.iter_mut().zip(loudest) {
+        *score = if u16::from(loudest) >= level {
             *score
         } else {
             Scores::CLOSED
@@ -189,13 +225,36 @@ fn close_below_level(out: &mut [f32], fine: &mut [i16], kernel: &Kernel) {
 }
 
 /// Replaces every value by the maximum of the `window` values that start there.
-fn window_maximum(values: &mut [i16], window: usize) {
+fn window_maximum(values: &mut Vec<u8>, spare: &mut Vec<u8>, window: usize) {
     let mut covered = 1;
-    while covered < window {
+    while covered < window.min(values.len()) {
         let step = covered.min(window - covered);
-        for at in 0..values.len().saturating_sub(step) {
-            values[at] = values[at].max(values[at + step]);
-        }
+        spare.clear();
+        spare.extend(values.iter().zip(&values[step..]).map(|(&a, &b)| a.max(b)));
+        spare.extend_from_slice(&values[values.len() - step..]);
+        std::mem::swap(values, spare);
         covered += step;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn window_maximum_is_that_of_every_window() {
+        let values: Vec<u8> = (0..97).map(|i: u32| (i * 7919 % 101) as u8).collect();
+        for window in [1, 2, 3, 8, 24, 97, 200] {
+            let mut found = values.clone();
+            window_maximum(&mut found, &mut Vec::new(), window);
+            let expected = (0..values.len()).map(|at| {
+                values[at..values.len().min(at + window)]
+                    .iter()
+                    .copied()
+                    .max()
+                    .unwrap()
+            });
+            assert!(found.iter().copied().eq(expected), "window {window}");
+        }
     }
 }
