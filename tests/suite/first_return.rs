@@ -1,5 +1,7 @@
 //! First returns on made pictures, simulated ponds and real recordings.
 
+mod ponds;
+
 use bathyscope::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };

@@ -1,0 +1,202 @@
+//! First returns against the truth of simulated ponds.
+
+use bathyscope::first_return::{
+    FirstReturnSettings, FirstReturns, ImageSettings, Method, SampleMode, detect,
+};
+use bathyscope::formats;
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{PingTruth, Scene, simulate};
+use bathyscope::survey::{Side, Survey};
+
+/// A pond with what is true about it.
+struct Pond {
+    survey: Survey,
+    truth: Vec<PingTruth>,
+}
+
+impl Pond {
+    fn new(scene: &Scene, seed: u64) -> Self {
+        let progress = Progress::new();
+        let simulated = simulate(scene, seed, &progress).expect("not cancelled");
+        let survey = formats::open_bytes("pond.sl2", simulated.sl2_bytes(), &progress);
+        let pond = Self {
+            survey: survey.expect("a readable log"),
+            truth: simulated.pings,
+        };
+        assert_eq!(pond.survey.side_scan.len(), pond.truth.len());
+        pond
+    }
+}
+
+/// Range errors of picks, metres, weed excluded.
+#[derive(Default)]
+struct Errors {
+    of_picks: Vec<f64>,
+    without_pick: usize,
+}
+
+impl Errors {
+    fn add(&mut self, pond: &Pond, returns: &FirstReturns) {
+        for side in Side::BOTH {
+            for (truth, pick) in pond.truth.iter().zip(returns.side(side)) {
+                let side = truth.side(side);
+                if side.weed || side.first_return_m.is_nan() {
+                    continue;
+                }
+                if pick.is_some() {
+                    let range_m = f64::from(pick.sample) * truth.metres_per_sample;
+                    self.of_picks.push(range_m - side.first_return_m);
+                } else {
+                    self.without_pick += 1;
+                }
+            }
+        }
+    }
+
+    fn summary(&self) -> Summary {
+        let mut errors = self.of_picks.clone();
+        errors.sort_by(f64::total_cmp);
+        let median = errors[errors.len() / 2];
+        let near: Vec<f64> = errors
+            .iter()
+            .copied()
+            .filter(|error| (error - median).abs() < GROSS_M)
+            .collect();
+        let bias_m = near.iter().sum::<f64>() / near.len() as f64;
+        let mut absolute: Vec<f64> = errors.iter().map(|error| (error - bias_m).abs()).collect();
+        absolute.sort_by(f64::total_cmp);
+        let count = absolute.len() as f64;
+        Summary {
+            bias_m,
+            mae_m: absolute.iter().sum::<f64>() / count,
+            p95_m: absolute[(0.95 * count) as usize],
+            gross: absolute.iter().filter(|&&error| error > GROSS_M).count() as f64 / count,
+            without_pick: self.without_pick as f64 / (self.without_pick as f64 + count),
+        }
+    }
+}
+
+/// An error that is no longer a matter of precision.
+const GROSS_M: f64 = 0.25;
+
+/// What is left when the constant bias (mean of the errors that are not gross) is taken off.
+struct Summary {
+    bias_m: f64,
+    mae_m: f64,
+    p95_m: f64,
+    gross: f64,
+    without_pick: f64,
+}
+
+impl std::fmt::Display for Summary {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(
+            out,
+            "bias {:+7.2} cm  MAE {:6.2} cm  p95 {:6.2} cm  gross {:6.2} %  no pick {:6.2} %",
+            100.0 * self.bias_m,
+            100.0 * self.mae_m,
+            100.0 * self.p95_m,
+            100.0 * self.gross,
+            100.0 * self.without_pick
+        )
+    }
+}
+
+const KINDS: [(&str, fn() -> Scene); 3] = [
+    ("gentle", Scene::gentle),
+    ("steep", Scene::steep),
+    ("rough", Scene::rough),
+];
+
+fn detector(
+    method: Method,
+    samples: SampleMode,
+    threshold: f32,
+    dead_zone_m: f64,
+) -> (ImageSettings, FirstReturnSettings) {
+    let settings = FirstReturnSettings {
+        method,
+        threshold,
+        dead_zone_m,
+        ..FirstReturnSettings::default()
+    };
+    (ImageSettings { samples }, settings)
+}
+
+fn measure(
+    scene: &Scene,
+    seeds: std::ops::Range<u64>,
+    detectors: &[(ImageSettings, FirstReturnSettings)],
+) -> Vec<Summary> {
+    let mut errors: Vec<Errors> = detectors.iter().map(|_| Errors::default()).collect();
+    for seed in seeds {
+        let pond = Pond::new(scene, seed);
+        for ((image, settings), errors) in detectors.iter().zip(&mut errors) {
+            let returns = detect(&pond.survey, image, settings, &Progress::new());
+            errors.add(&pond, &returns.expect("not cancelled"));
+        }
+    }
+    errors.iter().map(Errors::summary).collect()
+}
+
+#[test]
+fn tracker_stays_within_a_centimetre_on_ponds_of_every_kind() {
+    let tracker = (ImageSettings::default(), FirstReturnSettings::default());
+    for (kind, scene) in KINDS {
+        let found = &measure(&scene(), 0..2, std::slice::from_ref(&tracker))[0];
+        println!("{kind}: {found}");
+        assert!(found.mae_m <= 0.010, "{kind}: {found}");
+        assert!(found.p95_m <= 0.030, "{kind}: {found}");
+        assert!(found.gross <= 0.002, "{kind}: {found}");
+        assert!(found.without_pick <= 0.01, "{kind}: {found}");
+    }
+}
+
+/// The table that the choice of the detector rests on: `cargo test --release -- --ignored --nocapture every_detector`.
+#[test]
+#[ignore = "a table over 60 ponds, minutes long"]
+fn every_detector_on_twenty_ponds_of_every_kind() {
+    let seeds = std::env::var("PONDS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(20);
+    let detectors = [
+        (
+            "published words 0.30",
+            detector(Method::Threshold, SampleMode::Words, 0.30, 0.82),
+        ),
+        (
+            "bytes threshold 0.30",
+            detector(Method::Threshold, SampleMode::Bytes, 0.30, 0.5),
+        ),
+        (
+            "bytes threshold 0.50",
+            detector(Method::Threshold, SampleMode::Bytes, 0.50, 0.5),
+        ),
+        (
+            "tracker on words 0.30",
+            detector(Method::Tracker, SampleMode::Words, 0.30, 0.82),
+        ),
+        (
+            "tracker 0.10",
+            detector(Method::Tracker, SampleMode::Bytes, 0.10, 0.5),
+        ),
+        (
+            "tracker 0.30",
+            detector(Method::Tracker, SampleMode::Bytes, 0.30, 0.5),
+        ),
+        (
+            "tracker 0.50",
+            detector(Method::Tracker, SampleMode::Bytes, 0.50, 0.5),
+        ),
+    ];
+    let settings: Vec<_> = detectors
+        .iter()
+        .map(|(_, settings)| settings.clone())
+        .collect();
+    for (kind, scene) in KINDS {
+        for ((name, _), found) in detectors.iter().zip(measure(&scene(), 0..seeds, &settings)) {
+            println!("{kind:7} {name:22} {found}");
+        }
+    }
+}
