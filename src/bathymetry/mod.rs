@@ -1,1 +1,9 @@
-//! Depth maps from soundings.
+//! Depth maps from soundings: repeated positions merged, triangulated, and sampled only where something was measured.
+
+mod depth_map;
+mod soundings;
+mod tin;
+
+pub use depth_map::{DepthMap, DepthMapSettings, depth_map};
+pub use soundings::{DepthPoint, depth_points, depth_range, merge_repeated};
+pub use tin::Tin;

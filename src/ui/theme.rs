@@ -45,6 +45,41 @@ pub fn selection_colour() -> Color32 {
     Color32::from_rgb(90, 220, 220)
 }
 
+/// Text on waterfall, map and cloud.
+pub fn canvas_text_colour(options: &ViewOptions) -> Color32 {
+    match options.theme {
+        ThemeChoice::Dark => Color32::from_rgb(205, 210, 216),
+        ThemeChoice::Light => Color32::from_rgb(48, 52, 58),
+    }
+}
+
+/// Grid lines on map and cloud.
+pub fn grid_colour(options: &ViewOptions) -> Color32 {
+    match options.theme {
+        ThemeChoice::Dark => Color32::from_rgb(42, 48, 56),
+        ThemeChoice::Light => Color32::from_rgb(218, 220, 220),
+    }
+}
+
+/// Plates behind text that lies on a picture.
+pub fn plate_colour(options: &ViewOptions) -> Color32 {
+    let [r, g, b, _] = canvas_colour(options).to_array();
+    Color32::from_rgba_unmultiplied(r, g, b, 205)
+}
+
+/// Ranked flat stretches on the map.
+pub fn flat_spot_colour(options: &ViewOptions) -> Color32 {
+    match options.theme {
+        ThemeChoice::Dark => Color32::from_rgb(250, 250, 250),
+        ThemeChoice::Light => Color32::from_rgb(30, 30, 30),
+    }
+}
+
+/// The stretch that the calibration was measured on.
+pub fn calibration_colour() -> Color32 {
+    Color32::from_rgb(255, 105, 180)
+}
+
 /// What is under way or in force: numbers of steps, the focused view, progress.
 pub fn accent_colour(theme: ThemeChoice) -> Color32 {
     match theme {

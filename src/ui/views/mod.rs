@@ -1,8 +1,13 @@
 //! One file a view.
 
+mod background;
 mod cloud;
+mod empty;
+mod legend;
 mod map;
+mod picture;
 mod profile;
+mod ticks;
 mod waterfall;
 
 pub use cloud::CloudView;

@@ -1,0 +1,306 @@
+//! A camera that orbits a target, and its projection. World: x east, y north, z up, metres.
+
+use glam::camera::rh::proj::directx::perspective_infinite_reverse;
+use glam::{Mat3, Mat4, Vec2, Vec3};
+
+/// Vertical field of view, radians.
+const FIELD_OF_VIEW: f32 = 0.7;
+/// Share of the picture that a fitted box leaves free.
+const FIT_MARGIN: f32 = 1.12;
+/// Nearest and farthest that the camera comes to its target, metres.
+const DISTANCES_M: [f32; 2] = [0.05, 1e6];
+
+/// A direction to look from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From above, north up.
+    Top,
+    /// Level, from the south.
+    South,
+}
+
+/// Looks at a target from a distance; never rolls, so that up stays up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitCamera {
+    /// The point looked at, metres, before vertical exaggeration.
+    pub target: Vec3,
+    /// From the target, metres.
+    pub distance_m: f32,
+    /// Compass direction of the view, radians clockwise from north.
+    pub azimuth_rad: f32,
+    /// Height of the camera over the horizon seen from the target, radians.
+    pub elevation_rad: f32,
+    /// Factor on z.
+    pub exaggeration: f32,
+}
+
+impl Default for OrbitCamera {
+    fn default() -> Self {
+        Self {
+            target: Vec3::ZERO,
+            distance_m: 100.0,
+            azimuth_rad: 0.5,
+            elevation_rad: 0.6,
+            exaggeration: 1.0,
+        }
+    }
+}
+
+impl OrbitCamera {
+    /// Turns by a drag across the picture, in pictures' heights: right turns the scene right, down lifts the camera.
+    pub fn orbit(&mut self, drag: Vec2) {
+        use std::f32::consts::{FRAC_PI_2, TAU};
+        self.azimuth_rad = (self.azimuth_rad + drag.x * TAU * 0.5).rem_euclid(TAU);
+        self.elevation_rad = (self.elevation_rad + drag.y * TAU * 0.5).clamp(-FRAC_PI_2, FRAC_PI_2);
+    }
+
+    /// Moves the target so that the scene follows a drag across the picture, in pictures' heights.
+    pub fn pan(&mut self, drag: Vec2) {
+        let [right, up, _] = self.axes();
+        let height_m = 2.0 * self.distance_m * (0.5 * FIELD_OF_VIEW).tan();
+        self.move_target(-(right * drag.x - up * drag.y) * height_m);
+    }
+
+    /// Comes `factor` times nearer (above 1) while the place under `ndc` stays where it is in the picture.
+    pub fn zoom(&mut self, factor: f32, ndc: Vec2, aspect: f32) {
+        let [nearest, farthest] = DISTANCES_M;
+        let distance_m = (self.distance_m / factor).clamp(nearest, farthest);
+        let [right, up, _] = self.axes();
+        let tan = (0.5 * FIELD_OF_VIEW).tan();
+        let offset = right * (ndc.x * tan * aspect) + up * (ndc.y * tan);
+        self.move_target(offset * (self.distance_m - distance_m));
+        self.distance_m = distance_m;
+    }
+
+    /// Shows a box whole, from the direction the camera has.
+    pub fn fit(&mut self, low: Vec3, high: Vec3, aspect: f32) {
+        self.target = 0.5 * (low + high);
+        let tan = (0.5 * FIELD_OF_VIEW).tan();
+        let [right, up, back] = self.axes();
+        let needed = corners(low, high).map(|corner| {
+            let offset = self.exaggerate(corner - self.target);
+            let beside = (offset.dot(right).abs() / (tan * aspect)).max(offset.dot(up).abs() / tan);
+            beside * FIT_MARGIN + offset.dot(back)
+        });
+        let [nearest, farthest] = DISTANCES_M;
+        let distance_m = needed.into_iter().fold(0.0, f32::max);
+        self.distance_m = distance_m.max(0.5).clamp(nearest, farthest);
+    }
+
+    /// Looks from a direction.
+    pub fn look_from(&mut self, direction: Direction) {
+        self.azimuth_rad = 0.0;
+        self.elevation_rad = match direction {
+            Direction::Top => std::f32::consts::FRAC_PI_2,
+            Direction::South => 0.0,
+        };
+    }
+
+    /// The projection for a picture of this width over height.
+    pub fn projection(&self, aspect: f32) -> Projection {
+        let [right, up, back] = self.axes();
+        let view_from_world = Mat4::from_mat3(Mat3::from_cols(right, up, back).transpose());
+        let clip_from_view =
+            perspective_infinite_reverse(FIELD_OF_VIEW, aspect.max(1e-3), 0.01 * self.distance_m);
+        let clip_from_world = clip_from_view
+            * Mat4::from_translation(Vec3::new(0.0, 0.0, -self.distance_m))
+            * view_from_world
+            * Mat4::from_scale(Vec3::new(1.0, 1.0, self.exaggeration))
+            * Mat4::from_translation(-self.target);
+        Projection {
+            clip_from_world,
+            eye: self.target + self.shrink(back * self.distance_m),
+        }
+    }
+
+    /// Right, up and back of the camera in the exaggerated world.
+    fn axes(&self) -> [Vec3; 3] {
+        let (sin_a, cos_a) = self.azimuth_rad.sin_cos();
+        let (sin_e, cos_e) = self.elevation_rad.sin_cos();
+        let right = Vec3::new(cos_a, -sin_a, 0.0);
+        let back = Vec3::new(-sin_a * cos_e, -cos_a * cos_e, sin_e);
+        [right, back.cross(right), back]
+    }
+
+    fn exaggerate(&self, offset: Vec3) -> Vec3 {
+        offset * Vec3::new(1.0, 1.0, self.exaggeration)
+    }
+
+    fn shrink(&self, offset: Vec3) -> Vec3 {
+        offset / Vec3::new(1.0, 1.0, self.exaggeration)
+    }
+
+    fn move_target(&mut self, by: Vec3) {
+        self.target += self.shrink(by);
+    }
+}
+
+/// The eight corners of a box; bit 0 of the index is x, bit 1 y, bit 2 z.
+pub fn corners(low: Vec3, high: Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|index| {
+        let pick = |bit: usize, axis: usize| {
+            if index >> bit & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        };
+        Vec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+    })
+}
+
+/// From the world to the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Clip space from world metres.
+    pub clip_from_world: Mat4,
+    /// Where the camera is, in world metres.
+    pub eye: Vec3,
+}
+
+impl Projection {
+    /// A place in normalised device coordinates (x right, y up, -1 to 1) and its nearness (reverse-Z: larger is nearer);
+    /// `None` behind the camera.
+    pub fn project(&self, place: Vec3) -> Option<Vec3> {
+        let clip = self.clip_from_world * place.extend(1.0);
+        (clip.w > 1e-6).then(|| clip.truncate() / clip.w)
+    }
+
+    /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the pixel; all within `cover_px`
+    /// count as under the pointer) the one in front. `pointer_px` and `size_px` are in pixels from the top left.
+    pub fn pick(
+        &self,
+        points: impl Iterator<Item = Vec3>,
+        pointer_px: Vec2,
+        size_px: Vec2,
+        [cover_px, reach_px]: [f32; 2],
+    ) -> Option<usize> {
+        let half = 0.5 * size_px;
+        let mut best: Option<(f32, f32, usize)> = None;
+        for (index, point) in points.enumerate() {
+            let Some(ndc) = self.project(point) else {
+                continue;
+            };
+            let at_px = Vec2::new(1.0 + ndc.x, 1.0 - ndc.y) * half;
+            let off_px = at_px.distance(pointer_px);
+            if off_px > reach_px {
+                continue;
+            }
+            let off_px = off_px.max(cover_px).round();
+            let better = |(off, z, _)| off_px < off || (off_px == off && ndc.z > z);
+            if best.is_none_or(better) {
+                best = Some((off_px, ndc.z, index));
+            }
+        }
+        best.map(|(_, _, index)| index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOW: Vec3 = Vec3::new(-20.0, -10.0, -6.0);
+    const HIGH: Vec3 = Vec3::new(20.0, 10.0, -1.0);
+
+    fn fitted(exaggeration: f32) -> OrbitCamera {
+        let mut camera = OrbitCamera {
+            exaggeration,
+            ..OrbitCamera::default()
+        };
+        camera.fit(LOW, HIGH, 1.5);
+        camera
+    }
+
+    #[test]
+    fn from_above_north_is_up_and_east_is_right() {
+        let mut camera = fitted(5.0);
+        camera.look_from(Direction::Top);
+        let projection = camera.projection(1.5);
+        let centre = projection.project(camera.target).unwrap();
+        let north = projection.project(camera.target + Vec3::Y).unwrap();
+        let east = projection.project(camera.target + Vec3::X).unwrap();
+        assert!(centre.truncate().length() < 1e-5);
+        assert!(north.y > 0.0 && north.x.abs() < 1e-5);
+        assert!(east.x > 0.0 && east.y.abs() < 1e-5);
+    }
+
+    #[test]
+    fn from_the_south_up_is_up_and_nearer_is_larger_in_depth() {
+        let mut camera = fitted(5.0);
+        camera.look_from(Direction::South);
+        let projection = camera.projection(1.5);
+        let above = projection.project(camera.target + Vec3::Z).unwrap();
+        let north = projection.project(camera.target + Vec3::Y).unwrap();
+        let south = projection.project(camera.target - Vec3::Y).unwrap();
+        assert!(above.y > 0.0);
+        assert!(south.z > north.z);
+    }
+
+    #[test]
+    fn a_fitted_box_lies_in_the_picture_from_everywhere() {
+        for azimuth in 0..12 {
+            for elevation in -3..=3 {
+                let mut camera = fitted(8.0);
+                camera.azimuth_rad = azimuth as f32 * 0.5;
+                camera.elevation_rad = elevation as f32 * 0.5;
+                camera.fit(LOW, HIGH, 0.8);
+                let projection = camera.projection(0.8);
+                let most = corners(LOW, HIGH)
+                    .map(|corner| {
+                        projection
+                            .project(corner)
+                            .unwrap()
+                            .truncate()
+                            .abs()
+                            .max_element()
+                    })
+                    .into_iter()
+                    .fold(0.0, f32::max);
+                assert!((0.5..1.0).contains(&most), "{most}");
+            }
+        }
+    }
+
+    #[test]
+    fn zooming_keeps_the_place_under_the_pointer() {
+        let mut camera = fitted(5.0);
+        let ndc = Vec2::new(0.4, -0.3);
+        let [right, up, _] = camera.axes();
+        let tan = (0.5 * FIELD_OF_VIEW).tan() * camera.distance_m;
+        let offset = right * (ndc.x * tan * 1.5) + up * (ndc.y * tan);
+        let place = camera.target + camera.shrink(offset);
+        camera.zoom(3.0, ndc, 1.5);
+        let after = camera.projection(1.5).project(place).unwrap();
+        assert!(after.truncate().distance(ndc) < 1e-4, "{after}");
+    }
+
+    #[test]
+    fn panning_moves_the_target_with_the_pointer() {
+        let mut camera = fitted(5.0);
+        let before = camera.target;
+        camera.pan(Vec2::new(0.25, 0.1));
+        let after = camera.projection(1.5).project(before).unwrap();
+        assert!((after.x - 0.5 / 1.5).abs() < 1e-4, "{after}");
+        assert!((after.y + 0.2).abs() < 1e-4, "{after}");
+    }
+
+    #[test]
+    fn picking_takes_the_point_in_front_and_none_behind() {
+        let mut camera = OrbitCamera::default();
+        camera.look_from(Direction::South);
+        let projection = camera.projection(1.0);
+        let size = Vec2::new(200.0, 200.0);
+        let centre = Vec2::new(100.0, 100.0);
+        let points = [
+            Vec3::new(0.0, 20.0, 0.0),
+            Vec3::new(0.0, -20.0, 0.0),
+            Vec3::new(0.0, -500.0, 0.0),
+            Vec3::new(30.0, 0.0, 0.0),
+        ];
+        let pick = |at| projection.pick(points.iter().copied(), at, size, [3.0, 8.0]);
+        assert_eq!(pick(centre), Some(1));
+        assert_eq!(pick(centre + Vec2::new(6.0, 0.0)), Some(1));
+        assert_eq!(pick(centre + Vec2::new(30.0, 30.0)), None);
+    }
+}

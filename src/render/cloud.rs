@@ -1,0 +1,127 @@
+//! Draws points into a [`Target`].
+
+use super::target::{PipelineParts, Target, quad_pipeline, uniform};
+use bytemuck::{Pod, Zeroable};
+use glam::Mat4;
+use wgpu::util::DeviceExt as _;
+
+/// A point, as the shader reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PointVertex {
+    /// Metres from the cloud's origin: east, north, up.
+    pub place: [f32; 3],
+    /// sRGB and alpha (unused).
+    pub colour: [u8; 4],
+}
+
+/// The uniform block `View` of `cloud.wgsl`.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct ViewUniform {
+    clip_from_world: Mat4,
+    size_px: [f32; 2],
+    radius_px: f32,
+    padding: f32,
+}
+
+/// Points a buffer holds: 64 MB, a quarter of what every device grants.
+const POINTS_A_BUFFER: usize = 1 << 22;
+
+/// Points on the GPU.
+pub struct CloudBuffers {
+    buffers: Vec<(wgpu::Buffer, u32)>,
+}
+
+impl CloudBuffers {
+    /// Uploads points. Can be called from a worker.
+    pub fn new(device: &wgpu::Device, points: &[PointVertex]) -> Self {
+        let upload = |points: &[PointVertex]| {
+            let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("points"),
+                contents: bytemuck::cast_slice(points),
+                usage: wgpu::BufferUsages::VERTEX,
+            });
+            (buffer, points.len() as u32)
+        };
+        Self {
+            buffers: points.chunks(POINTS_A_BUFFER).map(upload).collect(),
+        }
+    }
+}
+
+/// What to draw and from where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloudDraw {
+    /// Clip space from metres.
+    pub clip_from_world: Mat4,
+    /// Radius of a point, pixels.
+    pub radius_px: f32,
+    /// The first so many points are drawn.
+    pub count: usize,
+}
+
+/// The pipeline for points, with the uniforms of one view.
+pub struct CloudRenderer {
+    pipeline: wgpu::RenderPipeline,
+    view: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl CloudRenderer {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let (pipeline, layout) = quad_pipeline(
+            device,
+            PipelineParts {
+                label: "cloud",
+                shader: include_str!("../../shaders/cloud.wgsl"),
+                instance: wgpu::VertexBufferLayout {
+                    array_stride: size_of::<PointVertex>() as u64,
+                    step_mode: wgpu::VertexStepMode::Instance,
+                    attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
+                },
+                blend: None,
+                writes_depth: true,
+            },
+        );
+        let (view, group) = uniform(device, &layout, size_of::<ViewUniform>());
+        Self {
+            pipeline,
+            view,
+            group,
+        }
+    }
+
+    /// Draws the points into the target.
+    pub fn draw(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: &Target,
+        points: &CloudBuffers,
+        draw: &CloudDraw,
+    ) {
+        let uniform = ViewUniform {
+            clip_from_world: draw.clip_from_world,
+            size_px: target.size_px().map(|side| side as f32),
+            radius_px: draw.radius_px,
+            padding: 0.0,
+        };
+        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
+        let mut encoder = device.create_command_encoder(&Default::default());
+        {
+            let mut pass = target.begin(&mut encoder);
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &self.group, &[]);
+            let mut left = draw.count;
+            for (buffer, count) in &points.buffers {
+                let drawn = left.min(*count as usize);
+                pass.set_vertex_buffer(0, buffer.slice(..));
+                pass.draw(0..4, 0..drawn as u32);
+                left -= drawn;
+            }
+        }
+        queue.submit([encoder.finish()]);
+    }
+}

@@ -1,0 +1,119 @@
+//! Draws a track with levels of detail into a [`Target`].
+
+use super::lod::{LinePyramid, Segment};
+use super::target::{PipelineParts, Target, quad_pipeline, uniform};
+use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
+use wgpu::util::DeviceExt as _;
+
+/// The uniform block `Line` of `track.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LineUniform {
+    /// Pixels from metres: scale x, scale y (negative: north is up), offset x, offset y.
+    pub px_from_world: [f32; 4],
+    /// Size of the picture in pixels; set by [`LineRenderer::draw`].
+    pub size_px: [f32; 2],
+    /// Half of the line's width, pixels.
+    pub half_width_px: f32,
+    /// Above 0: `colour` instead of the segments' own.
+    pub plain: f32,
+    /// sRGB and alpha, 0 to 1.
+    pub colour: [f32; 4],
+}
+
+/// All levels of a track on the GPU.
+pub struct TrackBuffers {
+    levels: Vec<Option<wgpu::Buffer>>,
+}
+
+impl TrackBuffers {
+    /// Uploads all levels. Can be called from a worker. A level that no buffer can hold is left out.
+    pub fn new(device: &wgpu::Device, pyramid: &LinePyramid) -> Self {
+        let most = device.limits().max_buffer_size;
+        let upload = |segments: &[Segment]| {
+            let contents: &[u8] = bytemuck::cast_slice(segments);
+            (!contents.is_empty() && contents.len() as u64 <= most).then(|| {
+                device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some("track"),
+                    contents,
+                    usage: wgpu::BufferUsages::VERTEX,
+                })
+            })
+        };
+        let levels = pyramid.levels.iter().map(|level| upload(&level.segments));
+        Self {
+            levels: levels.collect(),
+        }
+    }
+}
+
+/// What to draw: a level, its runs of segments, and the strokes laid over each other, first below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineDraw {
+    /// Index of the level.
+    pub level: usize,
+    /// Segments.
+    pub runs: Vec<Range<u32>>,
+    /// Casing, then colour.
+    pub strokes: [LineUniform; 2],
+}
+
+/// The pipeline for lines, with the uniforms of one view.
+pub struct LineRenderer {
+    pipeline: wgpu::RenderPipeline,
+    strokes: [(wgpu::Buffer, wgpu::BindGroup); 2],
+}
+
+impl LineRenderer {
+    /// Builds the pipeline.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let (pipeline, layout) = quad_pipeline(
+            device,
+            PipelineParts {
+                label: "track",
+                shader: include_str!("../../shaders/track.wgsl"),
+                instance: wgpu::VertexBufferLayout {
+                    array_stride: size_of::<Segment>() as u64,
+                    step_mode: wgpu::VertexStepMode::Instance,
+                    attributes: &wgpu::vertex_attr_array![
+                        0 => Float32x2, 1 => Float32x2, 2 => Unorm8x4, 3 => Unorm8x4
+                    ],
+                },
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                writes_depth: false,
+            },
+        );
+        let strokes = [0, 1].map(|_| uniform(device, &layout, size_of::<LineUniform>()));
+        Self { pipeline, strokes }
+    }
+
+    /// Draws the strokes into the target; clears it when the level holds nothing.
+    pub fn draw(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: &Target,
+        track: &TrackBuffers,
+        draw: &LineDraw,
+    ) {
+        let mut encoder = device.create_command_encoder(&Default::default());
+        {
+            let mut pass = target.begin(&mut encoder);
+            if let Some(Some(segments)) = track.levels.get(draw.level) {
+                pass.set_pipeline(&self.pipeline);
+                pass.set_vertex_buffer(0, segments.slice(..));
+                for ((buffer, group), stroke) in self.strokes.iter().zip(&draw.strokes) {
+                    let size_px = target.size_px().map(|side| side as f32);
+                    let stroke = LineUniform { size_px, ..*stroke };
+                    queue.write_buffer(buffer, 0, bytemuck::bytes_of(&stroke));
+                    pass.set_bind_group(0, group, &[]);
+                    for run in &draw.runs {
+                        pass.draw(0..4, run.clone());
+                    }
+                }
+            }
+        }
+        queue.submit([encoder.finish()]);
+    }
+}

@@ -1,0 +1,142 @@
+//! The buttons on the cloud, its vertical exaggeration and its legend.
+
+use super::scene::CloudScene;
+use crate::app::{CloudColour, Command, ViewOptions};
+use crate::survey::Side;
+use crate::ui::text::count;
+use crate::ui::views::legend;
+use crate::ui::{ViewContext, ViewRequest, theme};
+use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
+
+/// Least and most vertical exaggeration that the slider gives.
+const EXAGGERATIONS: std::ops::RangeInclusive<f32> = 1.0..=50.0;
+
+/// Fit, directions, colours, exaggeration.
+pub fn show(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    wish: &mut Option<ViewRequest>,
+) {
+    let mut options = context.app.options.clone();
+    let top = Rect::from_min_size(rect.min + vec2(6.0, 6.0), vec2(rect.width() - 12.0, 24.0));
+    ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            directions(ui, wish);
+            colours(ui, &mut options);
+        });
+    });
+    let bottom = pos2(rect.left() + 6.0, rect.bottom() - 28.0);
+    let bottom = Rect::from_min_size(bottom, vec2(rect.width() - 90.0, 24.0));
+    ui.scope_builder(UiBuilder::new().max_rect(bottom), |ui| {
+        let exaggeration = &mut options.cloud.vertical_exaggeration;
+        let slider = Slider::new(exaggeration, EXAGGERATIONS)
+            .logarithmic(true)
+            .max_decimals(1)
+            .prefix("x")
+            .text("vertical");
+        ui.spacing_mut().slider_width = 90.0;
+        ui.add(slider)
+            .on_hover_text("Vertical exaggeration: elevations are drawn this many times too tall.");
+    });
+    if options.cloud != context.app.options.cloud {
+        context.push(Command::Show(Box::new(options)));
+    }
+}
+
+fn directions(ui: &mut Ui, wish: &mut Option<ViewRequest>) {
+    let buttons = [
+        (
+            "Fit",
+            "Shows the whole cloud (F, or a double-click).",
+            ViewRequest::Fit,
+        ),
+        ("Top", "Looks down, north up (7).", ViewRequest::Top),
+        ("Side", "Looks level from the south (8).", ViewRequest::Side),
+    ];
+    for (label, hint, request) in buttons {
+        if ui.button(label).on_hover_text(hint).clicked() {
+            *wish = Some(request);
+        }
+    }
+}
+
+fn colours(ui: &mut Ui, options: &mut ViewOptions) {
+    let cloud = &mut options.cloud;
+    let mut by_depth = cloud.colour == CloudColour::Depth;
+    ui.toggle_value(&mut by_depth, "Depth colours")
+        .on_hover_text("Colours by depth instead of by down-scan, port and starboard.");
+    cloud.colour = match by_depth {
+        true => CloudColour::Depth,
+        false => CloudColour::Source,
+    };
+    ui.toggle_value(&mut cloud.outlier_preview, "Outliers")
+        .on_hover_text("Shows what the outlier filter removes (O).");
+}
+
+/// What the colours mean, and how many points there are of each.
+pub fn paint_legend(painter: &Painter, rect: Rect, options: &ViewOptions, scene: &CloudScene) {
+    let mut at = rect.left_top() + vec2(8.0, 36.0);
+    for (text, colour) in lines(options, scene) {
+        let plate = legend::plate(
+            painter,
+            options,
+            at + vec2(12.0, 0.0),
+            Align2::LEFT_TOP,
+            &text,
+            theme::canvas_text_colour(options),
+        );
+        painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
+        at.y = plate.bottom() + 1.0;
+    }
+    if options.cloud.colour == CloudColour::Depth
+        && let Some(range_m) = scene.range_m
+    {
+        let corner = rect.right_bottom() - vec2(8.0, 8.0);
+        let height = (rect.height() * 0.4).clamp(50.0, 160.0);
+        legend::depth_scale(painter, options, corner, height, range_m);
+    }
+}
+
+fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
+    let counts = &scene.counts;
+    let mut lines = Vec::new();
+    let mut kind = |points: usize, name: &str, colour: Color32| {
+        if points > 0 {
+            lines.push((format!("{name} {}", count(points)), colour));
+        }
+    };
+    match options.cloud.colour {
+        CloudColour::Source => {
+            kind(
+                counts.down_scan,
+                "down-scan",
+                theme::down_scan_colour(options),
+            );
+            kind(counts.port, "port", theme::side_colour(options, Side::Port));
+            let starboard = theme::side_colour(options, Side::Starboard);
+            kind(counts.starboard, "starboard", starboard);
+        }
+        CloudColour::Depth => {
+            kind(counts.kept(), "points", theme::canvas_text_colour(options));
+        }
+    }
+    if counts.removed > 0 {
+        let verb = match options.cloud.outlier_preview {
+            true => "would go",
+            false => "removed",
+        };
+        let text = format!(
+            "outliers {verb} {} ({:.1} %)",
+            count(counts.removed),
+            counts.removed_percent()
+        );
+        let colour = match options.cloud.outlier_preview {
+            true => theme::outlier_colour(),
+            false => theme::outlier_colour().gamma_multiply(0.4),
+        };
+        lines.push((text, colour));
+    }
+    lines
+}

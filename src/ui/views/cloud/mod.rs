@@ -1,0 +1,219 @@
+//! The cloud view: soundings and first returns in 3D.
+
+mod axes;
+mod controls;
+mod picture;
+mod pointer;
+mod scene;
+
+use super::background::{Background, Same};
+use super::empty;
+use crate::app::{CloudColour, SideColours, ThemeChoice, ViewOptions};
+use crate::cloud::PointCloud;
+use crate::pipeline::Products;
+use crate::render::{CloudDraw, Direction, OrbitCamera};
+use crate::ui::{ViewContext, ViewRequest, text, theme};
+use axes::Axes;
+use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use picture::CloudPicture;
+use scene::CloudScene;
+use std::sync::Arc;
+
+type Key = (
+    Same<PointCloud>,
+    Same<Vec<bool>>,
+    (CloudColour, ThemeChoice, SideColours),
+);
+
+/// State of the cloud view: where it looks, and what was made for it.
+#[derive(Default)]
+pub struct CloudView {
+    camera: Option<OrbitCamera>,
+    wish: Option<ViewRequest>,
+    scene: Background<Key, Arc<CloudScene>>,
+    picture: CloudPicture,
+    pointer: pointer::Pointer,
+    seen_survey: u64,
+    seen_reveal: u64,
+}
+
+impl CloudView {
+    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        if self.seen_survey != context.app.survey_serial {
+            self.seen_survey = context.app.survey_serial;
+            self.camera = None;
+            self.scene = Background::default();
+        }
+        let name = self.content(ui, context, rect, &response);
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    }
+
+    /// Carries out a wish from menu, key or palette.
+    pub fn request(&mut self, request: ViewRequest) {
+        self.wish = Some(request);
+    }
+
+    /// Whether everything on screen is drawn at its final quality.
+    pub fn is_settled(&self) -> bool {
+        !self.scene.is_running() && self.wish.is_none()
+    }
+
+    /// Everything inside the frame; returns the view's accessible name.
+    fn content(
+        &mut self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        rect: Rect,
+        response: &Response,
+    ) -> String {
+        if context.app.survey.is_none() {
+            let text = "The 3D point cloud of a survey appears here.";
+            empty::offer_to_open(ui, context, rect, text);
+            return "3D point cloud, empty".to_owned();
+        }
+        let Some(products) = context.app.products.clone() else {
+            empty::say(ui, context, rect, "The point cloud is being built.");
+            return "3D point cloud, being built".to_owned();
+        };
+        self.ask_for_scene(context, &products);
+        let Some(scene) = self.scene.result().cloned() else {
+            if !self.scene.is_running() {
+                empty::say(
+                    ui,
+                    context,
+                    rect,
+                    "This log has no positions to place points at.",
+                );
+            }
+            return "3D point cloud, no points".to_owned();
+        };
+        let Some(state) = context.render_state else {
+            empty::say(ui, context, rect, empty::NO_GPU);
+            return name(&scene);
+        };
+        let camera = self.navigate(ui, context, rect, response, &products, &scene);
+        let options = &context.app.options;
+        let axes = Axes {
+            rect,
+            projection: camera.projection(aspect(rect)),
+            corners: scene.corners,
+            origin_m: scene.origin_m,
+            options,
+        };
+        let painter = ui.painter_at(rect);
+        axes.walls(&painter);
+        let draw = draw(&axes, &scene, options, ui.pixels_per_point());
+        self.picture.show(&painter, rect, state, &scene, draw);
+        axes.labels(&painter);
+        pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
+        controls::paint_legend(&painter, rect, options, &scene);
+        self.pointer
+            .handle(context, response, &products, &scene, (&axes, camera));
+        controls::show(ui, context, rect, &mut self.wish);
+        name(&scene)
+    }
+
+    fn ask_for_scene(&mut self, context: &ViewContext<'_>, products: &Products) {
+        let options = context.app.options.clone();
+        let colours = (options.cloud.colour, options.theme, options.side_colours);
+        let (cloud, kept) = (Same(products.cloud.clone()), Same(products.kept.clone()));
+        let key = (cloud.clone(), kept.clone(), colours);
+        let device = context.render_state.map(|state| state.device.clone());
+        self.scene.ask(key, context.app.jobs(), move |progress| {
+            CloudScene::new(&cloud.0, &kept.0, &options, device.as_ref(), progress).map(Arc::new)
+        });
+    }
+
+    /// Moves the camera as asked by keys, wheel, drag and reveals.
+    fn navigate(
+        &mut self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        rect: Rect,
+        response: &Response,
+        products: &Products,
+        scene: &CloudScene,
+    ) -> OrbitCamera {
+        let [low, high] = scene.corners;
+        let is_new = self.camera.is_none();
+        let mut camera = self.camera.unwrap_or_default();
+        camera.exaggeration = context.app.options.cloud.vertical_exaggeration.max(0.1);
+        let wish = self.wish.take();
+        match wish {
+            Some(ViewRequest::ZoomIn) => camera.zoom(1.4, glam::Vec2::ZERO, aspect(rect)),
+            Some(ViewRequest::ZoomOut) => camera.zoom(1.0 / 1.4, glam::Vec2::ZERO, aspect(rect)),
+            Some(ViewRequest::Top) => camera.look_from(Direction::Top),
+            Some(ViewRequest::Side) => camera.look_from(Direction::South),
+            Some(ViewRequest::Fit) | None => {}
+        }
+        let fits = matches!(
+            wish,
+            Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
+        );
+        if is_new || fits || response.double_clicked() {
+            camera.fit(low, high, aspect(rect));
+        }
+        pointer::move_camera(ui, rect, response, &mut camera);
+        if let Some(reveal) = context.app.reveal
+            && reveal.serial != self.seen_reveal
+        {
+            self.seen_reveal = reveal.serial;
+            show_ping(&mut camera, reveal.mark.ping, rect, products, scene);
+        }
+        self.camera = Some(camera);
+        camera
+    }
+}
+
+fn aspect(rect: Rect) -> f32 {
+    rect.width().max(1.0) / rect.height().max(1.0)
+}
+
+/// Moves the camera over a ping that is out of the picture; one in the picture stays where it is.
+fn show_ping(
+    camera: &mut OrbitCamera,
+    ping: usize,
+    rect: Rect,
+    products: &Products,
+    scene: &CloudScene,
+) {
+    let Some(ping) = products.navigation.pings.get(ping) else {
+        return;
+    };
+    if !ping.east_m.is_finite() {
+        return;
+    }
+    let [low, high] = scene.corners;
+    let place = scene
+        .local(ping.east_m, ping.north_m, 0.0)
+        .with_z(0.5 * (low.z + high.z));
+    let ndc = camera.projection(aspect(rect)).project(place);
+    if ndc.is_none_or(|ndc| ndc.truncate().abs().max_element() > 0.9) {
+        camera.target = place;
+    }
+}
+
+fn draw(
+    axes: &Axes<'_>,
+    scene: &CloudScene,
+    options: &ViewOptions,
+    pixels_per_point: f32,
+) -> CloudDraw {
+    CloudDraw {
+        clip_from_world: axes.projection.clip_from_world,
+        radius_px: (0.5 * options.cloud.point_size * pixels_per_point).max(0.5),
+        count: scene.shown(options.cloud.outlier_preview),
+    }
+}
+
+fn name(scene: &CloudScene) -> String {
+    format!(
+        "3D point cloud, {} points, {} removed",
+        text::count(scene.counts.kept()),
+        text::count(scene.counts.removed)
+    )
+}

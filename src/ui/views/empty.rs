@@ -1,0 +1,41 @@
+//! What an empty view says, and what it offers.
+
+use crate::app::{Action, Command};
+use crate::ui::{ViewContext, theme};
+use egui::{Rect, RichText, Ui, UiBuilder, vec2};
+
+/// Shown instead of what only a GPU can draw.
+pub const NO_GPU: &str =
+    "No GPU: this picture needs a graphics driver (Vulkan, Metal or DirectX 12).";
+
+/// A sentence in the middle of the view.
+pub fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
+    let colour = theme::canvas_text_colour(&context.app.options);
+    middle(ui, rect, 20.0, |ui| {
+        ui.label(RichText::new(text).color(colour));
+    });
+}
+
+/// Says what would fill the view, and offers to open something.
+pub fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    let colour = theme::canvas_text_colour(&context.app.options);
+    middle(ui, rect, 84.0, |ui| {
+        ui.label(RichText::new(text).color(colour));
+        for action in [Action::Open, Action::OpenDemo] {
+            if ui
+                .button(action.label())
+                .on_hover_text(action.hint())
+                .clicked()
+            {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
+
+fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {
+    let band = Rect::from_center_size(rect.center(), vec2(rect.width() * 0.9, height));
+    ui.scope_builder(UiBuilder::new().max_rect(band), |ui| {
+        ui.vertical_centered(add);
+    });
+}

@@ -1,0 +1,82 @@
+//! Legends that lie on a view: the colour scale of depth, and plates of text.
+
+use super::ticks;
+use crate::app::ViewOptions;
+use crate::render::{depth_colour, depth_share};
+use crate::ui::theme;
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, pos2, vec2};
+
+/// Width of the colour bar.
+const BAR: f32 = 12.0;
+/// Steps of the colour bar.
+const STEPS: usize = 40;
+
+/// Small text on a view.
+pub fn font() -> FontId {
+    FontId::proportional(11.0)
+}
+
+/// Text on a plate; returns the plate.
+pub fn plate(
+    painter: &Painter,
+    options: &ViewOptions,
+    at: Pos2,
+    anchor: Align2,
+    text: &str,
+    colour: Color32,
+) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), font(), colour);
+    let rect = anchor.anchor_size(at, galley.size() + vec2(8.0, 4.0));
+    painter.rect_filled(rect, 3.0, theme::plate_colour(options));
+    painter.galley(rect.min + vec2(4.0, 2.0), galley, colour);
+    rect
+}
+
+/// Draws the scale of depth upright, shallow on top, with its right bottom corner at `corner`; returns what it covers.
+pub fn depth_scale(
+    painter: &Painter,
+    options: &ViewOptions,
+    corner: Pos2,
+    height: f32,
+    range_m: [f32; 2],
+) -> Rect {
+    let plate = Rect::from_min_max(corner - vec2(64.0, height + 34.0), corner);
+    painter.rect_filled(plate, 3.0, theme::plate_colour(options));
+    let text = theme::canvas_text_colour(options);
+    let title = plate.min + vec2(6.0, 4.0);
+    painter.text(title, Align2::LEFT_TOP, "depth, m", font(), text);
+    let bar = Rect::from_min_size(plate.min + vec2(8.0, 24.0), vec2(BAR, height));
+    painter.add(bar_shape(bar));
+    let [shallow, deep] = range_m.map(f64::from);
+    let step = ticks::round_step(
+        (deep - shallow).max(1e-3),
+        f64::from(height / 22.0).max(2.0),
+    );
+    for depth in ticks::multiples(shallow, deep, step) {
+        let y = bar.top() + height * depth_share(depth as f32, range_m);
+        painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, text));
+        let at = pos2(bar.right() + 7.0, y);
+        painter.text(
+            at,
+            Align2::LEFT_CENTER,
+            ticks::label(depth, step),
+            font(),
+            text,
+        );
+    }
+    plate
+}
+
+fn bar_shape(bar: Rect) -> Shape {
+    let mut mesh = Mesh::default();
+    for step in 0..STEPS {
+        let [top, bottom] = [step, step + 1].map(|step| step as f32 / STEPS as f32);
+        let [r, g, b] = depth_colour(0.5 * (top + bottom));
+        let band = Rect::from_min_max(
+            pos2(bar.left(), bar.top() + top * bar.height()),
+            pos2(bar.right(), bar.top() + bottom * bar.height()),
+        );
+        mesh.add_colored_rect(band, Color32::from_rgb(r, g, b));
+    }
+    Shape::mesh(mesh)
+}

@@ -1,0 +1,106 @@
+//! The ranked flat stretches, numbered, and the one that the calibration was measured on.
+
+use super::overlay::Scene;
+use crate::calibration::{FlatSpot, ScaleMode};
+use crate::ui::theme;
+use crate::ui::views::legend;
+use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
+use std::ops::Range;
+
+/// Radius of a number's plate, points.
+const BADGE: f32 = 8.5;
+/// Places drawn along a stretch.
+const MOST_PLACES: usize = 48;
+
+/// Draws the stretches.
+pub fn paint(painter: &Painter, scene: &Scene<'_>) {
+    if scene.options.map.flat_spots {
+        let colour = theme::flat_spot_colour(scene.options);
+        for (rank, spot) in scene.products.flat_spots.iter().enumerate() {
+            stretch(painter, scene, &spot.pings, colour);
+            badge(painter, scene, spot, &(rank + 1).to_string());
+        }
+    }
+    let calibration = &scene.products.calibration;
+    if let Some(spot) = &calibration.flat_spot {
+        stretch(painter, scene, &spot.pings, theme::calibration_colour());
+        let text = match calibration.mode {
+            ScaleMode::FlatSpot => "calibrated here",
+            ScaleMode::Header => "flat spot (header scale in use)",
+        };
+        if let Some(at) = badge_at(scene, &spot.pings) {
+            let colour = theme::calibration_colour();
+            let at = at + vec2(0.0, BADGE + 4.0);
+            legend::plate(painter, scene.options, at, Align2::CENTER_TOP, text, colour);
+        }
+    }
+}
+
+/// The stretch that a click would calibrate on.
+pub fn preview(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>) {
+    stretch(painter, scene, pings, theme::calibration_colour());
+}
+
+/// The ranked stretch whose number is under the pointer.
+pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
+    if !scene.options.map.flat_spots {
+        return None;
+    }
+    let hit = |spot: &FlatSpot| {
+        badge_at(scene, &spot.pings).is_some_and(|at| at.distance(pointer) <= BADGE + 2.0)
+    };
+    scene.products.flat_spots.iter().position(hit)
+}
+
+/// One line about a stretch.
+pub fn describe(rank: usize, spot: &FlatSpot) -> String {
+    format!(
+        "flat stretch {}: pings {} to {}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm",
+        rank + 1,
+        spot.pings.start,
+        spot.pings.end.saturating_sub(1),
+        spot.depth_m,
+        100.0 * spot.slope.abs(),
+        100.0 * spot.scatter_m,
+    )
+}
+
+fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
+    let navigation = &scene.products.navigation.pings;
+    let end = pings.end.min(navigation.len());
+    let start = pings.start.min(end);
+    let step = ((end - start) / MOST_PLACES).max(1);
+    navigation[start..end]
+        .iter()
+        .step_by(step)
+        .filter(|ping| ping.east_m.is_finite() && ping.north_m.is_finite())
+        .map(|ping| scene.at([ping.east_m, ping.north_m]))
+        .collect()
+}
+
+fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: Color32) {
+    let line = places(scene, pings);
+    let [casing, inner] = [9.0, 1.5];
+    painter.add(Shape::line(
+        line.clone(),
+        Stroke::new(casing, colour.gamma_multiply(0.45)),
+    ));
+    painter.add(Shape::line(line, Stroke::new(inner, colour)));
+}
+
+/// A number stands beside the middle of its stretch, not on it.
+fn badge_at(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {
+    let line = places(scene, pings);
+    let middle = *line.get(line.len() / 2)?;
+    Some(middle + vec2(0.0, -BADGE - 7.0))
+}
+
+fn badge(painter: &Painter, scene: &Scene<'_>, spot: &FlatSpot, number: &str) {
+    let Some(at) = badge_at(scene, &spot.pings) else {
+        return;
+    };
+    let plate = theme::flat_spot_colour(scene.options);
+    painter.circle_filled(at, BADGE, plate);
+    let ink = theme::canvas_colour(scene.options);
+    painter.text(at, Align2::CENTER_CENTER, number, legend::font(), ink);
+}

@@ -1,0 +1,181 @@
+//! What the map shows, made off the window's thread so that a frame costs the same for any survey.
+
+use super::transform::GroundBounds;
+use crate::bathymetry::{self, DepthMap, DepthMapSettings};
+use crate::progress::Progress;
+use crate::render::{LinePyramid, TrackBuffers, Vertex, depth_colour, depth_share};
+use crate::survey::{Navigation, PingNav, Survey};
+use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// Seconds without a record after which the track is broken instead of bridged.
+const BREAK_S: f64 = 10.0;
+/// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
+const OPACITY: [f32; 2] = [0.85, 0.3];
+
+/// The track, ready to draw and to search.
+pub struct TrackLayer {
+    /// What the places of `pyramid` are relative to, metres.
+    pub origin_m: [f64; 2],
+    /// All of the track.
+    pub bounds: GroundBounds,
+    /// Ends of the colour scale, metres.
+    pub range_m: Option<[f32; 2]>,
+    /// The line.
+    pub pyramid: LinePyramid,
+    /// The line on the GPU.
+    pub buffers: Option<TrackBuffers>,
+    tree: Option<ImmutableKdTree<f64, 2>>,
+    tree_pings: Vec<u32>,
+}
+
+impl TrackLayer {
+    /// `None` when nothing has a position, or cancelled.
+    pub fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        device: Option<&wgpu::Device>,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let range_m = bathymetry::depth_range(survey.soundings.iter().map(|s| s.depth_m));
+        let records = records(survey, navigation);
+        let bounds = bounds(records.iter().map(|(_, place, _)| place))?;
+        let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
+        progress.check().ok()?;
+        let pyramid = LinePyramid::new(&vertices(&records, origin_m, range_m));
+        progress.check().ok()?;
+        let (places, tree_pings) = placed(&navigation.pings);
+        let tree = match places.is_empty() {
+            true => None,
+            false => ImmutableKdTree::new_from_slice(&places).ok(),
+        };
+        Some(Self {
+            origin_m,
+            bounds,
+            range_m,
+            buffers: device.map(|device| TrackBuffers::new(device, &pyramid)),
+            pyramid,
+            tree,
+            tree_pings,
+        })
+    }
+
+    /// The ping nearest to a place, if one is within `reach_m`.
+    pub fn nearest_ping(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
+        let found = self
+            .tree
+            .as_ref()?
+            .query(&place)
+            .nearest_one::<SquaredEuclidean<f64>>()
+            .execute();
+        let ping = *self.tree_pings.get(found.item as usize)?;
+        (found.distance <= reach_m * reach_m).then_some(ping as usize)
+    }
+}
+
+/// Time, place and depth along the track: of the side-scan pings, or of the soundings in a log without.
+fn records<'a>(survey: &'a Survey, navigation: &'a Navigation) -> Vec<(f64, &'a PingNav, f32)> {
+    if navigation.pings.is_empty() {
+        let soundings = survey.soundings.iter().zip(&navigation.soundings);
+        return soundings
+            .map(|(sounding, place)| (sounding.time_s, place, sounding.depth_m))
+            .collect();
+    }
+    let pings = survey.side_scan.iter().zip(&navigation.pings);
+    pings
+        .map(|(ping, place)| (ping.time_s, place, ping.depth_m))
+        .collect()
+}
+
+fn vertices(
+    records: &[(f64, &PingNav, f32)],
+    [east_m, north_m]: [f64; 2],
+    range_m: Option<[f32; 2]>,
+) -> Vec<Vertex> {
+    let broken = Vertex {
+        place: [f32::NAN; 2],
+        colour: [0; 4],
+    };
+    let mut line = Vec::with_capacity(records.len());
+    let mut last_s = f64::NEG_INFINITY;
+    for (time_s, place, depth_m) in records {
+        if time_s - last_s > BREAK_S {
+            line.push(broken);
+        }
+        last_s = *time_s;
+        let share = range_m.map_or(f32::NAN, |range_m| depth_share(*depth_m, range_m));
+        let [r, g, b] = depth_colour(share);
+        line.push(Vertex {
+            place: [
+                (place.east_m - east_m) as f32,
+                (place.north_m - north_m) as f32,
+            ],
+            colour: [r, g, b, 255],
+        });
+    }
+    line
+}
+
+fn placed(pings: &[PingNav]) -> (Vec<[f64; 2]>, Vec<u32>) {
+    pings
+        .iter()
+        .enumerate()
+        .filter(|(_, ping)| ping.east_m.is_finite() && ping.north_m.is_finite())
+        .map(|(index, ping)| ([ping.east_m, ping.north_m], index as u32))
+        .unzip()
+}
+
+fn bounds<'a>(places: impl Iterator<Item = &'a &'a PingNav>) -> Option<GroundBounds> {
+    places
+        .filter(|place| place.east_m.is_finite() && place.north_m.is_finite())
+        .fold(None, |all: Option<GroundBounds>, place| {
+            let (e, n) = (place.east_m, place.north_m);
+            let [west, south, east, north] = all.unwrap_or([e, n, e, n]);
+            Some([west.min(e), south.min(n), east.max(e), north.max(n)])
+        })
+}
+
+/// The interpolated depth map as a texture.
+pub struct DepthLayer {
+    /// The depths; `None` when the soundings span no surface.
+    pub map: Option<(DepthMap, TextureHandle)>,
+    /// Nothing is interpolated farther than this from a sounding, metres.
+    pub gap_m: f64,
+}
+
+impl DepthLayer {
+    /// `None` when cancelled.
+    pub fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        context: &egui::Context,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let settings = DepthMapSettings::default();
+        let points = bathymetry::depth_points(survey, navigation);
+        let range_m = bathymetry::depth_range(survey.soundings.iter().map(|s| s.depth_m));
+        let map = bathymetry::depth_map(&points, &settings, progress).ok()?;
+        let map = map.zip(range_m).map(|(map, range_m)| {
+            let image = depth_image(&map, range_m, settings.gap_m);
+            let texture = context.load_texture("depth map", image, TextureOptions::LINEAR);
+            (map, texture)
+        });
+        Some(Self {
+            map,
+            gap_m: settings.gap_m,
+        })
+    }
+}
+
+fn depth_image(map: &DepthMap, range_m: [f32; 2], gap_m: f64) -> ColorImage {
+    let pixels = map.depth_m.iter().zip(&map.distance_m);
+    let colour = |(depth_m, distance_m): (&f32, &f32)| {
+        if depth_m.is_nan() {
+            return Color32::TRANSPARENT;
+        }
+        let [r, g, b] = depth_colour(depth_share(*depth_m, range_m));
+        let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * distance_m / gap_m as f32;
+        Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
+    };
+    ColorImage::new([map.columns, map.rows], pixels.map(colour).collect())
+}

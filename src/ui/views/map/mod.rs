@@ -1,0 +1,196 @@
+//! The map view: track, depth map and flat stretches from above.
+
+mod flat_spots;
+mod layers;
+mod overlay;
+mod pointer;
+mod toolbar;
+mod track_picture;
+mod transform;
+
+use super::background::{Background, Same};
+use super::empty;
+use crate::pipeline::Products;
+use crate::survey::{Navigation, Survey};
+use crate::ui::{ViewContext, ViewRequest, text, theme};
+use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use layers::{DepthLayer, TrackLayer};
+use std::sync::Arc;
+use track_picture::TrackPicture;
+use transform::MapTransform;
+
+type Key = (Same<Survey>, Same<Navigation>);
+
+/// State of the map view: where it looks, and what was made for it.
+#[derive(Default)]
+pub struct MapView {
+    transform: Option<MapTransform>,
+    wish: Option<ViewRequest>,
+    track: Background<Key, Arc<TrackLayer>>,
+    depth: Background<Key, DepthLayer>,
+    picture: TrackPicture,
+    pointer: pointer::Pointer,
+    seen_survey: u64,
+    seen_reveal: u64,
+}
+
+impl MapView {
+    /// Draws the view into all of `ui` and pushes what the analyst does in it.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        self.forget_other_survey(context);
+        let name = self.content(ui, context, rect, &response);
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    }
+
+    /// Carries out a wish from menu, key or palette.
+    pub fn request(&mut self, request: ViewRequest) {
+        self.wish = Some(request);
+    }
+
+    /// Whether everything on screen is drawn at its final quality.
+    pub fn is_settled(&self) -> bool {
+        !self.track.is_running() && !self.depth.is_running() && self.wish.is_none()
+    }
+
+    fn forget_other_survey(&mut self, context: &ViewContext<'_>) {
+        if self.seen_survey != context.app.survey_serial {
+            self.seen_survey = context.app.survey_serial;
+            self.transform = None;
+            self.track = Background::default();
+            self.depth = Background::default();
+            self.pointer = pointer::Pointer::default();
+        }
+    }
+
+    /// Everything inside the frame; returns the view's accessible name.
+    fn content(
+        &mut self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        rect: Rect,
+        response: &Response,
+    ) -> String {
+        let Some(survey) = context.app.survey.clone() else {
+            let text = "A survey's track and depth map appear here.";
+            empty::offer_to_open(ui, context, rect, text);
+            return "Map, empty".to_owned();
+        };
+        let Some(products) = context.app.products.clone() else {
+            empty::say(
+                ui,
+                context,
+                rect,
+                "The track is being placed on the ground.",
+            );
+            return "Map, waiting for the track".to_owned();
+        };
+        self.ask_for_layers(ui, context, &survey, &products);
+        let Some(track) = self.track.result().cloned() else {
+            if !self.track.is_running() {
+                empty::say(ui, context, rect, "This log has no positions to map.");
+            }
+            return "Map, no positions".to_owned();
+        };
+        let transform = self.navigate(ui, context, rect, response, &products, &track);
+        let scene = overlay::Scene {
+            rect,
+            transform,
+            survey: &survey,
+            products: &products,
+            track: &track,
+            depth: self.depth.result(),
+            options: &context.app.options,
+        };
+        paint(ui, context, &scene, &mut self.picture);
+        self.pointer.handle(ui, context, &scene, response);
+        toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
+        name(&survey, &products, &track)
+    }
+
+    fn ask_for_layers(
+        &mut self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        survey: &Arc<Survey>,
+        products: &Products,
+    ) {
+        let jobs = context.app.jobs();
+        let key = || (Same(survey.clone()), Same(products.navigation.clone()));
+        let device = context.render_state.map(|state| state.device.clone());
+        let (survey, navigation) = key();
+        self.track.ask(key(), jobs, move |progress| {
+            TrackLayer::new(&survey.0, &navigation.0, device.as_ref(), progress).map(Arc::new)
+        });
+        if context.app.options.map.depth_map {
+            let (survey, navigation) = key();
+            let egui = ui.ctx().clone();
+            self.depth.ask(key(), jobs, move |progress| {
+                DepthLayer::new(&survey.0, &navigation.0, &egui, progress)
+            });
+        }
+    }
+
+    /// Moves the view as asked by keys, wheel, drag and reveals.
+    fn navigate(
+        &mut self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        rect: Rect,
+        response: &Response,
+        products: &Products,
+        track: &TrackLayer,
+    ) -> MapTransform {
+        let whole = || MapTransform::fit(track.bounds, rect);
+        let mut transform = self.transform.unwrap_or_else(whole);
+        match self.wish.take() {
+            Some(ViewRequest::Fit) => transform = whole(),
+            Some(ViewRequest::ZoomIn) => transform.zoom(rect, rect.center(), 1.5),
+            Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),
+            Some(ViewRequest::Top | ViewRequest::Side) | None => {}
+        }
+        pointer::move_view(ui, rect, response, &mut transform, whole);
+        if let Some(reveal) = context.app.reveal
+            && reveal.serial != self.seen_reveal
+        {
+            self.seen_reveal = reveal.serial;
+            if let Some(place) = overlay::place_of(products, &reveal.mark) {
+                transform.reveal(rect, place);
+            }
+        }
+        self.transform = Some(transform);
+        transform
+    }
+}
+
+fn paint(
+    ui: &Ui,
+    context: &ViewContext<'_>,
+    scene: &overlay::Scene<'_>,
+    picture: &mut TrackPicture,
+) {
+    let painter = ui.painter_at(scene.rect);
+    overlay::grid(&painter, scene);
+    if scene.options.map.depth_map {
+        overlay::depth_map(&painter, scene);
+    }
+    if scene.options.map.track {
+        picture.show(&painter, context.render_state, scene);
+    }
+    flat_spots::paint(&painter, scene);
+    overlay::furniture(&painter, scene);
+    overlay::marks(&painter, scene, context.app);
+}
+
+fn name(survey: &Survey, products: &Products, track: &TrackLayer) -> String {
+    let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
+        format!(", depth {shallow:.1} to {deep:.1} m")
+    });
+    format!(
+        "Map, track of {} pings{depths}, {} flat stretches",
+        text::count(survey.side_scan.len()),
+        products.flat_spots.len()
+    )
+}

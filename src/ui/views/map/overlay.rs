@@ -1,0 +1,179 @@
+//! What lies on and under the track: grid, depth map, scale bar, north arrow, legend, marks.
+
+use super::layers::{DepthLayer, TrackLayer};
+use super::transform::MapTransform;
+use crate::app::{App, Mark, ViewOptions};
+use crate::pipeline::Products;
+use crate::survey::Survey;
+use crate::ui::theme;
+use crate::ui::views::{legend, ticks};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use std::sync::Arc;
+
+/// What a frame of the map is made of.
+pub struct Scene<'a> {
+    pub rect: Rect,
+    pub transform: MapTransform,
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub track: &'a Arc<TrackLayer>,
+    pub depth: Option<&'a DepthLayer>,
+    pub options: &'a ViewOptions,
+}
+
+impl Scene<'_> {
+    /// Where a place is on the screen.
+    pub fn at(&self, place: [f64; 2]) -> Pos2 {
+        self.transform.to_screen(self.rect, place)
+    }
+
+    fn text_colour(&self) -> Color32 {
+        theme::canvas_text_colour(self.options)
+    }
+}
+
+/// East and north of a mark: its point of the cloud, or else its ping.
+pub fn place_of(products: &Products, mark: &Mark) -> Option<[f64; 2]> {
+    let point = mark
+        .point
+        .and_then(|index| products.cloud.points.get(index));
+    if let Some(point) = point {
+        return Some([point.east_m, point.north_m]);
+    }
+    let ping = products.navigation.pings.get(mark.ping)?;
+    (ping.east_m.is_finite() && ping.north_m.is_finite()).then_some([ping.east_m, ping.north_m])
+}
+
+/// Lines every round number of metres, named along the lower and the left edge.
+pub fn grid(painter: &Painter, scene: &Scene<'_>) {
+    let rect = scene.rect;
+    let [west, south, east, north] = scene.transform.visible(rect);
+    let step = ticks::round_step(90.0 * scene.transform.metres_per_point, 1.0);
+    let line = Stroke::new(1.0, theme::grid_colour(scene.options));
+    let faint = scene.text_colour().gamma_multiply(0.6);
+    for east_m in ticks::multiples(west, east, step) {
+        let x = scene.at([east_m, 0.0]).x;
+        painter.vline(x, rect.y_range(), line);
+        let at = pos2(x + 2.0, rect.bottom() - 1.0);
+        let text = format!("{} E", ticks::label(east_m, step));
+        painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), faint);
+    }
+    for north_m in ticks::multiples(south, north, step) {
+        let y = scene.at([0.0, north_m]).y;
+        painter.hline(rect.x_range(), y, line);
+        let at = pos2(rect.left() + 2.0, y - 1.0);
+        let text = format!("{} N", ticks::label(north_m, step));
+        painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), faint);
+    }
+}
+
+/// The interpolated depths, fading with the distance to a sounding.
+pub fn depth_map(painter: &Painter, scene: &Scene<'_>) {
+    let Some((map, texture)) = scene.depth.and_then(|depth| depth.map.as_ref()) else {
+        return;
+    };
+    let east_m = map.west_m + map.columns as f64 * map.cell_m;
+    let south_m = map.north_m - map.rows as f64 * map.cell_m;
+    let rect = Rect::from_two_pos(
+        scene.at([map.west_m, map.north_m]),
+        scene.at([east_m, south_m]),
+    );
+    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture.id(), rect, whole, Color32::WHITE);
+}
+
+/// Scale bar, north arrow and legend.
+pub fn furniture(painter: &Painter, scene: &Scene<'_>) {
+    north_arrow(painter, scene);
+    scale_bar(painter, scene);
+    let Some(range_m) = scene.track.range_m else {
+        return;
+    };
+    let corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
+    let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
+    let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
+    if scene.options.map.depth_map
+        && let Some(depth) = scene.depth
+    {
+        let text = match depth.map {
+            Some(_) => format!(
+                "faded: interpolated, up to {} m from a sounding",
+                depth.gap_m
+            ),
+            None => "no depth map: the soundings lie on one line".to_owned(),
+        };
+        let at = pos2(scale.right(), scale.top() - 3.0);
+        let colour = scene.text_colour();
+        legend::plate(
+            painter,
+            scene.options,
+            at,
+            Align2::RIGHT_BOTTOM,
+            &text,
+            colour,
+        );
+    }
+}
+
+fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
+    let tip = scene.rect.right_top() + vec2(-20.0, 40.0);
+    let colour = scene.text_colour();
+    let left = vec![tip, tip + vec2(-6.0, 20.0), tip + vec2(0.0, 15.0)];
+    let right = vec![tip, tip + vec2(6.0, 20.0), tip + vec2(0.0, 15.0)];
+    painter.add(Shape::convex_polygon(left, colour, Stroke::NONE));
+    painter.add(Shape::closed_line(right, Stroke::new(1.0, colour)));
+    let at = tip - vec2(0.0, 2.0);
+    painter.text(at, Align2::CENTER_BOTTOM, "N", legend::font(), colour);
+}
+
+fn scale_bar(painter: &Painter, scene: &Scene<'_>) {
+    let length_m = ticks::round_step(110.0 * scene.transform.metres_per_point, 1.0);
+    let length = (length_m / scene.transform.metres_per_point) as f32;
+    let start = scene.rect.left_bottom() + vec2(40.0, -26.0);
+    let end = start + vec2(length, 0.0);
+    let plate = Rect::from_two_pos(start + vec2(-8.0, 5.0), end + vec2(8.0, -18.0));
+    painter.rect_filled(plate, 3.0, theme::plate_colour(scene.options));
+    let stroke = Stroke::new(1.5, scene.text_colour());
+    painter.line_segment([start, end], stroke);
+    for at in [start, end] {
+        painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
+    }
+    let text = match length_m >= 1000.0 {
+        true => format!("{} km", ticks::label(length_m / 1000.0, length_m / 1000.0)),
+        false => format!("{} m", ticks::label(length_m, length_m)),
+    };
+    let middle = start + vec2(0.5 * length, -4.0);
+    painter.text(
+        middle,
+        Align2::CENTER_BOTTOM,
+        text,
+        legend::font(),
+        stroke.color,
+    );
+}
+
+/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair.
+pub fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
+    if let Some(mark) = &app.selection
+        && let Some(place) = place_of(scene.products, mark)
+    {
+        let at = scene.at(place);
+        let stroke = Stroke::new(2.0, theme::selection_colour());
+        painter.circle_stroke(at, 7.0, stroke);
+        let heading = scene.products.navigation.pings.get(mark.ping);
+        if let Some(ping) = heading.filter(|ping| ping.heading_rad.is_finite()) {
+            let (sin, cos) = ping.heading_rad.sin_cos();
+            let ahead = vec2(sin as f32, -cos as f32);
+            painter.line_segment([at + 7.0 * ahead, at + 18.0 * ahead], stroke);
+        }
+    }
+    if let Some(mark) = &app.hover
+        && let Some(place) = place_of(scene.products, mark)
+    {
+        let at = scene.at(place);
+        let stroke = Stroke::new(1.0, theme::hover_colour().gamma_multiply(0.8));
+        painter.vline(at.x, scene.rect.y_range(), stroke);
+        painter.hline(scene.rect.x_range(), at.y, stroke);
+        painter.circle_stroke(at, 4.0, stroke);
+    }
+}

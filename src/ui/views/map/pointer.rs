@@ -1,0 +1,246 @@
+//! What the pointer does on the map: move, read, select, calibrate.
+
+use super::flat_spots;
+use super::overlay::Scene;
+use super::transform::MapTransform;
+use crate::app::{Command, Mark};
+use crate::calibration::PingRange;
+use crate::ui::views::legend;
+use crate::ui::{ViewContext, text, theme};
+use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
+
+/// How near the pointer must come to the track, points.
+const REACH: f32 = 30.0;
+
+/// What the pointer is about.
+#[derive(Default)]
+pub struct Pointer {
+    /// The next click calibrates.
+    pub calibrating: bool,
+    /// The hover in the app is ours to take back.
+    hovering: bool,
+    /// Ping under the pointer when the menu was opened.
+    menu_ping: Option<usize>,
+    /// The numbered stretch that was clicked.
+    offered: Option<usize>,
+}
+
+/// Wheel zooms at the pointer, drag moves, double-click fits.
+pub fn move_view(
+    ui: &Ui,
+    rect: Rect,
+    response: &Response,
+    transform: &mut MapTransform,
+    whole: impl Fn() -> MapTransform,
+) {
+    let dragged =
+        response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
+    if dragged {
+        transform.pan(response.drag_delta());
+    }
+    if let Some(at) = response.hover_pos() {
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        let factor = f64::from((scroll * 0.005).exp() * pinch);
+        if factor != 1.0 {
+            transform.zoom(rect, at, factor);
+        }
+    }
+    if response.double_clicked() {
+        *transform = whole();
+    }
+}
+
+impl Pointer {
+    /// Hover, click and menu.
+    pub fn handle(
+        &mut self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        scene: &Scene<'_>,
+        response: &Response,
+    ) {
+        if self.calibrating && ui.input(|input| input.key_pressed(Key::Escape)) {
+            self.calibrating = false;
+        }
+        let at = response.hover_pos();
+        let ping = at.and_then(|at| nearest(scene, at));
+        self.hover(context, ping);
+        if let Some(at) = at {
+            self.show_under(ui, context, scene, at, ping);
+        }
+        if let Some(at) = response.interact_pointer_pos()
+            && response.clicked()
+        {
+            self.click(context, scene, at, ping);
+        }
+        if response.secondary_clicked() {
+            self.menu_ping = ping;
+        }
+        self.menu(context, response);
+        self.offer(ui, context, scene);
+    }
+
+    fn hover(&mut self, context: &mut ViewContext<'_>, ping: Option<usize>) {
+        let hover = ping.map(Mark::ping);
+        let ours = hover.is_some() || self.hovering;
+        if ours && context.app.hover != hover {
+            context.push(Command::Hover(hover));
+        }
+        self.hovering = hover.is_some();
+    }
+
+    fn click(
+        &mut self,
+        context: &mut ViewContext<'_>,
+        scene: &Scene<'_>,
+        at: Pos2,
+        ping: Option<usize>,
+    ) {
+        let spot = flat_spots::under(scene, at);
+        if self.calibrating {
+            let pings = match spot {
+                Some(rank) => range_of(scene, rank),
+                None => ping.and_then(|ping| context.app.stretch_around(ping)),
+            };
+            if let Some(pings) = pings {
+                context.push(Command::CalibrateAt(pings));
+                self.calibrating = false;
+            }
+            return;
+        }
+        self.offered = spot;
+        if spot.is_none() {
+            context.push(match ping {
+                Some(ping) => Command::Reveal(Mark::ping(ping)),
+                None => Command::Select(None),
+            });
+        }
+    }
+
+    fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
+        let Some(ping) = self.menu_ping else {
+            return;
+        };
+        response.context_menu(|ui| {
+            ui.label(format!("ping {ping}"));
+            if ui.button("Calibrate here").clicked() {
+                if let Some(pings) = context.app.stretch_around(ping) {
+                    context.push(Command::CalibrateAt(pings));
+                }
+                ui.close();
+            }
+            if ui.button("Show in the other views").clicked() {
+                context.push(Command::Reveal(Mark::ping(ping)));
+                ui.close();
+            }
+        });
+    }
+
+    /// A numbered stretch was clicked: says how flat it is and offers it.
+    fn offer(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+        let Some(rank) = self.offered else {
+            return;
+        };
+        let Some(spot) = scene.products.flat_spots.get(rank) else {
+            self.offered = None;
+            return;
+        };
+        let at = scene.rect.center_top() + vec2(0.0, 44.0);
+        let area = egui::Area::new(ui.scope_id().with("flat stretch"))
+            .fixed_pos(at)
+            .pivot(Align2::CENTER_TOP);
+        area.show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.label(flat_spots::describe(rank, spot));
+                ui.horizontal(|ui| {
+                    if ui.button("Calibrate here").clicked() {
+                        if let Some(pings) = range_of(scene, rank) {
+                            context.push(Command::CalibrateAt(pings));
+                        }
+                        self.offered = None;
+                    }
+                    if ui.button("Show").clicked() {
+                        let middle = (spot.pings.start + spot.pings.end) / 2;
+                        context.push(Command::Reveal(Mark::ping(middle)));
+                    }
+                    if ui.button("Close").clicked() {
+                        self.offered = None;
+                    }
+                });
+            });
+        });
+    }
+
+    /// The read-out, and what the tool would do.
+    fn show_under(
+        &self,
+        ui: &Ui,
+        context: &ViewContext<'_>,
+        scene: &Scene<'_>,
+        at: Pos2,
+        ping: Option<usize>,
+    ) {
+        let painter = ui.painter_at(scene.rect);
+        let text = read_out(scene, at, ping);
+        let corner = scene.rect.left_top() + vec2(6.0, 34.0);
+        let colour = theme::canvas_text_colour(scene.options);
+        legend::plate(
+            &painter,
+            scene.options,
+            corner,
+            Align2::LEFT_TOP,
+            &text,
+            colour,
+        );
+        if let Some(rank) = flat_spots::under(scene, at) {
+            if let Some(spot) = scene.products.flat_spots.get(rank) {
+                let below = corner + vec2(0.0, 20.0);
+                let text = flat_spots::describe(rank, spot);
+                legend::plate(
+                    &painter,
+                    scene.options,
+                    below,
+                    Align2::LEFT_TOP,
+                    &text,
+                    colour,
+                );
+            }
+        } else if self.calibrating
+            && let Some(pings) = ping.and_then(|ping| context.app.stretch_around(ping))
+        {
+            flat_spots::preview(&painter, scene, &(pings.start..pings.end));
+        }
+    }
+}
+
+fn nearest(scene: &Scene<'_>, at: Pos2) -> Option<usize> {
+    let place = scene.transform.to_ground(scene.rect, at);
+    let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
+    scene.track.nearest_ping(place, reach_m)
+}
+
+fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
+    let spot = scene.products.flat_spots.get(rank)?;
+    Some(PingRange {
+        start: spot.pings.start,
+        end: spot.pings.end,
+    })
+}
+
+fn read_out(scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> String {
+    let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
+    let navigation = &scene.products.navigation;
+    let position = navigation.to_lon_lat(&scene.survey.track, east_m, north_m);
+    let mut text = format!(
+        "{}   E {east_m:.1} m  N {north_m:.1} m",
+        text::place(position)
+    );
+    let map = scene.depth.and_then(|depth| depth.map.as_ref());
+    if let Some((depth_m, distance_m)) = map.and_then(|(map, _)| map.at(east_m, north_m)) {
+        text += &format!("   depth {depth_m:.2} m (interpolated, sounding {distance_m:.1} m away)");
+    }
+    if let Some(ping) = ping {
+        text += &format!("   ping {ping}");
+    }
+    text
+}

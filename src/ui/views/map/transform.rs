@@ -1,0 +1,149 @@
+//! Where the map looks: north up, the same scale east and north.
+
+use egui::{Pos2, Rect, Vec2, pos2};
+
+/// West, south, east, north, metres.
+pub type GroundBounds = [f64; 4];
+
+/// Share of the view that fitted bounds fill.
+const FIT_SHARE: f64 = 0.84;
+/// Nearest and farthest zoom, metres a screen point.
+const SCALES: [f64; 2] = [1e-4, 1e5];
+
+/// Metres on the ground to points on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapTransform {
+    /// East and north of the middle of the view, metres.
+    pub centre_m: [f64; 2],
+    /// Metres that a screen point covers.
+    pub metres_per_point: f64,
+}
+
+impl MapTransform {
+    /// Shows all of `bounds`.
+    pub fn fit(bounds: GroundBounds, rect: Rect) -> Self {
+        let [west, south, east, north] = bounds;
+        let [nearest, farthest] = SCALES;
+        let across = (east - west).max(1.0) / f64::from(rect.width().max(1.0));
+        let up = (north - south).max(1.0) / f64::from(rect.height().max(1.0));
+        Self {
+            centre_m: [0.5 * (west + east), 0.5 * (south + north)],
+            metres_per_point: (across.max(up) / FIT_SHARE).clamp(nearest, farthest),
+        }
+    }
+
+    /// Where a place is on the screen.
+    pub fn to_screen(&self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
+        let right = (east_m - self.centre_m[0]) / self.metres_per_point;
+        let up = (north_m - self.centre_m[1]) / self.metres_per_point;
+        rect.center() + Vec2::new(right as f32, -up as f32)
+    }
+
+    /// Inverse of [`MapTransform::to_screen`].
+    pub fn to_ground(&self, rect: Rect, at: Pos2) -> [f64; 2] {
+        let off = at - rect.center();
+        [
+            self.centre_m[0] + f64::from(off.x) * self.metres_per_point,
+            self.centre_m[1] - f64::from(off.y) * self.metres_per_point,
+        ]
+    }
+
+    /// The ground that the view shows.
+    pub fn visible(&self, rect: Rect) -> GroundBounds {
+        let [west, south] = self.to_ground(rect, rect.left_bottom());
+        let [east, north] = self.to_ground(rect, rect.right_top());
+        [west, south, east, north]
+    }
+
+    /// Moves the ground with the pointer.
+    pub fn pan(&mut self, drag: Vec2) {
+        self.centre_m[0] -= f64::from(drag.x) * self.metres_per_point;
+        self.centre_m[1] += f64::from(drag.y) * self.metres_per_point;
+    }
+
+    /// Enlarges by `factor` (reduces below 1); the place at `at` stays there.
+    pub fn zoom(&mut self, rect: Rect, at: Pos2, factor: f64) {
+        let held = self.to_ground(rect, at);
+        let [nearest, farthest] = SCALES;
+        self.metres_per_point = (self.metres_per_point / factor).clamp(nearest, farthest);
+        let moved = self.to_ground(rect, at);
+        for axis in 0..2 {
+            self.centre_m[axis] += held[axis] - moved[axis];
+        }
+    }
+
+    /// Brings a place into the middle unless it is well in view already.
+    pub fn reveal(&mut self, rect: Rect, place: [f64; 2]) {
+        let inner = rect.shrink2(rect.size() * 0.1);
+        if !inner.contains(self.to_screen(rect, place)) {
+            self.centre_m = place;
+        }
+    }
+
+    /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as `track.wgsl` takes them.
+    pub fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
+        let origin = self.to_screen(rect, origin_m) - rect.min;
+        let scale = f64::from(pixels_per_point) / self.metres_per_point;
+        let origin = pos2(0.0, 0.0) + origin * pixels_per_point;
+        [scale as f32, -scale as f32, origin.x, origin.y]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rect() -> Rect {
+        Rect::from_min_size(pos2(10.0, 20.0), Vec2::new(400.0, 300.0))
+    }
+
+    #[test]
+    fn fitted_bounds_lie_in_the_view_with_north_up() {
+        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let south_west = transform.to_screen(rect(), [-50.0, 0.0]);
+        let north_east = transform.to_screen(rect(), [150.0, 40.0]);
+        assert!(rect().contains(south_west) && rect().contains(north_east));
+        assert!(north_east.x > south_west.x && north_east.y < south_west.y);
+        let across = f64::from(north_east.x - south_west.x) / 200.0;
+        let up = f64::from(south_west.y - north_east.y) / 40.0;
+        assert!((across - up).abs() < 1e-4, "{across} {up}");
+    }
+
+    #[test]
+    fn ground_and_screen_are_inverses() {
+        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let place = [31.25, 17.5];
+        let back = transform.to_ground(rect(), transform.to_screen(rect(), place));
+        assert!((back[0] - place[0]).abs() < 1e-3 && (back[1] - place[1]).abs() < 1e-3);
+    }
+
+    #[test]
+    fn zoom_holds_the_place_under_the_pointer() {
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let at = pos2(50.0, 60.0);
+        let held = transform.to_ground(rect(), at);
+        transform.zoom(rect(), at, 7.0);
+        let now = transform.to_screen(rect(), held);
+        assert!(now.distance(at) < 1e-2, "{now:?}");
+    }
+
+    #[test]
+    fn the_shader_and_the_painter_agree() {
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        transform.pan(Vec2::new(13.0, -7.0));
+        let [sx, sy, ox, oy] = transform.pixels(rect(), 2.0, [100.0, 10.0]);
+        let by_shader = pos2(12.0 * sx + ox, 5.0 * sy + oy);
+        let by_painter = (transform.to_screen(rect(), [112.0, 15.0]) - rect().min) * 2.0;
+        assert!((by_shader.to_vec2() - by_painter).length() < 1e-2);
+    }
+
+    #[test]
+    fn a_place_in_view_does_not_move_the_map() {
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let before = transform;
+        transform.reveal(rect(), [50.0, 20.0]);
+        assert_eq!(transform, before);
+        transform.reveal(rect(), [5000.0, 20.0]);
+        assert_eq!(transform.centre_m, [5000.0, 20.0]);
+    }
+}
