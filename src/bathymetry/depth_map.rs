@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// How the depth map is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthMapSettings {
-    /// No value farther than this from a sounding, metres.
+    /// No value farther than this from a sounding, metres, and none between soundings more than twice as far apart.
     pub gap_m: f64,
     /// Most cells along the longer side.
     pub max_side: usize,
@@ -96,8 +96,8 @@ fn bounds(points: &[DepthPoint]) -> Option<[f64; 4]> {
     }))
 }
 
-/// Samples the triangulated soundings on a grid: linear within triangles, no value outside the hull or farther than the gap
-/// from a sounding. `None` when there is no surface (fewer than three places, or all on one line).
+/// Samples the triangulated soundings on a grid: linear within triangles, no value outside the hull, farther than the gap
+/// from a sounding, or between soundings more than two gaps apart. `None` when there is no surface (fewer than three places, or all on one line).
 pub fn depth_map(
     points: &[DepthPoint],
     settings: &DepthMapSettings,
@@ -116,6 +116,7 @@ pub fn depth_map(
     ) else {
         return Ok(None);
     };
+    let tin = tin.with_max_edge(2.0 * settings.gap_m);
     progress.start(map.rows as u64);
     let rows: Vec<Vec<(f32, f32)>> = (0..map.rows)
         .into_par_iter()
@@ -192,23 +193,52 @@ mod tests {
 
     #[test]
     fn no_value_is_farther_than_the_gap_from_a_sounding() {
-        let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
+        // Triangles of equal sides, 5.9 m: their middles are 3.4 m from the corners.
+        let points: Vec<_> = (0..49)
+            .map(|i| DepthPoint {
+                east_m: 5.9 * (f64::from(i % 7) + 0.5 * f64::from(i / 7)),
+                north_m: 5.9 * 0.75f64.sqrt() * f64::from(i / 7),
+                depth_m: f64::from(i % 5),
+            })
+            .collect();
         let map = depth_map(&points, &settings(3.0), &Progress::new())
             .unwrap()
             .unwrap();
-        assert_eq!(map.at(20.0, 5.0), None);
-        for row in 0..map.rows {
-            for column in 0..map.columns {
-                let [east_m, north_m] = map.centre(row, column);
-                let brute_m = points
-                    .iter()
-                    .map(|p| (p.east_m - east_m).hypot(p.north_m - north_m))
-                    .fold(f64::MAX, f64::min);
-                let known = map.at(east_m, north_m).is_some();
-                assert!(!known || brute_m <= 3.0 + map.cell_m, "{east_m}, {north_m}");
-                assert!(known || brute_m > 3.0 - map.cell_m, "{east_m}, {north_m}");
+        let (mut known, mut unknown) = (0, 0);
+        for cell in 0..map.rows * map.columns {
+            let [east_m, north_m] = map.centre(cell / map.columns, cell % map.columns);
+            let brute_m = points
+                .iter()
+                .map(|p| (p.east_m - east_m).hypot(p.north_m - north_m))
+                .fold(f64::MAX, f64::min);
+            match map.at(east_m, north_m) {
+                Some((_, distance_m)) => {
+                    assert!((f64::from(distance_m) - brute_m).abs() < 1e-4);
+                    assert!(brute_m <= 3.0);
+                    known += 1;
+                }
+                None => unknown += usize::from(brute_m < 3.4),
             }
         }
+        assert!(known > 1000 && unknown > 50, "{known} {unknown}");
+    }
+
+    #[test]
+    fn the_bay_of_a_bend_stays_empty() {
+        // A quarter circle of 100 m: its chord is 141 m, its bay 29 m deep.
+        let points: Vec<_> = (0..=180)
+            .map(|i| {
+                let (sin, cos) = (f64::from(i) * 0.5).to_radians().sin_cos();
+                DepthPoint {
+                    east_m: 100.0 * cos,
+                    north_m: 100.0 * sin,
+                    depth_m: 2.0,
+                }
+            })
+            .collect();
+        let map = depth_map(&points, &settings(20.0), &Progress::new()).unwrap();
+        let in_the_bay = |map: DepthMap| map.at(60.0, 60.0);
+        assert_eq!(map.and_then(in_the_bay), None);
     }
 
     #[test]

