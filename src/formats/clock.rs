@@ -1,15 +1,17 @@
 //! Finds records whose time is damaged: frames are written in time order, give or take the delays inside a recorder.
 
+use std::collections::VecDeque;
+
 /// Frames of different channels are written up to this much out of order, seconds. Real logs show 0.5.
 const SLACK_S: f64 = 2.0;
 /// The first and the last frame have one neighbour only; a pause next to them may be this long, seconds.
 const END_SLACK_S: f64 = 60.0;
 
-/// Looks one record ahead: a record whose time fits neither neighbour, while they fit each other, is damaged.
+/// Looks two records ahead: a record whose time fits neither neighbour, while they fit each other, is damaged.
 #[derive(Debug)]
 pub(super) struct Clock<T> {
-    before: Option<f64>,
-    waiting: Option<(f64, T)>,
+    before_s: Option<f64>,
+    waiting: VecDeque<(f64, T)>,
 }
 
 /// What the clock says about a record.
@@ -24,41 +26,50 @@ pub(super) enum Verdict<T> {
 impl<T> Default for Clock<T> {
     fn default() -> Self {
         Self {
-            before: None,
-            waiting: None,
+            before_s: None,
+            waiting: VecDeque::with_capacity(3),
         }
     }
 }
 
 impl<T> Clock<T> {
-    /// Takes the next record in file order; gives the verdict on the one before it.
+    /// Takes the next record in file order; gives the verdict on the one two before it.
     pub(super) fn push(&mut self, time_s: f64, record: T) -> Option<Verdict<T>> {
-        let (waiting_s, waiting) = self.waiting.replace((time_s, record))?;
-        let sound = match self.before {
-            // The time was set back for good (the recorder restarted): both sides are believed.
-            Some(before_s) if before_s > time_s + SLACK_S => true,
-            Some(before_s) => (before_s - SLACK_S..=time_s + SLACK_S).contains(&waiting_s),
-            None => (time_s - END_SLACK_S..=time_s + SLACK_S).contains(&waiting_s),
-        };
-        Some(self.judge(sound, waiting_s, waiting))
+        self.waiting.push_back((time_s, record));
+        (self.waiting.len() > 2).then(|| self.finish()).flatten()
     }
 
-    /// The verdict on the last record.
+    /// The verdict on the oldest record that still waits; call it until there is none.
     pub(super) fn finish(&mut self) -> Option<Verdict<T>> {
-        let (waiting_s, waiting) = self.waiting.take()?;
-        let sound = self.before.is_none_or(|before_s| {
-            (before_s - SLACK_S..=before_s + END_SLACK_S).contains(&waiting_s)
-        });
-        Some(self.judge(sound, waiting_s, waiting))
-    }
-
-    fn judge(&mut self, sound: bool, time_s: f64, record: T) -> Verdict<T> {
-        if sound {
-            self.before = Some(time_s);
-            Verdict::Sound(record)
+        let (time_s, record) = self.waiting.pop_front()?;
+        let ahead = |index: usize| self.waiting.get(index).map(|(time_s, _)| *time_s);
+        if fits(self.before_s, time_s, ahead(0), ahead(1)) {
+            self.before_s = Some(time_s);
+            Some(Verdict::Sound(record))
         } else {
-            Verdict::Damaged(record)
+            Some(Verdict::Damaged(record))
         }
+    }
+}
+
+/// Whether a time can stand between the last sound one and the next two.
+fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option<f64>) -> bool {
+    let follows = |earlier_s: f64, later_s: f64, pause_s: f64| {
+        (-SLACK_S..=pause_s).contains(&(later_s - earlier_s))
+    };
+    match (before_s, next_s) {
+        // The time was set back for good (the recorder was restarted): both sides are believed.
+        (Some(before_s), Some(next_s)) if before_s > next_s + SLACK_S => true,
+        (Some(before_s), Some(next_s)) => {
+            follows(before_s, time_s, f64::INFINITY) && follows(time_s, next_s, f64::INFINITY)
+        }
+        (Some(before_s), None) => follows(before_s, time_s, END_SLACK_S),
+        // The first is only doubted when the next two agree against it.
+        (None, Some(next_s)) => {
+            follows(time_s, next_s, END_SLACK_S)
+                || after_s.is_none_or(|after_s| !follows(next_s, after_s, END_SLACK_S))
+        }
+        (None, None) => true,
     }
 }
 
@@ -72,7 +83,7 @@ mod tests {
         for (index, &time_s) in times_s.iter().enumerate() {
             verdicts.extend(clock.push(time_s, index));
         }
-        verdicts.extend(clock.finish());
+        verdicts.extend(std::iter::from_fn(|| clock.finish()));
         assert_eq!(verdicts.len(), times_s.len());
         verdicts
             .into_iter()
@@ -87,6 +98,8 @@ mod tests {
     fn one_wrong_time_is_found_wherever_it_is() {
         assert_eq!(damaged(&[1317.7, 1318.0, 0.0, 1318.2, 1318.3]), [2]);
         assert_eq!(damaged(&[0.0, 1318.0, 1318.2]), [0]);
+        assert_eq!(damaged(&[4e6, 0.1, 0.2]), [0]);
+        assert_eq!(damaged(&[1318.0, 0.0, 1318.2]), [1]);
         assert_eq!(damaged(&[1318.0, 1318.2, 0.0]), [2]);
         assert_eq!(damaged(&[1.0, 1.1, 4e6, 1.2]), [2]);
     }

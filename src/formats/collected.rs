@@ -109,12 +109,11 @@ impl Collected {
     pub(super) fn add_fix(&mut self, fix: Fix) {
         let LonLat { lon_deg, lat_deg } = fix.position;
         let on_earth = lon_deg.abs() <= 180.0 && lat_deg.abs() < 89.0;
-        let recorded = lon_deg != 0.0 && lat_deg != 0.0;
         let told = self
             .fixes
             .last()
             .is_some_and(|last| last.time_s == fix.time_s && last.position == fix.position);
-        if on_earth && recorded && !told {
+        if on_earth && !told {
             self.fixes.push(fix);
         }
     }

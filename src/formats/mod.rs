@@ -3,12 +3,14 @@
 mod assemble;
 mod clock;
 mod collected;
+mod foreign;
 pub mod humminbird;
 pub mod lowrance;
 mod map;
 mod report;
 mod scalar;
 mod shelf;
+pub mod xtf;
 
 pub use scalar::ByteOrder;
 
@@ -126,8 +128,17 @@ fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, Op
     if let Some(kind) = lowrance::sniff(&opened.bytes) {
         return lowrance::read(opened, kind, progress);
     }
+    if let Some(found) = xtf::sniff(&opened.bytes) {
+        return xtf::read(opened, found, progress);
+    }
     if let Some(recording) = humminbird::sniff(shelf, &opened) {
         return humminbird::read(recording, progress);
+    }
+    if let Some(advice) = foreign::advice(&opened.bytes) {
+        return Err(OpenError::Unsupported {
+            path: opened.path,
+            what: advice.to_owned(),
+        });
     }
     Err(not_recognised())
 }

@@ -4,8 +4,10 @@
 mod architecture;
 mod cloud;
 mod export;
+mod damage;
 mod first_return;
 mod formats;
 mod golden;
+mod handmade;
 mod support;
 mod waterfall;

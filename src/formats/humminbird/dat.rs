@@ -5,14 +5,26 @@ use crate::formats::scalar::take;
 
 /// Unix seconds below this (year 2000) are not a time.
 const EARLIEST_UNIX_S: u32 = 946_684_800;
+/// The text of an Onix DAT is a screen long.
+const LONGEST_ONIX: usize = 1 << 16;
 
-/// The fields used of a DAT file: 64 bytes, big-endian, on the 700 to 1100 and Helix series; 96 or 100 bytes,
-/// little-endian, on Solix.
+/// The three kinds of DAT files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// 700 to 1100 series and Helix: 64 bytes, big-endian.
+    Classic,
+    /// Solix: 96 or 100 bytes, little-endian.
+    Solix,
+    /// Onix: some binary words, then text such as `<NumberOfPings=11712>`.
+    Onix,
+}
+
+/// The fields used of a DAT file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dat {
-    /// Byte order of its numbers, which tells the family.
-    pub order: ByteOrder,
-    /// Byte 1: what the user set the unit to.
+    /// Which kind.
+    pub family: Family,
+    /// Byte 1: the kind of water that the user set the unit to.
     pub water_code: u8,
     /// Offset 20: Unix seconds of the start; `None` when it is no time.
     pub start_unix_s: Option<u32>,
@@ -34,18 +46,19 @@ pub enum Water {
 }
 
 impl Dat {
-    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`) at offset 32 is the sign.
+    /// Reads a DAT file; `None` when it is not one: the recording's name (`R01224.SON`) at offset 32 is the sign, on
+    /// Onix the text.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
-        let order = match bytes.len() {
-            64 => ByteOrder::Big,
-            96 | 100 => ByteOrder::Little,
-            _ => return None,
+        let (family, order) = match bytes.len() {
+            64 => (Family::Classic, ByteOrder::Big),
+            96 | 100 => (Family::Solix, ByteOrder::Little),
+            _ => return Self::parse_onix(bytes),
         };
         let name: [u8; 10] = take(bytes, 32)?;
         let is_name = name.first() == Some(&b'R') && name[6..].eq_ignore_ascii_case(b".SON");
         let number = |at| take(bytes, at).map(|bytes| order.u32(bytes));
         let dat = Self {
-            order,
+            family,
             water_code: *bytes.get(1)?,
             start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
             record_count: number(44)?,
@@ -54,12 +67,27 @@ impl Dat {
         is_name.then_some(dat)
     }
 
-    /// The kind of water; the two families number it differently.
+    fn parse_onix(bytes: &[u8]) -> Option<Self> {
+        let text = String::from_utf8_lossy(bytes.get(24..bytes.len().min(LONGEST_ONIX))?);
+        let number = |name: &str| {
+            let (_, after) = text.split_once(&format!("<{name}="))?;
+            after.split_once('>')?.0.trim().parse().ok()
+        };
+        Some(Self {
+            family: Family::Onix,
+            water_code: *bytes.get(1)?,
+            start_unix_s: None,
+            record_count: number("NumberOfPings")?,
+            length_ms: number("TotalTimeMs")?,
+        })
+    }
+
+    /// The kind of water; the families number it differently.
     pub fn water(&self) -> Option<Water> {
-        match (self.order, self.water_code) {
-            (ByteOrder::Big, 0) | (ByteOrder::Little, 1) => Some(Water::Fresh),
+        match (self.family, self.water_code) {
+            (Family::Classic | Family::Onix, 0) | (Family::Solix, 1) => Some(Water::Fresh),
             (_, 2) => Some(Water::ShallowSalt),
-            (ByteOrder::Big, 1) | (ByteOrder::Little, 3) => Some(Water::DeepSalt),
+            (Family::Classic | Family::Onix, 1) | (Family::Solix, 3) => Some(Water::DeepSalt),
             _ => None,
         }
     }
@@ -96,6 +124,19 @@ mod tests {
             (Some(1_600_000_000), 77)
         );
         assert_eq!(dat.water(), Some(Water::DeepSalt));
+    }
+
+    #[test]
+    fn onix_is_text() {
+        let mut onix = vec![0_u8; 24];
+        onix.extend_from_slice(
+            b"<Version=SonarRecordThumbVersion><NumberOfPings=11712><TotalTimeMs=143092>",
+        );
+        let dat = Dat::parse(&onix).unwrap();
+        assert_eq!(
+            (dat.family, dat.record_count, dat.length_ms),
+            (Family::Onix, 11_712, 143_092)
+        );
     }
 
     #[test]

@@ -43,9 +43,9 @@ impl Reader {
         }
     }
 
-    /// Takes the last ping.
+    /// Takes the pings that still wait for a verdict.
     pub(super) fn finish(&mut self, log: &mut Collected) {
-        if let Some(verdict) = self.clock.finish() {
+        while let Some(verdict) = self.clock.finish() {
             self.settle(log, verdict);
         }
     }

@@ -8,93 +8,116 @@ mod son;
 
 pub(super) use recording::{Recording, find_in_folder, sniff};
 
-use super::{OpenError, assemble, collected::Collected};
-use crate::progress::Progress;
+use super::{OpenError, Opened, assemble, collected::Collected};
+use crate::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
-use dat::Dat;
+use dat::{Dat, Family};
 
 /// Reads a recording.
 pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, OpenError> {
-    let dat = recording.dat.as_ref().and_then(|(_, dat, _)| *dat);
+    let dat = recording.dat.as_ref().and_then(|(_, dat)| *dat);
     let format = format_name(dat);
     if recording.sons.is_empty() {
         return Err(OpenError::Broken {
             path: recording.opened,
-            format,
+            format: format.to_owned(),
             what: "no B00n.SON file with pings lies in the folder of the same name; copy that folder from the card too".into(),
         });
     }
-    let mut log = Collected::new(source(&recording, format.clone()), Vec::new());
+    let mut log = collect(&recording, format);
     log.start_unix_s = dat.and_then(|dat| dat.start_unix_s).map(f64::from);
-    remark(&recording, &mut log);
-    progress.start(
-        recording
-            .sons
-            .iter()
-            .map(|(_, bytes)| bytes.len() as u64)
-            .sum(),
-    );
-    let first_son = log.source.files.len() - recording.sons.len();
-    log.bytes = vec![crate::survey::Bytes::Held(std::sync::Arc::from(Vec::new())); first_son];
-    for (index, (path, bytes)) in recording.sons.iter().enumerate() {
-        log.bytes.push(bytes.clone());
-        let Some(order) = son::byte_order(bytes) else {
-            continue;
-        };
-        let name = path
-            .file_stem()
-            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        let mut reader = meaning::Reader::new(first_son + index, name, dat);
-        let mut report = std::mem::take(&mut log.report);
-        let mut walk = son::Walk {
-            bytes,
-            file: first_son + index,
-            order,
-            report: &mut report,
-            progress,
-        };
-        let walked = walk.run(|offset, ping| reader.take(&mut log, offset, ping));
-        reader.finish(&mut log);
-        log.report.absorb(report);
-        walked?;
+    progress.start(log.source.byte_count);
+    let first_son = log.bytes.len() - recording.sons.len();
+    for (index, opened) in recording.sons.iter().enumerate() {
+        read_son(opened, first_son + index, dat, &mut log, progress)?;
     }
+    if log.channels.is_empty() {
+        return Err(OpenError::Broken {
+            path: recording.opened,
+            format: format.to_owned(),
+            what: "its SON files hold no whole ping; copy them from the card again".into(),
+        });
+    }
+    remark(&recording, &mut log);
     Ok(assemble::assemble(log))
 }
 
-fn source(recording: &Recording, format: String) -> Source {
-    let dat = recording.dat.iter().map(|(path, _, _)| path.clone());
-    let sons = recording.sons.iter().map(|(path, _)| path.clone());
-    let son_bytes: u64 = recording
-        .sons
+/// A log of the recording's files, DAT first.
+fn collect(recording: &Recording, format: &str) -> Collected {
+    let files: Vec<&Opened> = recording
+        .dat
         .iter()
-        .map(|(_, bytes)| bytes.len() as u64)
-        .sum();
-    Source {
-        files: dat.chain(sons).collect(),
-        format,
-        byte_count: son_bytes + recording.dat.as_ref().map_or(0, |(_, _, len)| *len),
-    }
+        .map(|(dat, _)| dat)
+        .chain(&recording.sons)
+        .collect();
+    let source = Source {
+        files: files.iter().map(|file| file.path.clone()).collect(),
+        format: format.to_owned(),
+        byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
+    };
+    Collected::new(
+        source,
+        files.iter().map(|file| file.bytes.clone()).collect(),
+    )
+}
+
+fn read_son(
+    opened: &Opened,
+    file: usize,
+    dat: Option<Dat>,
+    log: &mut Collected,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let Some(order) = son::byte_order(&opened.bytes) else {
+        return Ok(());
+    };
+    let name = opened
+        .path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let mut reader = meaning::Reader::new(file, name.into_owned(), dat);
+    let report = log.report.clone();
+    let walk = son::Walk {
+        bytes: &opened.bytes,
+        file,
+        order,
+        report: &report,
+        progress,
+    };
+    walk.run(|offset, ping| reader.take(log, offset, ping))?;
+    reader.finish(log);
+    Ok(())
 }
 
 fn remark(recording: &Recording, log: &mut Collected) {
+    let unknown = "the start time is unknown and fresh water is assumed";
     match &recording.dat {
-        None => log.report.companion(
-            "the DAT file is missing: the start time is unknown, fresh water is assumed",
-        ),
-        Some((_, None, _)) => log.report.companion(
-            "the DAT file is damaged: the start time is unknown, fresh water is assumed",
-        ),
-        Some((_, Some(_), _)) => {}
+        None => log
+            .report
+            .log(format!("the DAT file is missing: {unknown}")),
+        Some((_, None)) => log
+            .report
+            .log(format!("the DAT file is damaged: {unknown}")),
+        Some((_, Some(dat))) => {
+            let pings: usize = log.channels.iter().map(|channel| channel.ping_count).sum();
+            if pings < dat.record_count as usize {
+                log.report.log(format!(
+                    "the DAT file counts {} pings in all channels; {pings} were read",
+                    dat.record_count
+                ));
+            }
+        }
     }
     log.report.log(
         "the recorder does not store the side-scan range; it is estimated from the transducer's size and may be off by some percent until calibrated",
     );
 }
 
-fn format_name(dat: Option<Dat>) -> String {
-    match dat.map(|dat| dat.order) {
-        Some(super::ByteOrder::Little) => "Humminbird Solix",
+fn format_name(dat: Option<Dat>) -> &'static str {
+    match dat.map(|dat| dat.family) {
+        Some(Family::Solix) => "Humminbird Solix",
+        Some(Family::Onix) => "Humminbird Onix",
         _ => "Humminbird",
     }
-    .to_owned()
 }

@@ -3,7 +3,6 @@
 use super::dat::Dat;
 use super::son;
 use crate::formats::{Opened, Shelf};
-use crate::survey::Bytes;
 use std::path::{Path, PathBuf};
 
 /// The files of a recording.
@@ -11,41 +10,48 @@ use std::path::{Path, PathBuf};
 pub(in crate::formats) struct Recording {
     /// What the user opened.
     pub(super) opened: PathBuf,
-    /// The DAT file: its path and, where it can be read, its content.
-    pub(super) dat: Option<(PathBuf, Option<Dat>, u64)>,
+    /// The DAT file and, where it is one, its content.
+    pub(super) dat: Option<(Opened, Option<Dat>)>,
     /// The SON files that hold pings.
-    pub(super) sons: Vec<(PathBuf, Bytes)>,
+    pub(super) sons: Vec<Opened>,
 }
 
 /// Recognises a DAT or a SON file by its content; a damaged DAT by the SON files that belong to it.
 pub(in crate::formats) fn sniff(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
-    let path = &opened.path;
     if son::byte_order(&opened.bytes).is_some() {
-        let mut recording = match path.parent() {
-            Some(folder) => gather(shelf, path, folder, dat_of(shelf, folder)),
-            None => None,
-        }
-        .unwrap_or(Recording {
+        Some(around_son(shelf, opened))
+    } else {
+        around_dat(shelf, opened)
+    }
+}
+
+/// The recording that a SON file belongs to; at least the file itself.
+fn around_son(shelf: &Shelf, opened: &Opened) -> Recording {
+    let path = &opened.path;
+    let whole = path
+        .parent()
+        .and_then(|folder| gather(shelf, path, folder, dat_of(shelf, folder)));
+    whole
+        .filter(|recording| recording.sons.iter().any(|son| son.path == *path))
+        .unwrap_or_else(|| Recording {
             opened: path.clone(),
             dat: None,
-            sons: Vec::new(),
-        });
-        if !recording.sons.iter().any(|(son, _)| son == path) {
-            recording.sons.push((path.clone(), opened.bytes.clone()));
-        }
-        return Some(recording);
-    }
-    let dat = Dat::parse(&opened.bytes);
+            sons: vec![opened.clone()],
+        })
+}
+
+/// The recording that a DAT file belongs to; its folder of SON files may be missing.
+fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
+    let path = &opened.path;
     let folder = path.with_extension("");
-    let found = if folder == *path {
-        None
-    } else {
-        gather(shelf, path, &folder, Some(path.clone()))
-    };
-    found.or_else(|| {
-        dat.map(|dat| Recording {
+    let gathered = (folder != *path)
+        .then(|| gather(shelf, path, &folder, Some(path.clone())))
+        .flatten();
+    gathered.or_else(|| {
+        let dat = Dat::parse(&opened.bytes)?;
+        Some(Recording {
             opened: path.clone(),
-            dat: Some((path.clone(), Some(dat), opened.bytes.len() as u64)),
+            dat: Some((opened.clone(), Some(dat))),
             sons: Vec::new(),
         })
     })
@@ -75,20 +81,23 @@ fn dat_of(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
 
 /// The SON files in `folder` that hold pings; `None` when there is none.
 fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> Option<Recording> {
-    let sons: Vec<(PathBuf, Bytes)> = shelf
+    let read = |path: PathBuf| {
+        let bytes = shelf.read(&path).ok()?;
+        Some(Opened { path, bytes })
+    };
+    let sons: Vec<Opened> = shelf
         .children(folder)
         .into_iter()
         .filter(|path| has_extension(path, "son"))
-        .filter_map(|path| Some((path.clone(), shelf.read(&path).ok()?)))
-        .filter(|(_, bytes)| son::byte_order(bytes).is_some())
+        .filter_map(read)
+        .filter(|son| son::byte_order(&son.bytes).is_some())
         .collect();
     if sons.is_empty() {
         return None;
     }
-    let dat = dat.map(|path| {
-        let bytes = shelf.read(&path).ok();
-        let content = bytes.as_ref().and_then(|bytes| Dat::parse(bytes));
-        (path, content, bytes.map_or(0, |bytes| bytes.len() as u64))
+    let dat = dat.and_then(read).map(|dat| {
+        let content = Dat::parse(&dat.bytes);
+        (dat, content)
     });
     Some(Recording {
         opened: opened.to_owned(),

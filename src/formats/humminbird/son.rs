@@ -40,14 +40,14 @@ pub(super) struct Walk<'a> {
     /// Its numbers' byte order.
     pub(super) order: ByteOrder,
     /// Where to say what is wrong.
-    pub(super) report: &'a mut Report,
+    pub(super) report: &'a Report,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
 impl Walk<'_> {
     /// Calls `take` with offset and header of every whole ping.
-    pub(super) fn run(&mut self, mut take: impl FnMut(usize, PingHeader)) -> Result<(), Cancelled> {
+    pub(super) fn run(&self, mut take: impl FnMut(usize, PingHeader)) -> Result<(), Cancelled> {
         let (mut at, mut told, mut pings) = (0, 0, 0_usize);
         while at < self.bytes.len() {
             if pings.is_multiple_of(PINGS_A_CHECK) {
@@ -66,12 +66,7 @@ impl Walk<'_> {
     }
 
     /// Takes a ping if the next follows it; where it does not, the sample count may be what is damaged.
-    fn step(
-        &mut self,
-        at: usize,
-        ping: PingHeader,
-        take: &mut impl FnMut(usize, PingHeader),
-    ) -> usize {
+    fn step(&self, at: usize, ping: PingHeader, take: &mut impl FnMut(usize, PingHeader)) -> usize {
         let len = self.bytes.len();
         let next = at.saturating_add(ping.size());
         let goes_on = next == len || self.bytes.get(next..next + MAGIC.len()) == Some(&MAGIC);
@@ -101,7 +96,7 @@ impl Walk<'_> {
         next
     }
 
-    fn over_gap(&mut self, at: usize) -> usize {
+    fn over_gap(&self, at: usize) -> usize {
         let to = next_magic(self.bytes, at + 1).unwrap_or(self.bytes.len());
         let text = format!("{} bytes belong to no ping and were skipped", to - at);
         self.report.at(Kind::Gap, self.file, at, text);

@@ -76,10 +76,10 @@ impl Layout {
         }
     }
 
-    /// Looks for a frame at `offset`.
-    pub fn look(self, bytes: &[u8], offset: usize) -> Found {
-        // The recorders count in 32 bits; beyond 4 GiB the count starts again.
-        if scalar::u32_le(bytes, offset) != Some(offset as u32) {
+    /// Looks for a frame at `offset`. `lost` is the number of bytes lost from the file before it: the frame states
+    /// where it was before they were.
+    pub fn look(self, bytes: &[u8], offset: usize, lost: i64) -> Found {
+        if lost_before(bytes, offset) != Some(lost) {
             return Found::Nothing;
         }
         let header = offset
@@ -100,6 +100,13 @@ impl Layout {
         }
         Found::Whole(frame)
     }
+}
+
+/// How many bytes were lost before `offset` (negative: came in) if a frame begins there; the recorders count in 32 bits
+/// and start again beyond 4 GiB.
+pub(super) fn lost_before(bytes: &[u8], offset: usize) -> Option<i64> {
+    let stated = scalar::u32_le(bytes, offset)?;
+    Some(i64::from(stated.wrapping_sub(offset as u32).cast_signed()))
 }
 
 /// Where the data begins in a frame: behind the header, whose length is the frame's size less the packet's, where that

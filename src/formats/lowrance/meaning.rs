@@ -10,69 +10,82 @@ use crate::survey::{ChannelKind, Encoding, Fix, Order, SidePing, SideSpan};
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
 const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 
-/// Gives frames their meaning, one behind the file so that a damaged time is seen.
+/// Gives frames their meaning, a little behind the walk so that a damaged time is seen.
 #[derive(Default)]
 pub(super) struct Reader {
     clock: Clock<Frame>,
+    keel_ft: f32,
 }
 
 impl Reader {
     /// Takes the next frame of the file.
     pub(super) fn take(&mut self, log: &mut Collected, frame: Frame) {
         if let Some(verdict) = self.clock.push(time_s(&frame), frame) {
-            settle(log, verdict);
+            self.settle(log, verdict);
         }
     }
 
-    /// Takes the last frame.
+    /// Takes the frames that still wait for a verdict.
     pub(super) fn finish(&mut self, log: &mut Collected) {
-        if let Some(verdict) = self.clock.finish() {
-            settle(log, verdict);
+        while let Some(verdict) = self.clock.finish() {
+            self.settle(log, verdict);
         }
+        if self.keel_ft != 0.0 {
+            log.report.log(format!(
+                "the unit added a keel offset of {:.2} m to the depths it shows; it was taken off again",
+                metres(self.keel_ft)
+            ));
+        }
+    }
+
+    fn settle(&mut self, log: &mut Collected, verdict: Verdict<Frame>) {
+        match verdict {
+            Verdict::Sound(frame) => self.keep(log, &frame),
+            Verdict::Damaged(frame) => {
+                let text = format!(
+                    "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
+                    time_s(&frame)
+                );
+                log.report.at(Kind::Frame, 0, frame.offset, text);
+            }
+        }
+    }
+
+    fn keep(&mut self, log: &mut Collected, frame: &Frame) {
+        let kind = channel_kind(frame.channel);
+        let time_s = time_s(frame);
+        if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
+            log.start_unix_s = Some(f64::from(frame.clock));
+        }
+        log.count(
+            kind,
+            &frame.channel.to_string(),
+            frequency_khz(frame.frequency),
+            time_s,
+            samples_a_side(kind, frame),
+            range_m(kind, frame),
+        );
+        let is_sonar = !matches!(kind, ChannelKind::Other(_));
+        if is_sonar && frame.depth_ft > 0.0 {
+            // A whole metre of keel offset is rare; ten are damage.
+            let keel_ft = Some(frame.keel_ft)
+                .filter(|ft| ft.abs() < 33.0)
+                .unwrap_or(0.0);
+            self.keel_ft = keel_ft;
+            log.add_depth(kind, time_s, metres(frame.depth_ft) - metres(keel_ft));
+        }
+        if frame.x_m != 0 && frame.y_m != 0 {
+            log.add_fix(fix(frame, time_s));
+        }
+        keep_side_scan(log, kind, frame, time_s);
     }
 }
 
-fn settle(log: &mut Collected, verdict: Verdict<Frame>) {
-    match verdict {
-        Verdict::Sound(frame) => keep(log, &frame),
-        Verdict::Damaged(frame) => {
-            let text = format!(
-                "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
-                time_s(&frame)
-            );
-            log.report.at(Kind::Frame, 0, frame.offset, text);
-        }
-    }
-}
-
-fn keep(log: &mut Collected, frame: &Frame) {
-    let kind = channel_kind(frame.channel);
-    let time_s = time_s(frame);
-    if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
-        log.start_unix_s = Some(f64::from(frame.clock));
-    }
-    let samples = match kind {
+fn samples_a_side(kind: ChannelKind, frame: &Frame) -> usize {
+    match kind {
         ChannelKind::Composite => frame.data_len / 2,
         _ => frame.data_len,
-    };
-    log.count(
-        kind,
-        &frame.channel.to_string(),
-        frequency_khz(frame.frequency),
-        time_s,
-        samples,
-        range_m(kind, frame),
-    );
-    if !matches!(kind, ChannelKind::Other(_)) {
-        let depth_m = metres(frame.depth_ft);
-        if depth_m > 0.0 {
-            log.add_depth(kind, time_s, depth_m - metres(frame.keel_ft));
-        }
     }
-    if frame.x_m != 0 && frame.y_m != 0 {
-        log.add_fix(fix(frame, time_s));
-    }
-    keep_side_scan(log, kind, frame, time_s);
 }
 
 fn keep_side_scan(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {

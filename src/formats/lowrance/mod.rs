@@ -9,7 +9,7 @@ mod walk;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::progress::Progress;
 use crate::survey::Survey;
-use frame::Layout;
+use frame::{Found, Layout};
 
 /// The file header's length; the first frame follows.
 pub const FILE_HEADER: usize = 8;
@@ -59,12 +59,12 @@ fn sniff_header(bytes: &[u8]) -> Option<Kind> {
 /// Two frames in a row, found by their own offsets, are proof enough.
 fn sniff_frames(bytes: &[u8]) -> Option<Kind> {
     [Layout::Sl2, Layout::Sl3].into_iter().find_map(|layout| {
-        let first = walk::first_frame(bytes, layout, FILE_HEADER, SEARCHED_FOR_FRAMES)?;
-        let frame::Found::Whole(found) = layout.look(bytes, first) else {
+        let first = walk::first_frame(bytes, layout, FILE_HEADER..SEARCHED_FOR_FRAMES, 0)?;
+        let Found::Whole(frame) = layout.look(bytes, first.at, first.lost) else {
             return None;
         };
-        let next = layout.look(bytes, first + found.size);
-        matches!(next, frame::Found::Whole(_)).then_some(Kind::Frames {
+        let next = layout.look(bytes, first.at + frame.size, first.lost);
+        matches!(next, Found::Whole(_)).then_some(Kind::Frames {
             layout,
             version: None,
         })
@@ -89,18 +89,17 @@ pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Su
     }
     progress.start(bytes.len() as u64);
     let mut reader = meaning::Reader::default();
-    let mut report = std::mem::take(&mut log.report);
+    let report = log.report.clone();
     walk::Walk {
         bytes: &bytes,
         layout,
-        report: &mut report,
+        report: &report,
         progress,
     }
     .run(FILE_HEADER.min(bytes.len()), |frame| {
         reader.take(&mut log, frame)
     })?;
     reader.finish(&mut log);
-    log.report.absorb(report);
     if log.channels.is_empty() {
         return Err(OpenError::Broken {
             path,

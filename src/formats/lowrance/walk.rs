@@ -1,14 +1,16 @@
 //! From frame to frame through a log, over whatever is damaged in it.
 
-use super::frame::{Found, Frame, Layout};
+use super::frame::{self, Found, Frame, Layout};
 use crate::formats::report::{Kind, Report};
-use crate::formats::scalar;
 use crate::progress::{Cancelled, Progress};
+use std::ops::Range;
 
 /// Frames between two looks at the progress.
 const FRAMES_A_CHECK: usize = 1024;
 /// Bytes searched between two looks at the progress.
 const BYTES_A_CHECK: usize = 1 << 20;
+/// So many bytes may be missing (or too many) in one place and the frames behind it still be found.
+const MOST_LOST: u64 = 1 << 20;
 
 /// A walk over the frames of a log.
 pub(super) struct Walk<'a> {
@@ -17,32 +19,28 @@ pub(super) struct Walk<'a> {
     /// Its frames' layout.
     pub(super) layout: Layout,
     /// Where to say what is wrong.
-    pub(super) report: &'a mut Report,
+    pub(super) report: &'a Report,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
 impl Walk<'_> {
     /// Calls `take` for every whole frame from `start` on.
-    pub(super) fn run(
-        &mut self,
-        start: usize,
-        mut take: impl FnMut(Frame),
-    ) -> Result<(), Cancelled> {
-        let mut at = start;
+    pub(super) fn run(&self, start: usize, mut take: impl FnMut(Frame)) -> Result<(), Cancelled> {
+        let mut here = Place { at: start, lost: 0 };
         let mut told = start;
         let mut frames = 0_usize;
-        while at < self.bytes.len() {
+        while here.at < self.bytes.len() {
             if frames.is_multiple_of(FRAMES_A_CHECK) {
                 self.progress.check()?;
-                self.progress.advance((at - told) as u64);
-                told = at;
+                self.progress.advance((here.at - told) as u64);
+                told = here.at;
             }
             frames += 1;
-            at = match self.layout.look(self.bytes, at) {
-                Found::Whole(frame) => self.step(frame, &mut take)?,
-                Found::Cut => self.over_cut(at)?,
-                Found::Nothing => self.over_gap(at)?,
+            here = match self.layout.look(self.bytes, here.at, here.lost) {
+                Found::Whole(frame) => self.step(here, frame, &mut take)?,
+                Found::Cut => self.over_cut(here)?,
+                Found::Nothing => self.over_gap(here)?,
             };
         }
         self.progress.advance((self.bytes.len() - told) as u64);
@@ -50,69 +48,71 @@ impl Walk<'_> {
     }
 
     /// Takes a frame if the chain goes on behind it; where it does not, the frame's size may be what is damaged.
-    fn step(&mut self, frame: Frame, take: &mut impl FnMut(Frame)) -> Result<usize, Cancelled> {
-        let next = frame.offset + frame.size;
+    fn step(
+        &self,
+        here: Place,
+        frame: Frame,
+        take: &mut impl FnMut(Frame),
+    ) -> Result<Place, Cancelled> {
+        let next = here.at + frame.size;
         let goes_on =
-            next == self.bytes.len() || scalar::u32_le(self.bytes, next) == Some(next as u32);
-        if goes_on {
-            take(frame);
-            return Ok(next);
-        }
-        let inside = frame.offset + self.layout.shortest_header();
-        match self.find(inside, next)? {
-            Some(found) => {
+            next == self.bytes.len() || frame::lost_before(self.bytes, next) == Some(here.lost);
+        if !goes_on {
+            let inside = here.at + self.layout.shortest_header();
+            if let Some(found) = self.find(inside, next, here.lost)? {
                 let text = format!(
                     "a frame says that it is {} bytes long, but the next begins after {}; it was dropped",
                     frame.size,
-                    found - frame.offset
+                    found.at - here.at
                 );
-                self.report.at(Kind::Frame, 0, frame.offset, text);
-                Ok(found)
-            }
-            None => {
-                take(frame);
-                Ok(next)
+                self.report.at(Kind::Frame, 0, here.at, text);
+                return Ok(found);
             }
         }
+        take(frame);
+        Ok(Place { at: next, ..here })
     }
 
-    fn over_cut(&mut self, at: usize) -> Result<usize, Cancelled> {
+    fn over_cut(&self, here: Place) -> Result<Place, Cancelled> {
         let len = self.bytes.len();
-        if let Some(found) = self.find(at + 4, len)? {
-            let text = "a frame header is damaged; the frame was dropped".to_owned();
-            self.report.at(Kind::Frame, 0, at, text);
-            return Ok(found);
-        }
-        let text = format!(
-            "the recording was cut inside its last frame ({} bytes of it are there); it was dropped",
-            len - at
-        );
-        self.report.at(Kind::Frame, 0, at, text);
-        Ok(len)
-    }
-
-    fn over_gap(&mut self, at: usize) -> Result<usize, Cancelled> {
-        let len = self.bytes.len();
-        let found = self.find(at + 1, len)?;
-        let to = found.unwrap_or(len);
+        let found = self.find(here.at + 4, len, here.lost)?;
         let text = match found {
-            Some(_) => format!("{} bytes belong to no frame and were skipped", to - at),
+            Some(_) => "a frame header is damaged; the frame was dropped".to_owned(),
             None => format!(
-                "the last {} bytes of the file belong to no frame and were skipped",
-                to - at
+                "the recording was cut inside its last frame ({} bytes of it are there); it was dropped",
+                len - here.at
             ),
         };
-        self.report.at(Kind::Gap, 0, at, text);
+        self.report.at(Kind::Frame, 0, here.at, text);
+        Ok(found.unwrap_or(Place { at: len, ..here }))
+    }
+
+    fn over_gap(&self, here: Place) -> Result<Place, Cancelled> {
+        let len = self.bytes.len();
+        let found = self.find(here.at + 1, len, here.lost)?;
+        let to = found.unwrap_or(Place { at: len, ..here });
+        let bytes = to.at - here.at;
+        let text = match found {
+            Some(found) if found.lost != here.lost => format!(
+                "{bytes} bytes belong to no frame and were skipped; {} bytes were lost around here",
+                found.lost - here.lost
+            ),
+            Some(_) => format!("{bytes} bytes belong to no frame and were skipped"),
+            None => {
+                format!("the last {bytes} bytes of the file belong to no frame and were skipped")
+            }
+        };
+        self.report.at(Kind::Gap, 0, here.at, text);
         Ok(to)
     }
 
-    /// The first whole frame that begins in `from..to`: a number that is its own offset, with a header behind it.
-    fn find(&self, from: usize, to: usize) -> Result<Option<usize>, Cancelled> {
+    /// The first whole frame that begins in `from..to`.
+    fn find(&self, from: usize, to: usize, lost: i64) -> Result<Option<Place>, Cancelled> {
         let mut at = from;
         while at < to.min(self.bytes.len()) {
             self.progress.check()?;
             let until = to.min(at.saturating_add(BYTES_A_CHECK));
-            if let Some(found) = first_frame(self.bytes, self.layout, at, until) {
+            if let Some(found) = first_frame(self.bytes, self.layout, at..until, lost) {
                 return Ok(Some(found));
             }
             at = until;
@@ -121,16 +121,39 @@ impl Walk<'_> {
     }
 }
 
-/// The first whole frame that begins in `from..to`.
-pub(super) fn first_frame(bytes: &[u8], layout: Layout, from: usize, to: usize) -> Option<usize> {
-    let searched = bytes.get(from..bytes.len().min(to.saturating_add(3)))?;
-    searched
+/// Where a frame begins, and how many bytes were lost from the file before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    /// Offset in the file.
+    pub(super) at: usize,
+    /// Lost bytes; negative where bytes came in.
+    pub(super) lost: i64,
+}
+
+/// The first whole frame that begins in `range`. Where bytes were lost (`lost` of them before the range), one that states
+/// its offset is enough; where more were lost in between, the next frame has to agree about how many.
+pub(super) fn first_frame(
+    bytes: &[u8],
+    layout: Layout,
+    range: Range<usize>,
+    lost: i64,
+) -> Option<Place> {
+    let searched = bytes.get(range.start..bytes.len().min(range.end.saturating_add(3)))?;
+    let stated = searched
         .windows(4)
-        .enumerate()
-        .map(|(index, window)| (from + index, window))
-        .filter(|(at, window)| {
-            u32::from_le_bytes([window[0], window[1], window[2], window[3]]) == *at as u32
+        .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+    (range.start..)
+        .zip(stated)
+        .map(|(at, stated)| Place {
+            at,
+            lost: i64::from(stated.wrapping_sub(at as u32).cast_signed()),
         })
-        .map(|(at, _)| at)
-        .find(|&at| matches!(layout.look(bytes, at), Found::Whole(_)))
+        .filter(|place| place.lost.abs_diff(lost) <= MOST_LOST)
+        .find(|place| {
+            let Found::Whole(frame) = layout.look(bytes, place.at, place.lost) else {
+                return false;
+            };
+            let next = layout.look(bytes, place.at + frame.size, place.lost);
+            place.lost == lost || matches!(next, Found::Whole(_))
+        })
 }
