@@ -3,8 +3,8 @@
 
 mod architecture;
 mod cloud;
-mod export;
 mod damage;
+mod export;
 mod first_return;
 mod formats;
 mod golden;
