@@ -18,6 +18,9 @@ pub(super) const FLOOR: f32 = 9.0;
 /// Neighbouring pings to each side of which an echo may be the one that reaches the threshold: speckle fades any one of them.
 const LOUD_ALONG: isize = 2;
 
+/// Windows before a step that must be dark together.
+const LONG_WINDOWS: usize = 5;
+
 /// Scores are cut here: one glaring echo must not pull the line off for many pings.
 pub(super) const MOST: f32 = 6.0;
 
@@ -62,6 +65,7 @@ pub(super) struct Scores {
     spare: Vec<u8>,
     sums: Vec<u32>,
     squares: Vec<u32>,
+    before: Vec<f32>,
 }
 
 impl Scores {
@@ -75,8 +79,10 @@ impl Scores {
             self.smooth(rows, row);
             self.sum_up();
             self.find_loudest(rows, row, kernel.window);
+            brightness_before(&mut self.before, &self.sums, kernel);
             let out = self.grid.row_mut(row);
-            step_scores(out, &self.sums, &self.squares, kernel, rows.recorded[row]);
+            let sums = (&self.sums[..], &self.squares[..]);
+            step_scores(out, sums, &self.before, kernel, rows.recorded[row]);
             close_below_level(out, &self.loudest, kernel.level);
         }
     }
@@ -155,30 +161,58 @@ impl Scores {
     }
 }
 
+/// At every cell, the mean of all cells before it from the dead zone on, or of the last few windows' worth if that is
+/// brighter: what must be dark for a step to be the first. Behind a boulder's shadow, the boulder lies in between.
+fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
+    let first = kernel.first.min(sums.len());
+    let window = LONG_WINDOWS * kernel.window;
+    out.clear();
+    out.resize(first, 0.0);
+    let start = sums.get(first).copied().unwrap_or(0);
+    let all = sums[first..].iter().enumerate();
+    out.extend(all.map(|(count, sum)| sum.wrapping_sub(start) as i32 as f32 / count.max(1) as f32));
+    let per = 1.0 / window as f32;
+    let lasts = sums
+        .iter()
+        .skip(first)
+        .zip(sums.iter().skip(first + window));
+    for (mean, (before, here)) in out.iter_mut().skip(first + window).zip(lasts) {
+        let last = here.wrapping_sub(*before) as i32 as f32 * per;
+        *mean = if last > *mean { last } else { *mean };
+    }
+}
+
 /// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell.
-fn step_scores(out: &mut [f32], sums: &[u32], squares: &[u32], kernel: &Kernel, recorded: usize) {
+fn step_scores(
+    out: &mut [f32],
+    (sums, squares): (&[u32], &[u32]),
+    before: &[f32],
+    kernel: &Kernel,
+    recorded: usize,
+) {
     let window = kernel.window;
     let last = recorded.saturating_sub(window);
     let full = (kernel.first + window).min(last);
-    let n = window as f32;
+    let per = 1.0 / window as f32;
     // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of it.
     for cell in kernel.first + window / 4..full {
-        let near = (cell - kernel.first) as f32;
-        let near = Moments::between(sums, squares, kernel.first, cell, 1.0 / near);
-        let far = Moments::between(sums, squares, cell, cell + window, 1.0 / n);
-        out[cell] = far.step_from(near);
+        let near = 1.0 / (cell - kernel.first) as f32;
+        let near = Moments::between(sums, squares, kernel.first, cell, near);
+        let far = Moments::between(sums, squares, cell, cell + window, per);
+        out[cell] = far.step_from(near, before[cell]);
     }
     if full < kernel.first + window {
         return;
     }
-    let per = 1.0 / n;
     let count = last - full;
-    let [s0, s1, s2] = [full - window, full, full + window].map(|start| &sums[start..][..count]);
-    let [q0, q1, q2] = [full - window, full, full + window].map(|start| &squares[start..][..count]);
+    let starts = [full - window, full, full + window];
+    let [s0, s1, s2] = starts.map(|start| &sums[start..][..count]);
+    let [q0, q1, q2] = starts.map(|start| &squares[start..][..count]);
+    let before = &before[full..][..count];
     for (cell, out) in out[full..last].iter_mut().enumerate() {
         let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
         let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
-        *out = far.step_from(near);
+        *out = far.step_from(near, before[cell]);
     }
 }
 
@@ -206,9 +240,14 @@ impl Moments {
     }
 
     #[inline(always)]
-    fn step_from(&self, near: Self) -> f32 {
+    fn step_from(&self, near: Self, before: f32) -> f32 {
         let noise = near.variance + self.variance + FLOOR * FINE * FINE;
-        let score = (self.mean - near.mean) / noise.sqrt();
+        let dark = if before > near.mean {
+            before
+        } else {
+            near.mean
+        };
+        let score = (self.mean - dark) / noise.sqrt();
         if score < MOST { score } else { MOST }
     }
 }
