@@ -71,6 +71,28 @@ impl Normalisation {
         ((i64::from(value) - i64::from(self.lowest)) as f64 / span as f64) as f32
     }
 
+    /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one value a sample, or one a
+    /// word of four. Empty where the side was not recorded.
+    pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
+        let span = survey.side_scan.get(ping).and_then(|ping| ping.side(side));
+        let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
+            return Vec::new();
+        };
+        let dead = dead_samples(span, self.dead_zone_m);
+        let masked = self.normalised(0);
+        match self.samples {
+            SampleMode::Bytes => (0..samples.len())
+                .map(|index| match index < dead {
+                    true => masked,
+                    false => self.normalised(i32::from(samples.get(index))),
+                })
+                .collect(),
+            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(words::WORD))
+                .chain(words::outward(samples, side, dead).map(|word| self.normalised(word)))
+                .collect(),
+        }
+    }
+
     /// What the picture should say about itself: words that went negative beyond the dead zone.
     pub fn warning(&self) -> Option<String> {
         (self.lowest < 0).then(|| {

@@ -101,6 +101,22 @@ pub fn plural(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
+/// The smallest of 1, 2, 5, 10, 20, 50 ... and 0.5, 0.2, 0.1 ... that is at least `least`: the step between ticks.
+pub fn round_step(least: f64) -> f64 {
+    let decade = 10_f64.powf(least.max(1e-9).log10().floor());
+    [1.0, 2.0, 5.0]
+        .into_iter()
+        .map(|factor| factor * decade)
+        .find(|step| *step >= least * (1.0 - 1e-9))
+        .unwrap_or(10.0 * decade)
+}
+
+/// Metres at a tick, with as many decimals as the step between ticks needs.
+pub fn metres(value_m: f64, step_m: f64) -> String {
+    let decimals = (-step_m.log10().floor()).clamp(0.0, 3.0) as usize;
+    format!("{value_m:.decimals$} m")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,6 +138,24 @@ mod tests {
         assert_eq!(clock(None, 150.4), "2:30");
         assert_eq!(duration(3750.0), "1:02:30");
         assert_eq!(duration(-1.2), "-0:01");
+    }
+
+    #[test]
+    fn ticks_step_by_one_two_or_five_and_show_no_more() {
+        let steps = [
+            (0.03, 0.05),
+            (1.0, 1.0),
+            (1.1, 2.0),
+            (3.0, 5.0),
+            (7.0, 10.0),
+            (51.0, 100.0),
+        ];
+        for (least, step) in steps {
+            assert!((round_step(least) - step).abs() < 1e-12, "{least}");
+        }
+        assert_eq!(metres(5.0, 5.0), "5 m");
+        assert_eq!(metres(2.5, 0.5), "2.5 m");
+        assert_eq!(metres(0.25, 0.05), "0.25 m");
     }
 
     #[test]

@@ -254,7 +254,15 @@ pub fn picture_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
+/// Curves, axes and numbers of the profile.
+pub fn plot_ink(options: &ViewOptions) -> Color32 {
+    match options.theme {
+        ThemeChoice::Dark => Color32::from_gray(205),
+        ThemeChoice::Light => Color32::from_gray(60),
+    }
+}
+
 /// The depth that the recorder itself found, on waterfall and profile.
 pub fn depth_line_colour() -> Color32 {
-    Color32::from_rgb(240, 240, 120)
+    Color32::from_rgb(225, 200, 60)
 }

@@ -121,3 +121,57 @@ impl Mean {
         [mean.unwrap_or(0) as u8, self.max]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::waterfall::testing::even;
+
+    #[test]
+    fn tiles_from_the_store_equal_those_from_the_samples() {
+        // Two chunks and a bit of the store; full texels, so that a mean of means is the mean.
+        let survey = even(9_000, 200);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        let mut coarse = Coarse::new(&axis);
+        while !coarse.is_complete() {
+            coarse.build_next(&survey, &axis);
+        }
+        for (along, across) in [(3, 3), (4, 3), (5, 5)] {
+            let level = Level { along, across };
+            for column in 0..2 {
+                let key = TileKey {
+                    side: Side::Starboard,
+                    level,
+                    column,
+                    row: 0,
+                };
+                let stored = coarse.tile(&axis, key);
+                let pings = key.first_ping().min(axis.pings)
+                    ..(key.first_ping() + stored.height * level.pings()).min(axis.pings);
+                let direct = resample(&survey, &axis, key.side, level, pings, 0, stored.width);
+                assert_eq!(stored.texels.len(), direct.len());
+                for (stored, direct) in stored.texels.iter().zip(&direct) {
+                    assert_eq!(stored[1], direct[1], "maxima are exact");
+                    assert!(stored[0].abs_diff(direct[0]) <= 1, "{stored:?} {direct:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_store_is_small() {
+        let survey = even(5_000, 400);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        let mut coarse = Coarse::new(&axis);
+        while !coarse.is_complete() {
+            coarse.build_next(&survey, &axis);
+        }
+        let bytes: usize = coarse
+            .chunks
+            .iter()
+            .flatten()
+            .map(|side| side.len() * 2)
+            .sum();
+        assert!(bytes * 20 <= 5_000 * 800, "{bytes} bytes");
+    }
+}

@@ -11,6 +11,8 @@ mod cache;
 mod coarse;
 mod line;
 mod resample;
+#[cfg(test)]
+mod testing;
 mod tile;
 mod worker;
 

@@ -106,3 +106,101 @@ pub(super) fn resample(
     }
     texels
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::waterfall::testing::{even, span, survey};
+
+    fn level(along: u8, across: u8) -> Level {
+        Level { along, across }
+    }
+
+    /// Mean and maximum of a block of samples, counted one by one.
+    fn block(survey: &Survey, side: Side, pings: Range<usize>, samples: Range<usize>) -> [u8; 2] {
+        let (mut total, mut count, mut max) = (0.0, 0.0, 0);
+        for ping in pings {
+            let echoes = survey.samples(ping, side).expect("a recorded side");
+            for sample in samples.start..samples.end.min(echoes.len()) {
+                total += f64::from(echoes.get(sample));
+                count += 1.0;
+                max = max.max(echoes.get(sample));
+            }
+        }
+        [((total / count) + 0.5).floor().max(1.0) as u8, max.max(1)]
+    }
+
+    #[test]
+    fn texels_are_mean_and_maximum_of_their_samples() {
+        let survey = even(37, 50);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!((axis.bins, axis.pings), (50, 37));
+        for (level, width) in [(level(0, 0), 50), (level(2, 1), 25), (level(1, 3), 7)] {
+            for side in Side::BOTH {
+                let texels = resample(&survey, &axis, side, level, 0..37, 0, width);
+                for (index, texel) in texels.iter().enumerate() {
+                    let (row, column) = (index / width, index % width);
+                    let pings = row * level.pings()..((row + 1) * level.pings()).min(37);
+                    let samples = column * level.bins()..(column + 1) * level.bins();
+                    assert_eq!(
+                        *texel,
+                        block(&survey, side, pings, samples),
+                        "{row} {column}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_target_stays_at_its_metres_where_range_and_sample_count_change() {
+        // A bright sample at 5 m in pings of 0-10 m by 100, 0-40 m by 100 and 0-20 m by 640 samples.
+        let scales = [(100_u32, 10.0_f32), (100, 40.0), (640, 20.0)];
+        let (mut bytes, mut spans) = (Vec::new(), Vec::new());
+        for (count, far_m) in scales {
+            let samples = span(bytes.len(), count, far_m);
+            let target = samples.sample_at(5.01) as usize;
+            bytes.extend((0..count as usize).map(|index| if index == target { 200 } else { 10 }));
+            spans.push([Some(samples), None]);
+        }
+        let survey = survey(bytes, spans);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!(axis.bins, 1280);
+        let width = axis.bins as usize;
+        let texels = resample(&survey, &axis, Side::Port, level(0, 0), 0..3, 0, width);
+        let bright = (5.01 / axis.bin_m) as usize;
+        for (row, (_, far_m)) in texels.chunks(width).zip(scales) {
+            assert_eq!(row[bright], [200, 200], "target at 5.01 m of {far_m} m");
+            let covered = (f64::from(far_m) / axis.bin_m).round() as usize;
+            assert!(row[..covered].iter().all(|texel| texel[1] > 0), "{far_m} m");
+            assert!(
+                row[covered..].iter().all(|texel| *texel == [0, 0]),
+                "{far_m} m"
+            );
+        }
+        let starboard = resample(&survey, &axis, Side::Starboard, level(0, 0), 0..3, 0, width);
+        assert!(
+            starboard.iter().all(|texel| *texel == [0, 0]),
+            "nothing was recorded there"
+        );
+    }
+
+    #[test]
+    fn damaged_spans_are_left_out() {
+        let mut spans = vec![[Some(span(0, 50, 10.0)), None]];
+        for (far_m, near_m) in [(f32::NAN, 0.0), (1e9, 0.0), (2.0, 3.0), (5.0, f32::NAN)] {
+            let damaged = SideSpan {
+                near_m,
+                ..span(0, 50, far_m)
+            };
+            spans.push([Some(damaged), None]);
+        }
+        spans.push([Some(span(40, 50, 10.0)), None]); // beyond the bytes
+        let survey = survey(vec![9; 50], spans);
+        let axis = RangeAxis::of(&survey).expect("an axis");
+        assert_eq!((axis.bins, axis.far_m), (50, 10.0));
+        let texels = resample(&survey, &axis, Side::Port, level(0, 0), 0..6, 0, 50);
+        assert!(texels[..50].iter().all(|texel| *texel == [9, 9]));
+        assert!(texels[50..].iter().all(|texel| *texel == [0, 0]));
+    }
+}

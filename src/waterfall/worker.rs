@@ -207,3 +207,68 @@ impl Work {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Side;
+    use crate::waterfall::Level;
+    use crate::waterfall::testing::even;
+    use std::time::{Duration, Instant};
+
+    fn next_tile(tiler: &Tiler) -> Tile {
+        let start = Instant::now();
+        loop {
+            if let Some(Made::Tile(tile)) = tiler.poll() {
+                return tile;
+            }
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "no tile was made"
+            );
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn far_out_tiles_grow_until_they_are_complete() {
+        let tiler = Tiler::start(Arc::new(even(30_000, 64)), || ());
+        let key = TileKey {
+            side: Side::Port,
+            level: Level {
+                along: 6,
+                across: 3,
+            },
+            column: 0,
+            row: 0,
+        };
+        let mut have = None;
+        let last = loop {
+            tiler.want(vec![Want { key, have }]);
+            let tile = next_tile(&tiler);
+            assert!(have < Some(tile.completeness), "made again without gain");
+            have = Some(tile.completeness);
+            if have == Some(Tile::COMPLETE) {
+                break tile;
+            }
+        };
+        assert_eq!((last.width, last.height), (8, 30_000_usize.div_ceil(64)));
+        assert!(
+            last.texels.iter().all(|texel| texel[1] > 200),
+            "maxima of 512 noisy samples"
+        );
+    }
+
+    #[test]
+    fn a_survey_without_usable_ranges_has_no_axis() {
+        let tiler = Tiler::start(Arc::new(even(0, 64)), || ());
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_secs(20) {
+            if let Some(made) = tiler.poll() {
+                assert!(matches!(made, Made::Axis(None)));
+                return;
+            }
+        }
+        panic!("the worker said nothing");
+    }
+}

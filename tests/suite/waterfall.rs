@@ -1,11 +1,11 @@
 //! The waterfall: tiles against a brute-force picture, gestures, names, and what it looks like.
 
 use crate::support;
-use bathyscope::app::{App, Command, Jobs, Orientation};
+use bathyscope::app::{App, Command, Jobs, Mark, Orientation};
 use bathyscope::survey::{
     Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Source, Survey, Track,
 };
-use bathyscope::ui::views::WaterfallView;
+use bathyscope::ui::views::{ProfileView, WaterfallView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -17,6 +17,9 @@ use std::time::{Duration, Instant};
 struct Window {
     app: App,
     view: WaterfallView,
+    profile: ProfileView,
+    /// Which of the two is in the window.
+    shows_profile: bool,
     /// Commands that the view pushed, in order.
     pushed: Vec<Command>,
 }
@@ -37,6 +40,8 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
     let state = Window {
         app,
         view: WaterfallView::default(),
+        profile: ProfileView::default(),
+        shows_profile: false,
         pushed: Vec::new(),
     };
     Harness::builder()
@@ -51,7 +56,11 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
                     render_state: Some(&for_view),
                     commands: &mut commands,
                 };
-                state.view.ui(ui, &mut context);
+                if state.shows_profile {
+                    state.profile.ui(ui, &mut context);
+                } else {
+                    state.view.ui(ui, &mut context);
+                }
                 for command in commands {
                     state.pushed.push(command.clone());
                     state.app.apply(command);
@@ -182,4 +191,15 @@ fn look_at_the_real_river() {
     harness.state_mut().view.request(ViewRequest::Fit);
     harness.set_size(egui::vec2(500.0, 900.0));
     save(&mut harness, "river-down");
+    harness.state_mut().shows_profile = true;
+    harness.state_mut().app.hover = None;
+    harness
+        .state_mut()
+        .app
+        .apply(Command::Select(Some(Mark::ping(1800))));
+    harness.remove_cursor();
+    harness.set_size(egui::vec2(316.0, 196.0));
+    save(&mut harness, "profile-small");
+    harness.set_size(egui::vec2(700.0, 340.0));
+    save(&mut harness, "profile");
 }

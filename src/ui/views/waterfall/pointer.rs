@@ -3,8 +3,8 @@
 use super::camera::{Lens, Place};
 use super::labels;
 use crate::app::{App, Command, Mark};
-use crate::survey::{Side, Survey};
-use crate::ui::ViewContext;
+use crate::survey::Survey;
+use crate::ui::{ViewContext, place, text};
 use egui::{Align2, Painter, Pos2, Response, vec2};
 
 /// The mark at a place; `None` before the first and after the last ping.
@@ -96,15 +96,15 @@ pub(super) fn read_out(painter: &Painter, lens: &Lens, app: &App, at: Pos2, plac
     labels::text(painter, at + shift, anchor, &text);
 }
 
-fn describe(app: &App, survey: &Survey, place: Place) -> Option<String> {
-    let mark = mark_at(survey, place)?;
+fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
+    let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
-    let side = place.side();
-    let mut text = format!(
+    let side = at.side();
+    let mut lines = format!(
         "ping {}  {}\nrange {:.2} m {}",
         mark.ping,
-        labels::time(survey, ping.time_s, true),
-        place.across_m.abs(),
+        text::clock(survey.start_unix_s, ping.time_s),
+        at.across_m.abs(),
         side.name()
     );
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
@@ -116,52 +116,13 @@ fn describe(app: &App, survey: &Survey, place: Place) -> Option<String> {
         } else {
             0
         };
-        text += &format!("  sample {sample}, echo {echo}");
+        lines += &format!("  sample {sample}, echo {echo}");
     }
     if ping.depth_m.is_finite() {
-        text += &format!("\ndepth {:.2} m", ping.depth_m);
+        lines += &format!("\ndepth {:.2} m", ping.depth_m);
     }
-    if let Some(position) = position(app, survey, place) {
-        text += &format!("\n{position}");
+    if let Some(at) = place::lon_lat(app, mark) {
+        lines += &format!("\n{}", text::place(at));
     }
-    Some(text)
-}
-
-/// Where on the ground the place lies, flat bottom assumed; the boat's position within the water column.
-fn position(app: &App, survey: &Survey, place: Place) -> Option<String> {
-    let navigation = &app.products.as_ref()?.navigation;
-    let ping = place.ping as usize;
-    let nav = navigation
-        .pings
-        .get(ping)
-        .filter(|nav| nav.east_m.is_finite())?;
-    let depth_m = f64::from(survey.side_scan.get(ping)?.depth_m);
-    let slant_m = place.across_m.abs();
-    let ground_m = if depth_m.is_finite() && nav.heading_rad.is_finite() {
-        (slant_m * slant_m - depth_m * depth_m).max(0.0).sqrt()
-    } else {
-        0.0
-    };
-    let outward_m = match place.side() {
-        Side::Port => -ground_m,
-        Side::Starboard => ground_m,
-    };
-    let (sin, cos) = if nav.heading_rad.is_finite() {
-        nav.heading_rad.sin_cos()
-    } else {
-        (0.0, 0.0)
-    };
-    let at = navigation.to_lon_lat(
-        &survey.track,
-        nav.east_m + outward_m * cos,
-        nav.north_m - outward_m * sin,
-    );
-    let letter = |value: f64, positive, negative| if value < 0.0 { negative } else { positive };
-    Some(format!(
-        "{:.5}° {}  {:.5}° {}",
-        at.lat_deg.abs(),
-        letter(at.lat_deg, 'N', 'S'),
-        at.lon_deg.abs(),
-        letter(at.lon_deg, 'E', 'W')
-    ))
+    Some(lines)
 }

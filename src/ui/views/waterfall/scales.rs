@@ -4,6 +4,7 @@ use super::camera::{Lens, Place, across_m};
 use super::labels;
 use crate::app::Orientation;
 use crate::survey::{Side, Survey};
+use crate::ui::text;
 use egui::{Align2, Color32, Painter, Stroke, vec2};
 
 /// Screen points between range lines, at least.
@@ -13,7 +14,7 @@ const TICK_POINTS: f64 = 130.0;
 
 /// Lines of equal slant range on both sides, labelled where the picture begins.
 pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color32) {
-    let step_m = labels::round_step(lens.metres_per_point() * LINE_POINTS, 1.0);
+    let step_m = text::round_step(lens.metres_per_point() * LINE_POINTS);
     let seen = lens.metres();
     let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
     for line in 1..=(farthest / step_m).floor() as u32 {
@@ -29,7 +30,7 @@ pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color
                 Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
                 Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
             };
-            let label = labels::metres(range_m, step_m);
+            let label = text::metres(range_m, step_m);
             labels::text(painter, ends[0] + shift, anchor, &label);
         }
     }
@@ -37,7 +38,7 @@ pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color
 
 /// Ping numbers and times at the far edge of starboard (below) or port (left).
 pub(super) fn ticks(painter: &Painter, lens: &Lens, survey: &Survey, ink: Color32) {
-    let step = labels::round_step((lens.pings_per_point() * TICK_POINTS).max(1.0), 1.0) as usize;
+    let step = text::round_step((lens.pings_per_point() * TICK_POINTS).max(1.0)) as usize;
     let seen = lens.visible(survey.side_scan.len());
     for ping in (seen.start.next_multiple_of(step)..seen.end).step_by(step) {
         let metres = lens.metres();
@@ -53,13 +54,18 @@ pub(super) fn ticks(painter: &Painter, lens: &Lens, survey: &Survey, ink: Color3
         let Some(recorded) = survey.side_scan.get(ping) else {
             continue;
         };
-        let label = format!("{ping}  {}", labels::time(survey, recorded.time_s, false));
+        let clock = text::clock(survey.start_unix_s, recorded.time_s);
+        let label = format!("{ping}  {}", clock.trim_end_matches(" UTC"));
         let along = match lens.orientation {
             Orientation::Horizontal => at.x - lens.rect.left(),
             Orientation::Vertical => at.y - lens.rect.top(),
         };
         // A label that would hang over the beginning stays away.
-        if along > 40.0 || lens.orientation == Orientation::Vertical {
+        let room = match lens.orientation {
+            Orientation::Horizontal => 40.0,
+            Orientation::Vertical => 8.0,
+        };
+        if along > room {
             labels::text(painter, at + inward, anchor, &label);
         }
     }

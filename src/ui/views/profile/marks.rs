@@ -1,0 +1,96 @@
+//! What is marked on the profile: threshold, dead zone, picks and recorded depth.
+
+use super::Shown;
+use super::plot::Plot;
+use crate::app::ViewOptions;
+use crate::survey::Side;
+use crate::ui::theme;
+use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2};
+
+/// Slant range of a side's first return by the recorder's scale, metres.
+pub(super) fn pick_range_m(shown: &Shown<'_>, side: Side) -> Option<f64> {
+    let pick = shown.picks[side as usize]?;
+    let range_m = shown.recorded.side(side)?.range_m(f64::from(pick.sample));
+    range_m.is_finite().then_some(range_m)
+}
+
+/// The stretch around the transducer that is ignored.
+pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, options: &ViewOptions) {
+    let x = plot.x(-dead_zone_m)..=plot.x(dead_zone_m);
+    let zone = Rect::from_x_y_ranges(x, plot.area.y_range()).intersect(plot.area);
+    painter.rect_filled(zone, 0.0, theme::plot_ink(options).gamma_multiply(0.15));
+}
+
+/// Depth, threshold and picks, the picks on top.
+pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
+    let depth_m = f64::from(shown.recorded.depth_m);
+    for across_m in [-depth_m, depth_m] {
+        vertical(
+            painter,
+            plot,
+            across_m,
+            Stroke::new(1.0, theme::depth_line_colour()),
+        );
+    }
+    threshold(painter, plot, shown.threshold, options);
+    for side in Side::BOTH {
+        pick(painter, plot, shown, side, options);
+    }
+}
+
+fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) {
+    let y = plot.y(level);
+    let colour = theme::accent_colour(options.theme);
+    let ends = [pos2(plot.area.left(), y), pos2(plot.area.right(), y)];
+    painter.extend(Shape::dashed_line(
+        &ends,
+        Stroke::new(1.5, colour),
+        6.0,
+        3.0,
+    ));
+    let font = FontId::proportional(10.0);
+    let at = pos2(plot.area.right() - 2.0, y - 1.0);
+    painter.text(
+        at,
+        Align2::RIGHT_BOTTOM,
+        format!("threshold {level:.2}"),
+        font,
+        colour,
+    );
+}
+
+fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: &ViewOptions) {
+    let Some(range_m) = pick_range_m(shown, side) else {
+        return;
+    };
+    let across_m = match side {
+        Side::Port => -range_m,
+        Side::Starboard => range_m,
+    };
+    let colour = theme::side_colour(options, side);
+    if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
+        return;
+    }
+    let canopy = shown.picks[side as usize].is_some_and(|pick| pick.canopy);
+    let label = if canopy {
+        format!("{range_m:.2} m canopy")
+    } else {
+        format!("{range_m:.2} m")
+    };
+    let anchor = match side {
+        Side::Port => Align2::RIGHT_BOTTOM,
+        Side::Starboard => Align2::LEFT_BOTTOM,
+    };
+    let at = pos2(plot.x(across_m), plot.area.top() - 2.0);
+    painter.text(at, anchor, label, FontId::proportional(10.5), colour);
+}
+
+/// A line at a range, if it is in view.
+fn vertical(painter: &Painter, plot: &Plot, across_m: f64, stroke: Stroke) -> bool {
+    let x = plot.x(across_m);
+    let in_view = plot.area.x_range().contains(x);
+    if in_view {
+        painter.vline(x, plot.area.y_range(), stroke);
+    }
+    in_view
+}

@@ -1,0 +1,247 @@
+//! One ping as a curve, port to the left and starboard to the right of the middle, as in the paper's figures: raw and
+//! normalised intensity, threshold, dead zone and picks.
+
+mod curve;
+mod marks;
+mod plot;
+mod scale;
+
+use crate::app::{Command, Mark};
+use crate::first_return::Pick;
+use crate::survey::{Side, SidePing, Survey};
+use crate::ui::{ViewContext, theme};
+use egui::{Rect, Response, Sense, vec2};
+use plot::Plot;
+use scale::ScaleJob;
+
+/// Height where the surroundings leave it open, points.
+const HEIGHT: f32 = 200.0;
+/// Least height that is still readable, points.
+const LEAST_HEIGHT: f32 = 140.0;
+/// Distance at which the pointer grips the threshold line, points.
+const GRIP: f32 = 6.0;
+
+/// State of the profile.
+pub struct ProfileView {
+    scale: ScaleJob,
+    /// Enlargement about the nadir; 1 shows the whole range.
+    zoom: f32,
+    drags_threshold: bool,
+    was_over: bool,
+}
+
+impl Default for ProfileView {
+    fn default() -> Self {
+        Self {
+            scale: ScaleJob::default(),
+            zoom: 1.0,
+            drags_threshold: false,
+            was_over: false,
+        }
+    }
+}
+
+/// What the profile shows.
+struct Shown<'a> {
+    survey: &'a Survey,
+    ping: usize,
+    recorded: &'a SidePing,
+    picks: [Option<Pick>; 2],
+    threshold: f32,
+    dead_zone_m: f64,
+}
+
+impl ProfileView {
+    /// Draws the profile of the hovered ping, or else the selected one.
+    pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
+        let available = ui.available_size();
+        let height = if available.y < 10_000.0 {
+            available.y
+        } else {
+            HEIGHT
+        };
+        let size = vec2(available.x, height.max(LEAST_HEIGHT));
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        let survey = context.app.survey.clone();
+        let mark = context.app.hover.or(context.app.selection);
+        let Some((survey, mark)) = survey.zip(mark) else {
+            empty(
+                &painter,
+                rect,
+                &response,
+                "move over the waterfall, or select a ping",
+            );
+            return;
+        };
+        let Some(shown) = shown(&survey, mark.ping, context) else {
+            empty(&painter, rect, &response, "no side-scan ping here");
+            return;
+        };
+        let normalisation = self.scale.of(ui.ctx(), context, &survey);
+        self.zoom_at(ui, &response);
+        let plot = Plot::new(rect, far_m(shown.recorded) / f64::from(self.zoom));
+        plot::axes(&painter, &plot, &context.app.options);
+        marks::dead_zone(&painter, &plot, shown.dead_zone_m, &context.app.options);
+        curve::draw(
+            &painter,
+            &plot,
+            &shown,
+            &normalisation,
+            &context.app.options,
+        );
+        marks::draw(&painter, &plot, &shown, &context.app.options);
+        self.drag_threshold(ui, &response, &plot, context);
+        self.hover(&response, &plot, &shown, context);
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Image, true, accessible_name(&shown))
+        });
+    }
+
+    fn zoom_at(&mut self, ui: &egui::Ui, response: &Response) {
+        if response.double_clicked() {
+            self.zoom = 1.0;
+        }
+        if response.hovered() {
+            let wheel = ui.input(|input| input.smooth_scroll_delta().y);
+            self.zoom = (self.zoom * (wheel / 200.0).exp()).clamp(1.0, 50.0);
+        }
+    }
+
+    /// The line can be gripped and moved; the settings follow while it is held.
+    fn drag_threshold(
+        &mut self,
+        ui: &egui::Ui,
+        response: &Response,
+        plot: &Plot,
+        context: &mut ViewContext<'_>,
+    ) {
+        let line = plot.y(context.app.settings.first_return.threshold);
+        let near = |at: egui::Pos2| plot.area.contains(at) && (at.y - line).abs() <= GRIP;
+        if response.drag_started() {
+            let origin = ui.input(|input| input.pointer.press_origin());
+            self.drags_threshold = origin.is_some_and(near);
+        }
+        if self.drags_threshold || response.hover_pos().is_some_and(near) {
+            ui.set_cursor_icon(egui::CursorIcon::ResizeVertical);
+        }
+        if !self.drags_threshold {
+            return;
+        }
+        let live = !response.drag_stopped();
+        if let Some(at) = response.interact_pointer_pos() {
+            let mut settings = context.app.settings.clone();
+            // Steps of a hundredth, as the slider and the keys make them.
+            settings.first_return.threshold = (plot.level(at.y) * 100.0).round() / 100.0;
+            context.push(Command::Change {
+                settings: Box::new(settings),
+                label: "threshold",
+                live,
+            });
+        }
+        self.drags_threshold = live;
+    }
+
+    /// Marks the place under the pointer in the other views.
+    fn hover(
+        &mut self,
+        response: &Response,
+        plot: &Plot,
+        shown: &Shown<'_>,
+        context: &mut ViewContext<'_>,
+    ) {
+        let at = response.hover_pos().filter(|at| plot.area.contains(*at));
+        match at {
+            Some(at) => {
+                let mark = mark_at(shown, plot.across_m(at.x));
+                if context.app.hover != Some(mark) {
+                    context.push(Command::Hover(Some(mark)));
+                }
+                if response.clicked() {
+                    context.push(Command::Select(Some(mark)));
+                }
+            }
+            None if self.was_over => context.push(Command::Hover(None)),
+            None => {}
+        }
+        self.was_over = at.is_some();
+    }
+}
+
+fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'_>) -> Option<Shown<'a>> {
+    let recorded = survey.side_scan.get(ping)?;
+    let pick = |side| {
+        let pick = context.app.returns()?.side(side).get(ping).copied()?;
+        pick.is_some().then_some(pick)
+    };
+    Some(Shown {
+        survey,
+        ping,
+        recorded,
+        picks: Side::BOTH.map(pick),
+        threshold: context.app.settings.first_return.threshold,
+        dead_zone_m: context.app.settings.first_return.dead_zone_m,
+    })
+}
+
+/// Farthest slant range of both sides, metres; 1 where a damaged header gives none.
+fn far_m(ping: &SidePing) -> f64 {
+    let far = Side::BOTH.map(|side| ping.side(side).map_or(0.0, |span| f64::from(span.far_m)));
+    let far_m = far[0].max(far[1]);
+    if far_m.is_finite() && far_m > 0.0 {
+        far_m
+    } else {
+        1.0
+    }
+}
+
+fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
+    let side = if across_m < 0.0 {
+        Side::Port
+    } else {
+        Side::Starboard
+    };
+    let span = shown.recorded.side(side);
+    let sample = span
+        .map(|span| (span.sample_at(across_m.abs()), f64::from(span.count)))
+        .filter(|(sample, count)| (0.0..*count).contains(sample))
+        .map(|(sample, _)| sample as f32);
+    Mark {
+        side: sample.map(|_| side),
+        sample,
+        ..Mark::ping(shown.ping)
+    }
+}
+
+fn empty(painter: &egui::Painter, rect: Rect, response: &Response, text: &str) {
+    let colour = painter.ctx().global_style().visuals.weak_text_color();
+    let font = egui::FontId::proportional(12.0);
+    painter.text(
+        rect.center(),
+        egui::Align2::CENTER_CENTER,
+        text,
+        font,
+        colour,
+    );
+    response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Profile, empty: {text}"))
+    });
+}
+
+fn accessible_name(shown: &Shown<'_>) -> String {
+    let found = Side::BOTH.map(|side| {
+        let range = marks::pick_range_m(shown, side);
+        let range = range.map_or("none".to_owned(), |range_m| format!("{range_m:.2} m"));
+        format!("{} first return {range}", side.name())
+    });
+    let depth = if shown.recorded.depth_m.is_finite() {
+        format!(", recorded depth {:.2} m", shown.recorded.depth_m)
+    } else {
+        String::new()
+    };
+    format!(
+        "Profile of ping {}: {}, {}, threshold {:.2}{depth}",
+        shown.ping, found[0], found[1], shown.threshold
+    )
+}

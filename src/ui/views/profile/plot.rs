@@ -1,0 +1,104 @@
+//! The frame of the profile: intensity up, slant range to both sides.
+
+use crate::app::ViewOptions;
+use crate::ui::{text, theme};
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
+
+/// Room for the numbers of the vertical axes, points.
+const SIDE: f32 = 26.0;
+/// Room for the numbers of the range axis, points.
+const BELOW: f32 = 16.0;
+/// Room for the words above, points.
+const ABOVE: f32 = 16.0;
+
+/// Between values and the screen.
+pub(super) struct Plot {
+    /// Where the curves lie.
+    pub area: Rect,
+    far_m: f64,
+}
+
+impl Plot {
+    /// A plot of both sides up to `far_m`.
+    pub fn new(rect: Rect, far_m: f64) -> Self {
+        let min = rect.min + vec2(SIDE, ABOVE);
+        let max = rect.max - vec2(SIDE, BELOW);
+        Self {
+            area: Rect::from_min_max(min, max.max(min + vec2(1.0, 1.0))),
+            far_m,
+        }
+    }
+
+    /// Screen x of a slant range, port negative.
+    pub fn x(&self, across_m: f64) -> f32 {
+        self.area.center().x + (across_m / self.far_m) as f32 * self.area.width() / 2.0
+    }
+
+    /// Inverse of [`Plot::x`].
+    pub fn across_m(&self, x: f32) -> f64 {
+        f64::from((x - self.area.center().x) / (self.area.width() / 2.0)) * self.far_m
+    }
+
+    /// Screen y of a level, 0 to 1.
+    pub fn y(&self, level: f32) -> f32 {
+        self.area.bottom() - level * self.area.height()
+    }
+
+    /// Inverse of [`Plot::y`], kept within 0 to 1.
+    pub fn level(&self, y: f32) -> f32 {
+        ((self.area.bottom() - y) / self.area.height()).clamp(0.0, 1.0)
+    }
+
+    /// Metres between ticks that leave room for their numbers.
+    fn step_m(&self) -> f64 {
+        let per_point = 2.0 * self.far_m / f64::from(self.area.width());
+        text::round_step(per_point * 44.0)
+    }
+}
+
+/// Axes with numbers: normalised left, raw right, metres below.
+pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
+    let ink = theme::plot_ink(options);
+    let faint = Stroke::new(1.0, ink.gamma_multiply(0.25));
+    let font = FontId::proportional(10.0);
+    let write = |at: Pos2, anchor: Align2, text: String| {
+        painter.text(at, anchor, text, font.clone(), ink);
+    };
+    let area = plot.area;
+    for (level, raw) in [(0.0, "0"), (0.5, "128"), (1.0, "255")] {
+        let y = plot.y(level);
+        painter.hline(area.x_range(), y, faint);
+        let normalised = format!("{level}");
+        write(pos2(area.left() - 4.0, y), Align2::RIGHT_CENTER, normalised);
+        write(
+            pos2(area.right() + 4.0, y),
+            Align2::LEFT_CENTER,
+            raw.to_owned(),
+        );
+    }
+    let step_m = plot.step_m();
+    let ticks = (plot.far_m / step_m).floor() as i32;
+    for tick in -ticks..=ticks {
+        let across_m = f64::from(tick) * step_m;
+        let x = plot.x(across_m);
+        painter.vline(
+            x,
+            area.bottom()..=area.bottom() + 3.0,
+            Stroke::new(1.0, ink),
+        );
+        let label = text::metres(across_m.abs(), step_m);
+        write(pos2(x, area.bottom() + 3.0), Align2::CENTER_TOP, label);
+    }
+    painter.vline(area.center().x, area.y_range(), faint);
+    let top = area.top() - 2.0;
+    write(
+        pos2(area.left(), top),
+        Align2::LEFT_BOTTOM,
+        "port".to_owned(),
+    );
+    write(
+        pos2(area.right(), top),
+        Align2::RIGHT_BOTTOM,
+        "starboard".to_owned(),
+    );
+}
