@@ -1,8 +1,11 @@
 //! All scales side by side, the one in force, and what does not agree.
 
+use super::offset::range_offset_m;
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, pixels_per_metre, range_changes, usable_picks};
-use super::{Calibration, CalibrationSettings, DepthFit, FlatSpot, Scale, ScaleMode, flat_spots};
+use super::{
+    Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, Scale, ScaleMode, flat_spots,
+};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
@@ -39,6 +42,10 @@ pub fn calibrate(
         ScaleMode::FlatSpot if ppd.is_none() => ScaleMode::Header,
         mode => mode,
     };
+    let offset_m = match (mode, settings.offset) {
+        (ScaleMode::Header, OffsetMode::Fit) => range_offset_m(&picks).unwrap_or(0.0),
+        _ => 0.0,
+    };
     let mut warnings = Vec::new();
     if mode != settings.mode {
         warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
@@ -51,6 +58,7 @@ pub fn calibrate(
         ppd,
         header,
         fit,
+        offset_m,
         warnings,
     })
 }

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod flat_spots;
+mod offset;
 mod robust;
 mod scale;
 
@@ -21,6 +22,17 @@ pub enum ScaleMode {
     Header,
 }
 
+/// What is done about a constant between first-return ranges and recorded depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OffsetMode {
+    /// Ranges stay as they are.
+    None,
+    /// The constant that the log shows is taken off. It holds the length of the pulse's leading edge (a few centimetres
+    /// early), and draft or keel offset where the recorder adds one to its depths only.
+    Fit,
+}
+
 /// `calibration.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -29,6 +41,8 @@ pub struct CalibrationSettings {
     pub mode: ScaleMode,
     /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
     pub pings: Option<PingRange>,
+    /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts on the header's only.
+    pub offset: OffsetMode,
 }
 
 impl Default for CalibrationSettings {
@@ -36,6 +50,7 @@ impl Default for CalibrationSettings {
         Self {
             mode: ScaleMode::Header,
             pings: None,
+            offset: OffsetMode::Fit,
         }
     }
 }
@@ -126,6 +141,8 @@ pub struct Calibration {
     pub header: Option<Scale>,
     /// Range against depth over the whole log.
     pub fit: Option<DepthFit>,
+    /// Taken off every slant range, metres: 0, or the fitted offset when [`OffsetMode::Fit`] is in force.
+    pub offset_m: f64,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
 }

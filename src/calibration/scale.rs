@@ -14,6 +14,7 @@ const RATIO_LIMIT: f64 = 1.6;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Usable {
     pub(super) ping: usize,
+    pub(super) side: Side,
     /// First return in u8 samples.
     pub(super) sample: f64,
     /// First return by the header's scale, metres.
@@ -49,6 +50,7 @@ fn usable_pick(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<
     let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
     (inside && !pick.canopy && depth_m > 0.0).then(|| Usable {
         ping,
+        side,
         sample,
         range_m: span.range_m(sample),
         depth_m,

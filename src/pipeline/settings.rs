@@ -1,6 +1,6 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 
-use crate::calibration::{CalibrationSettings, ScaleMode};
+use crate::calibration::{CalibrationSettings, OffsetMode, ScaleMode};
 use crate::cloud::{CloudSettings, Geometry, OutlierSettings};
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
@@ -70,6 +70,7 @@ impl Settings {
                 calibration: CalibrationSettings {
                     mode: ScaleMode::FlatSpot,
                     pings: None,
+                    offset: OffsetMode::None,
                 },
                 cloud: CloudSettings {
                     geometry: Geometry::Published,

@@ -16,6 +16,10 @@ const STALE_JUMP_M: f64 = 5.0;
 const REACH_S: f64 = 2.0;
 /// Slower than this the boat is at rest, metres a second.
 const REST_SPEED_MPS: f64 = 0.2;
+/// Shares of the window that are tried one after the other where the track bends.
+const NARROWING: [f64; 2] = [1.0, 0.5];
+/// A curve that the places miss by more than this share of their resolution does not follow the boat.
+const MISFIT: f64 = 0.5;
 /// Fix intervals that receivers are known to use, seconds, longest first.
 const KNOWN_INTERVALS_S: [f64; 6] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
 
@@ -82,10 +86,10 @@ impl FittedTrack {
 
     /// Position and velocity at a time. In gaps of the fixes the position is interpolated and there is no velocity.
     pub(super) fn at(&self, time_s: f64) -> Motion {
-        match LocalFit::over(self.window(time_s), time_s, self.half_window_s) {
-            Some(fit) => {
+        match self.fit(time_s) {
+            Some((fit, half_window_s)) => {
                 let speed = fit.velocity[0].hypot(fit.velocity[1]);
-                let travelled_m = speed * 2.0 * self.half_window_s;
+                let travelled_m = speed * 2.0 * half_window_s;
                 Motion {
                     east_m: fit.position[0],
                     north_m: fit.position[1],
@@ -97,8 +101,26 @@ impl FittedTrack {
         }
     }
 
+    /// The fit over the whole window, or over a narrower one where the boat turns, and half the width of its window.
+    fn fit(&self, time_s: f64) -> Option<(LocalFit, f64)> {
+        let mut best = None;
+        for half_window_s in NARROWING.map(|share| share * self.half_window_s) {
+            let Some(fit) =
+                LocalFit::over(self.window(time_s, half_window_s), time_s, half_window_s)
+            else {
+                break;
+            };
+            let follows = fit.misfit_m < MISFIT * self.resolution_m;
+            best = Some((fit, half_window_s));
+            if follows {
+                break;
+            }
+        }
+        best
+    }
+
     /// The places within the window around a time, none across a gap; empty in a gap.
-    fn window(&self, time_s: f64) -> &[Place] {
+    fn window(&self, time_s: f64, half_window_s: f64) -> &[Place] {
         let index = self
             .segments
             .partition_point(|segment| self.places[segment.end - 1].time_s + self.reach_s < time_s);
@@ -109,8 +131,8 @@ impl FittedTrack {
         if time_s < places[0].time_s - self.reach_s {
             return &[];
         }
-        let start = places.partition_point(|place| place.time_s <= time_s - self.half_window_s);
-        let end = places.partition_point(|place| place.time_s < time_s + self.half_window_s);
+        let start = places.partition_point(|place| place.time_s <= time_s - half_window_s);
+        let end = places.partition_point(|place| place.time_s < time_s + half_window_s);
         &places[start..end]
     }
 
@@ -255,55 +277,98 @@ fn resolution_m(stays: &[Stay]) -> f64 {
 struct LocalFit {
     position: [f64; 2],
     velocity: [f64; 2],
+    /// Root mean square distance of the places from the curve, metres.
+    misfit_m: f64,
+}
+
+/// Weighted sums over the places in a window, with time in half windows.
+#[derive(Default)]
+struct Moments {
+    /// Of the powers 0 to 4 of time.
+    time: [f64; 5],
+    /// Of east and of north, times the powers 0 to 2 of time.
+    place: [[f64; 3]; 2],
+}
+
+impl Moments {
+    fn over(places: &[Place], time_s: f64, half_window_s: f64) -> Self {
+        let mut moments = Self::default();
+        for place in places {
+            let t = (place.time_s - time_s) / half_window_s;
+            // Tapered, so that the track does not jump when a fix enters the window.
+            let mut power = place.weight * (1.0 - t * t).max(0.01);
+            for (order, sum) in moments.time.iter_mut().enumerate() {
+                *sum += power;
+                if order < 3 {
+                    moments.place[0][order] += power * place.east_m;
+                    moments.place[1][order] += power * place.north_m;
+                }
+                power *= t;
+            }
+        }
+        moments
+    }
+
+    /// Coefficients of the least-squares line; `None` when the places span no time.
+    fn line(&self, axis: usize) -> Option<[f64; 3]> {
+        let ([s0, s1, s2, ..], [m0, m1, _]) = (self.time, self.place[axis]);
+        let determinant = s0 * s2 - s1 * s1;
+        (determinant > 1e-6 * s0 * s0).then(|| {
+            [
+                (s2 * m0 - s1 * m1) / determinant,
+                (s0 * m1 - s1 * m0) / determinant,
+                0.0,
+            ]
+        })
+    }
+
+    /// Coefficients of the least-squares parabola; `None` when the places lie at too few times.
+    fn parabola(&self, axis: usize) -> Option<[f64; 3]> {
+        let ([s0, s1, s2, s3, s4], [m0, m1, m2]) = (self.time, self.place[axis]);
+        let determinant = determinant([[s0, s1, s2], [s1, s2, s3], [s2, s3, s4]]);
+        (determinant > 1e-6 * s0.powi(3)).then(|| {
+            [
+                [[m0, s1, s2], [m1, s2, s3], [m2, s3, s4]],
+                [[s0, m0, s2], [s1, m1, s3], [s2, m2, s4]],
+                [[s0, s1, m0], [s1, s2, m1], [s2, s3, m2]],
+            ]
+            .map(|numerator| self::determinant(numerator) / determinant)
+        })
+    }
+
+    /// Whether there are about as many places before the time as after it.
+    fn balanced(&self) -> bool {
+        self.time[1].abs() < 0.15 * self.time[0]
+    }
+}
+
+fn determinant([[a, b, c], [d, e, f], [g, h, i]]: [[f64; 3]; 3]) -> f64 {
+    a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 }
 
 impl LocalFit {
     /// `None` when the places do not span any time.
     fn over(places: &[Place], time_s: f64, half_window_s: f64) -> Option<Self> {
-        // Moments of time, and of east and north against time.
-        let mut s = [0.0; 5];
-        let mut moments = [[0.0; 3]; 2];
-        for place in places {
-            let t = (place.time_s - time_s) / half_window_s;
-            // Tapered, so that the track does not jump when a fix enters the window.
-            let mut power = place.weight * (1.0 - t * t).max(0.01);
-            for (order, sum) in s.iter_mut().enumerate() {
-                *sum += power;
-                if order < 3 {
-                    moments[0][order] += power * place.east_m;
-                    moments[1][order] += power * place.north_m;
-                }
-                power *= t;
-            }
-        }
-        let determinant = s[0] * s[2] - s[1] * s[1];
-        if places.len() < 2 || determinant <= 1e-6 * s[0] * s[0] {
-            return None;
-        }
-        let slope = |m: [f64; 3]| (s[0] * m[1] - s[1] * m[0]) / determinant;
-        let balanced = places.len() >= 5 && s[1].abs() < 0.15 * s[0];
+        let moments = Moments::over(places, time_s, half_window_s);
+        let [east, north] = [moments.line(0)?, moments.line(1)?];
+        let curved = places.len() >= 5 && moments.balanced();
+        let curve = |axis, line| moments.parabola(axis).filter(|_| curved).unwrap_or(line);
+        let curves = [curve(0, east), curve(1, north)];
         Some(Self {
-            velocity: moments.map(|m| slope(m) / half_window_s),
-            position: moments.map(|m| {
-                let curved = if balanced {
-                    parabola_at_zero(&s, m)
-                } else {
-                    None
-                };
-                curved.unwrap_or_else(|| (s[2] * m[0] - s[1] * m[1]) / determinant)
-            }),
+            velocity: [east[1], north[1]].map(|step| step / half_window_s),
+            position: curves.map(|curve| curve[0]),
+            misfit_m: misfit_m(places, time_s, half_window_s, curves),
         })
     }
 }
 
-/// Value at t = 0 of the least-squares parabola with moments `s` of t and `m` of the value.
-fn parabola_at_zero(s: &[f64; 5], m: [f64; 3]) -> Option<f64> {
-    let minors = [
-        s[2] * s[4] - s[3] * s[3],
-        s[1] * s[4] - s[2] * s[3],
-        s[1] * s[3] - s[2] * s[2],
-    ];
-    let determinant = s[0] * minors[0] - s[1] * minors[1] + s[2] * minors[2];
-    let numerator = m[0] * minors[0] - m[1] * minors[1] + m[2] * minors[2];
-    (determinant > 1e-6 * s[0].powi(3)).then(|| numerator / determinant)
+fn misfit_m(places: &[Place], time_s: f64, half_window_s: f64, curves: [[f64; 3]; 2]) -> f64 {
+    let (mut square, mut weight) = (0.0, 0.0);
+    for place in places {
+        let t = (place.time_s - time_s) / half_window_s;
+        let [east, north] = curves.map(|[a, b, c]| a + t * (b + t * c));
+        square += place.weight * ((place.east_m - east).powi(2) + (place.north_m - north).powi(2));
+        weight += place.weight;
+    }
+    (square / weight).sqrt()
 }
