@@ -3,28 +3,23 @@
 use super::Pick;
 use crate::survey::{Side, Survey};
 
-/// Whether a return at `sample` is nearer than the recorded depth by more than `margin_m`, by the recorder's own scale.
-/// Never where no depth was recorded.
-pub(super) fn is_canopy(
+/// Sets the flag of every pick: nearer than the depth by more than `margin_m`, by the recorder's own scale.
+///
+/// `depths_m` holds a depth a pick, NaN where there is none to believe: there, nothing is flagged. `first` is the ping of
+/// the first pick.
+pub(super) fn flag(
     survey: &Survey,
-    ping: usize,
     side: Side,
-    sample: f32,
+    first: usize,
+    depths_m: &[f32],
+    picks: &mut [Pick],
     margin_m: f64,
-) -> bool {
-    let Some(recorded) = survey.side_scan.get(ping) else {
-        return false;
-    };
-    let Some(span) = recorded.side(side) else {
-        return false;
-    };
-    // Comparisons with NaN are false: no depth or no pick is no canopy.
-    span.range_m(f64::from(sample)) < f64::from(recorded.depth_m) - margin_m
-}
-
-/// Sets the flag of every pick; `first` is the ping of the first one.
-pub(super) fn flag(survey: &Survey, side: Side, first: usize, picks: &mut [Pick], margin_m: f64) {
-    for (ping, pick) in (first..).zip(picks) {
-        pick.canopy = is_canopy(survey, ping, side, pick.sample, margin_m);
+) {
+    let pings = survey.side_scan.iter().skip(first);
+    for ((pick, &depth_m), ping) in picks.iter_mut().zip(depths_m).zip(pings) {
+        // Comparisons with NaN are false: no depth or no pick is no canopy.
+        pick.canopy = ping.side(side).is_some_and(|span| {
+            span.range_m(f64::from(pick.sample)) < f64::from(depth_m) - margin_m
+        });
     }
 }

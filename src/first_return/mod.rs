@@ -1,14 +1,16 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first heard.
 //!
 //! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
-//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth.
+//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth where `depth` believes it.
 
 mod canopy;
+mod depth;
 mod normalise;
 mod threshold;
 mod tracker;
 mod words;
 
+pub use depth::steady_depth_m;
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
@@ -56,7 +58,7 @@ pub struct FirstReturnSettings {
     pub threshold: f32,
     /// Slant range around the transducer that is ignored (ring-down), metres.
     pub dead_zone_m: f64,
-    /// A pick nearer than the recorded depth by more than this is flagged as canopy or obstacle, metres.
+    /// A pick nearer than the recorded depth (where that is steady) by more than this is flagged as canopy, metres.
     pub canopy_margin_m: f64,
 }
 
@@ -150,8 +152,13 @@ pub fn track_range(
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
     let mut sides = tracker::track(survey, normalisation, settings, pings.clone(), progress)?;
+    let depths_m: Vec<f32> = pings
+        .clone()
+        .map(|ping| steady_depth_m(survey, ping))
+        .collect();
     for (side, picks) in Side::BOTH.into_iter().zip(&mut sides) {
-        canopy::flag(survey, side, pings.start, picks, settings.canopy_margin_m);
+        let margin_m = settings.canopy_margin_m;
+        canopy::flag(survey, side, pings.start, &depths_m, picks, margin_m);
     }
     let [port, starboard] = sides;
     Ok(FirstReturns {

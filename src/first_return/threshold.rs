@@ -4,7 +4,9 @@
 //! (about fifteen of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
 
 use super::normalise::{BLOCK, dead_samples};
-use super::{FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, words};
+use super::{
+    FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, steady_depth_m, words,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -17,6 +19,8 @@ use rayon::prelude::*;
 pub struct ThresholdIndex {
     normalisation: Normalisation,
     maxima: Maxima,
+    /// The depth at each ping where it is steady, else NaN.
+    depths_m: Vec<f32>,
 }
 
 #[derive(Clone, Debug)]
@@ -48,9 +52,14 @@ impl ThresholdIndex {
                 Maxima::Words(Staircases::collect(survey, climb, progress)?)
             }
         };
+        let pings = 0..survey.side_scan.len();
+        let depths_m = pings
+            .into_par_iter()
+            .map(|ping| steady_depth_m(survey, ping));
         Ok(Self {
             normalisation,
             maxima,
+            depths_m: depths_m.collect(),
         })
     }
 
@@ -79,8 +88,7 @@ impl ThresholdIndex {
     pub fn detect(&self, survey: &Survey, threshold: f32, canopy_margin_m: f64) -> FirstReturns {
         let levels = Levels::new(&self.normalisation, threshold);
         let side = |side| -> Vec<Pick> {
-            let pings = survey.side_scan.len();
-            let mut picks = vec![Pick::NONE; pings];
+            let mut picks = vec![Pick::NONE; self.depths_m.len()];
             picks
                 .par_chunks_mut(BLOCK)
                 .enumerate()
@@ -89,7 +97,8 @@ impl ThresholdIndex {
                     for (ping, pick) in (first..).zip(picks.iter_mut()) {
                         *pick = self.pick_at(ping, side, &levels);
                     }
-                    canopy::flag(survey, side, first, picks, canopy_margin_m);
+                    let depths_m = &self.depths_m[first..][..picks.len()];
+                    canopy::flag(survey, side, first, depths_m, picks, canopy_margin_m);
                 });
             picks
         };

@@ -14,7 +14,7 @@ mod score;
 mod straight;
 mod viterbi;
 
-use super::{FirstReturnSettings, Normalisation, Pick};
+use super::{FirstReturnSettings, Normalisation, Pick, steady_depth_m};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -119,10 +119,7 @@ impl Workspace {
             &score::Kernel::new(normalisation, settings, chunk, cell_m),
         );
         for (row, &ping) in chunk.pings.iter().enumerate() {
-            let depth_m = survey
-                .side_scan
-                .get(ping as usize)
-                .map_or(f32::NAN, |ping| ping.depth_m);
+            let depth_m = steady_depth_m(survey, ping as usize);
             self.scores
                 .weigh_depth(row, f64::from(depth_m), chunk, cell_m);
         }
