@@ -4,15 +4,20 @@
 //! [`App::poll`] collects what the workers finished.
 
 mod action;
+mod apply;
 mod command;
+mod figures;
 mod history;
 mod loader;
 mod options;
+mod preview;
 mod state;
 mod task;
+mod work;
 
 pub use action::{Action, Keys};
 pub use command::Command;
+pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};
 pub use options::{

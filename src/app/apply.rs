@@ -1,0 +1,191 @@
+//! What each command does to the state.
+
+use super::{Action, App, Command, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice};
+use crate::calibration::PingRange;
+use crate::pipeline::{Preset, Settings};
+
+impl App {
+    /// Carries out a command. Those that only the window can do are left to it.
+    pub fn apply(&mut self, command: Command) {
+        match command {
+            Command::Do(action) => self.act(action),
+            Command::Open(path) => self.start_loading(Origin::Path(path)),
+            Command::OpenDemo => self.start_loading(Origin::Demo),
+            Command::Change {
+                settings,
+                label,
+                live,
+            } => self.change(*settings, label, live),
+            Command::UsePreset(preset) => self.use_preset(preset),
+            Command::CalibrateAt(pings) => self.calibrate_at(pings),
+            Command::Show(options) => self.options = *options,
+            Command::Hover(mark) => self.hover = mark,
+            Command::Select(mark) => self.selection = mark,
+            Command::Reveal(mark) => self.reveal(mark),
+            Command::Visible(pings) => self.visible = pings,
+            Command::Dismiss(index) => {
+                if index < self.notices.len() {
+                    self.notices.remove(index);
+                }
+            }
+            Command::Export(folder) => self.export(folder),
+            // Views and their arrangement belong to the shell.
+            Command::Focus(_) | Command::Layout(_) => {}
+        }
+    }
+
+    fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
+        if let Err(error) = settings.check() {
+            self.tell(error.to_string(), true);
+            return;
+        }
+        self.history.record(&self.settings, &settings, label, live);
+        self.set(settings, live);
+    }
+
+    fn set(&mut self, settings: Settings, live: bool) {
+        let changed = settings != self.settings;
+        self.settings = settings;
+        let same_returns = self.products.as_ref().is_some_and(|products| {
+            products.settings.first_return == self.settings.first_return
+                && products.settings.image == self.settings.image
+        });
+        if !same_returns && changed {
+            self.preview_returns();
+        }
+        // The search over the whole log waits until the slider is let go; all later stages follow the drag.
+        if same_returns && changed || !live && self.stale().is_some() {
+            self.process();
+        }
+    }
+
+    fn use_preset(&mut self, preset: Preset) {
+        let mut settings = Settings::preset(preset);
+        settings.calibration.pings = self.settings.calibration.pings;
+        self.change(settings, "preset", false);
+    }
+
+    fn calibrate_at(&mut self, pings: PingRange) {
+        let mut settings = self.settings.clone();
+        settings.calibration.pings = Some(pings);
+        self.change(settings, "flat spot", false);
+    }
+
+    fn reveal(&mut self, mark: Mark) {
+        let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
+        self.selection = Some(mark);
+        self.reveal = Some(Reveal { mark, serial });
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::OpenDemo => self.start_loading(Origin::Demo),
+            Action::Undo => {
+                if let Some(settings) = self.history.undo(&self.settings) {
+                    self.set(settings, false);
+                }
+            }
+            Action::Redo => {
+                if let Some(settings) = self.history.redo(&self.settings) {
+                    self.set(settings, false);
+                }
+            }
+            Action::Cancel => {
+                self.cancel();
+            }
+            Action::PreviousPing => self.step(-1),
+            Action::NextPing => self.step(1),
+            Action::Back25 => self.step(-25),
+            Action::Forward25 => self.step(25),
+            Action::FirstPing => self.step(isize::MIN),
+            Action::LastPing => self.step(isize::MAX),
+            Action::ThresholdDown => self.nudge_threshold(-0.01),
+            Action::ThresholdUp => self.nudge_threshold(0.01),
+            Action::FirstReturnLine => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.first_return = !waterfall.first_return;
+            }
+            Action::LevelsReset => self.options.waterfall.reset_levels(),
+            Action::RangeLines => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.range_lines = !waterfall.range_lines;
+            }
+            Action::SideColours => {
+                self.options.side_colours = match self.options.side_colours {
+                    SideColours::Paper => SideColours::Maritime,
+                    SideColours::Maritime => SideColours::Paper,
+                }
+            }
+            Action::CalibrateHere => self.calibrate_here(),
+            Action::CalibrationReset => {
+                let mut settings = self.settings.clone();
+                settings.calibration.pings = None;
+                self.change(settings, "flat spot", false);
+            }
+            Action::OutlierPreview => {
+                self.options.cloud.outlier_preview = !self.options.cloud.outlier_preview;
+            }
+            Action::Theme => {
+                self.options.theme = match self.options.theme {
+                    ThemeChoice::Dark => ThemeChoice::Light,
+                    ThemeChoice::Light => ThemeChoice::Dark,
+                }
+            }
+            Action::Orientation => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.orientation = match waterfall.orientation {
+                    Orientation::Horizontal => Orientation::Vertical,
+                    Orientation::Vertical => Orientation::Horizontal,
+                }
+            }
+            Action::PresetRecommended => self.use_preset(Preset::Recommended),
+            Action::PresetPublished => self.use_preset(Preset::Published),
+            // Windows, dialogs, layout and cameras belong to the shell.
+            _ => {}
+        }
+    }
+
+    fn step(&mut self, pings: isize) {
+        let Some(last) = self
+            .survey
+            .as_ref()
+            .and_then(|survey| survey.side_scan.len().checked_sub(1))
+        else {
+            return;
+        };
+        let ping = match self.selection {
+            Some(mark) => mark.ping.saturating_add_signed(pings).min(last),
+            None if pings == isize::MAX => last,
+            None => 0,
+        };
+        self.reveal(Mark::ping(ping));
+    }
+
+    fn nudge_threshold(&mut self, by: f32) {
+        let mut settings = self.settings.clone();
+        let threshold = settings.first_return.threshold + by;
+        // Steps of a hundredth stay hundredths.
+        settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
+        self.change(settings, "threshold", false);
+    }
+
+    /// The stretch of pings that a click calibrates on: 50 to either side, as far as the survey goes.
+    pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
+        let count = self.survey.as_ref()?.side_scan.len();
+        let range = PingRange {
+            start: ping.saturating_sub(50),
+            end: (ping + 51).min(count),
+        };
+        (range.start < range.end).then_some(range)
+    }
+
+    fn calibrate_here(&mut self) {
+        let pings = self
+            .selection
+            .and_then(|mark| self.stretch_around(mark.ping));
+        match pings {
+            Some(pings) => self.calibrate_at(pings),
+            None => self.tell("select a ping first, then calibrate there".to_owned(), true),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Counts of a result, taken once on a worker so that no panel counts points in a frame.
+
+use crate::cloud::{PointSource, Residuals, residuals};
+use crate::first_return::FirstReturns;
+use crate::pipeline::Products;
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Side, Survey};
+
+/// How much of everything there is in a result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// First returns found to port.
+    pub port_picks: usize,
+    /// First returns found to starboard.
+    pub starboard_picks: usize,
+    /// First returns flagged as canopy, both sides.
+    pub canopy: usize,
+    /// Points of the cloud.
+    pub points: usize,
+    /// Points beside the track.
+    pub side_scan_points: usize,
+    /// Points that the outlier filter removes.
+    pub removed: usize,
+    /// Side-scan depth against recorded depth.
+    pub residuals: Option<Residuals>,
+}
+
+impl Figures {
+    /// Counts.
+    pub fn of(
+        survey: &Survey,
+        products: &Products,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let found = |side| picks(&products.returns, side);
+        let points = &products.cloud.points;
+        let side_scan = points
+            .iter()
+            .filter(|point| point.source != PointSource::DownScan);
+        let side_scan_points = side_scan.count();
+        progress.check()?;
+        Ok(Self {
+            port_picks: found(Side::Port),
+            starboard_picks: found(Side::Starboard),
+            canopy: canopy(&products.returns),
+            points: points.len(),
+            side_scan_points,
+            removed: products.kept.iter().filter(|kept| !**kept).count(),
+            residuals: residuals(
+                survey,
+                &products.navigation,
+                &products.cloud,
+                &products.kept,
+            ),
+        })
+    }
+}
+
+fn picks(returns: &FirstReturns, side: Side) -> usize {
+    let picks = returns.side(side).iter();
+    picks.filter(|pick| pick.is_some()).count()
+}
+
+fn canopy(returns: &FirstReturns) -> usize {
+    let picks = Side::BOTH.iter().flat_map(|side| returns.side(*side));
+    picks.filter(|pick| pick.canopy).count()
+}

@@ -1,0 +1,180 @@
+//! What runs off the window's thread: started here, collected here.
+
+use super::figures::Figures;
+use super::loader::Loading;
+use super::preview::Request;
+use super::{App, History, Notice, Origin, Outcome, Task};
+use crate::pipeline::{Products, Written, write_products};
+use crate::survey::Survey;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Products being written.
+pub(super) struct Exporting {
+    folder: PathBuf,
+    task: Task<Result<Written, String>>,
+}
+
+impl Exporting {
+    pub fn fraction(&self) -> f32 {
+        self.task.fraction()
+    }
+}
+
+impl App {
+    /// Collects what the workers finished. Call once a frame.
+    pub fn poll(&mut self) {
+        self.poll_loading();
+        match self.engine.poll() {
+            Some(Ok(products)) => self.take_products(products),
+            Some(Err(text)) => self.tell(text, true),
+            None => {}
+        }
+        if let Some(preview) = self.previewer.poll(&self.jobs)
+            && preview.is_for(&self.settings)
+            && self.stale().is_some()
+        {
+            self.preview = Some(preview.returns);
+        }
+        match self.counting.as_ref().map(Task::poll) {
+            Some(Outcome::Done(figures)) => {
+                self.figures = figures;
+                self.counting = None;
+            }
+            Some(Outcome::Failed) => self.counting = None,
+            Some(Outcome::Pending) | None => {}
+        }
+        self.poll_export();
+    }
+
+    fn poll_loading(&mut self) {
+        if let Some(outcome) = self.loading.as_ref().and_then(Loading::poll)
+            && let Some(loading) = self.loading.take()
+        {
+            match outcome {
+                Ok(survey) => self.take_survey(survey, loading.origin),
+                Err(text) => self.tell(text, true),
+            }
+        }
+    }
+
+    fn take_survey(&mut self, survey: Survey, origin: Origin) {
+        if let Origin::Path(path) = origin {
+            self.recent.retain(|recent| *recent != path);
+            self.recent.insert(0, path);
+            self.recent.truncate(10);
+        }
+        self.survey = Some(Arc::new(survey));
+        self.survey_serial += 1;
+        self.products = None;
+        self.preview = None;
+        self.figures = None;
+        self.counting = None;
+        self.selection = None;
+        self.hover = None;
+        self.visible = 0..0;
+        // A flat spot belongs to the survey that it was picked in.
+        self.settings.calibration.pings = None;
+        self.history = History::default();
+        self.previewer.forget();
+        self.process();
+    }
+
+    fn take_products(&mut self, products: Products) {
+        self.preview = None;
+        if let Some(survey) = &self.survey {
+            let (survey, counted) = (survey.clone(), products.clone());
+            self.counting = Some(Task::start(&self.jobs, move |progress| {
+                Figures::of(&survey, &counted, progress).ok()
+            }));
+        }
+        self.products = Some(products);
+        if let Some(request) = self.preview_request() {
+            self.previewer.warm_up(request, &self.jobs);
+        }
+    }
+
+    /// Starts the pipeline with the settings in force.
+    pub(super) fn process(&mut self) {
+        if let Some(survey) = &self.survey {
+            self.engine
+                .request(survey.clone(), self.settings.clone(), self.products.clone());
+        }
+    }
+
+    /// Starts the search for the first return on what is on screen, ahead of the pipeline.
+    pub(super) fn preview_returns(&mut self) {
+        if let Some(request) = self.preview_request() {
+            self.previewer.want(request, &self.jobs);
+        }
+    }
+
+    fn preview_request(&self) -> Option<Request> {
+        let survey = self
+            .survey
+            .as_ref()
+            .filter(|survey| survey.has_side_scan())?;
+        Some(Request {
+            survey: survey.clone(),
+            image: self.settings.image.clone(),
+            first_return: self.settings.first_return.clone(),
+            visible: self.visible.clone(),
+            base: self.products.as_ref()?.returns.clone(),
+        })
+    }
+
+    /// Writes all products into a folder.
+    pub(super) fn export(&mut self, folder: PathBuf) {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+            self.tell(
+                "there is no result to export yet; open a log first".to_owned(),
+                true,
+            );
+            return;
+        };
+        let (survey, products, into) = (survey.clone(), products.clone(), folder.clone());
+        let task = Task::start(&self.jobs, move |progress| {
+            write_products(&survey, &products, &into, progress)
+        });
+        self.exporting = Some(Exporting { folder, task });
+    }
+
+    fn poll_export(&mut self) {
+        let Some(exporting) = &self.exporting else {
+            return;
+        };
+        let written = match exporting.task.poll() {
+            Outcome::Pending => return,
+            Outcome::Done(written) => written,
+            Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
+        };
+        let folder = exporting.folder.display().to_string();
+        self.exporting = None;
+        match written {
+            Ok(written) => self.tell(
+                format!("Wrote {} into {folder}", written.files.join(", ")),
+                false,
+            ),
+            Err(text) => self.tell(text, true),
+        }
+    }
+
+    /// Stops everything that runs; the last results stay.
+    pub(super) fn cancel(&mut self) {
+        self.engine.cancel();
+        self.previewer.forget();
+        self.preview = None;
+        self.loading = None;
+        self.exporting = None;
+    }
+
+    /// Tells the analyst a sentence.
+    pub(super) fn tell(&mut self, text: String, is_error: bool) {
+        self.notices.push(Notice { text, is_error });
+    }
+
+    /// Starts opening a log; one that is still being opened is dropped.
+    pub(super) fn start_loading(&mut self, origin: Origin) {
+        self.loading = Some(Loading::start(origin, &self.jobs));
+    }
+}
