@@ -27,6 +27,15 @@ pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
     }
 }
 
+/// A difference in centimetres below one metre, else in metres.
+pub fn difference(value_m: f64) -> String {
+    if value_m.abs() < 1.0 {
+        format!("{:.1} cm", value_m * 100.0)
+    } else {
+        format!("{value_m:.2} m")
+    }
+}
+
 /// Decimal degrees with the hemisphere, to about 0.1 m: `36.877100° N 111.516300° W`.
 pub fn place(at: LonLat) -> String {
     let hemisphere = |value: f64, positive, negative| if value < 0.0 { negative } else { positive };

@@ -234,9 +234,9 @@ fn sizes(style: &mut egui::Style) {
     ]
     .into();
     let spacing = &mut style.spacing;
-    spacing.item_spacing = egui::vec2(6.0, 4.0);
-    spacing.button_padding = egui::vec2(6.0, 2.0);
-    spacing.interact_size = egui::vec2(28.0, 20.0);
+    spacing.item_spacing = egui::vec2(6.0, 3.0);
+    spacing.button_padding = egui::vec2(6.0, 1.0);
+    spacing.interact_size = egui::vec2(28.0, 18.0);
     spacing.slider_width = 104.0;
     spacing.combo_width = 120.0;
     spacing.icon_width = 14.0;

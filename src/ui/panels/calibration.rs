@@ -1,6 +1,6 @@
 //! Step 2: from samples to metres. All scales side by side, and the stretch that the pixels per metre come from.
 
-use super::parts::{self, Choice, Section, choice, fact, result, section};
+use super::parts::{self, Choice, Section, choice, fact, section};
 use crate::app::{Action, Command};
 use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
 use crate::pipeline::Stage;
@@ -59,16 +59,6 @@ fn scale(scale: Option<&Scale>) -> String {
 }
 
 fn scales(ui: &mut Ui, calibration: &Calibration) {
-    if let (Some(ppd), ScaleMode::FlatSpot) = (&calibration.ppd, calibration.mode) {
-        result(
-            ui,
-            format!(
-                "{:.2} px/m from {} picks",
-                ppd.px_per_m,
-                text::count(ppd.picks)
-            ),
-        );
-    }
     fact(
         ui,
         "PPD",

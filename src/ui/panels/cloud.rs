@@ -1,7 +1,8 @@
 //! Step 3: the point cloud.
 
-use super::parts::{self, Choice, Knob, Section, choice, fact, knob, result, section};
-use crate::cloud::{Geometry, PointSource};
+use super::parts::{self, Choice, Knob, Section, choice, fact, knob, section};
+use crate::app::Figures;
+use crate::cloud::Geometry;
 use crate::pipeline::{Products, Stage};
 use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
@@ -74,25 +75,22 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: Some(Stage::Cloud),
     };
     section(ui, context, &heading, |ui, context| {
-        if let Some(products) = context.app.products.clone() {
-            found(ui, &products);
+        if let (Some(products), Some(figures)) = (&context.app.products, &context.app.figures) {
+            found(ui, products, figures);
         }
         controls(ui, context);
     });
 }
 
-fn found(ui: &mut Ui, products: &Products) {
-    let points = &products.cloud.points;
-    let side_scan = points
-        .iter()
-        .filter(|point| point.source != PointSource::DownScan)
-        .count();
-    result(
+fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
+    fact(
         ui,
+        "Points",
+        "Soundings under the boat and first returns beside the track.",
         format!(
             "{} · {} beside the track",
-            text::plural(points.len(), "point", "points"),
-            text::count(side_scan)
+            text::count(figures.points),
+            text::count(figures.side_scan_points)
         ),
     );
     let zero = products.navigation.zero_heading;
@@ -103,6 +101,18 @@ fn found(ui: &mut Ui, products: &Products) {
         "Pings without a heading give no side-scan point.",
         format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings")),
     );
+    if let Some(residuals) = figures.residuals {
+        fact(
+            ui,
+            "Against sonar",
+            "Side-scan depth minus recorded depth at the same ping over all points that are kept: median, and 95th percentile of the absolute difference. On a slope part of it is real.",
+            format!(
+                "median {} · p95 {}",
+                text::difference(residuals.median_m),
+                text::difference(residuals.p95_m)
+            ),
+        );
+    }
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {

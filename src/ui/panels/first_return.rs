@@ -1,11 +1,11 @@
 //! Step 1: where the bottom is first heard.
 
-use super::parts::{self, Choice, Knob, Section, choice, knob, result, section};
-use crate::first_return::{FirstReturns, Method, Pick, SampleMode};
+use super::parts::{self, Choice, Knob, Section, choice, knob, section};
+use crate::first_return::{Method, SampleMode};
 use crate::pipeline::Stage;
 use crate::survey::Side;
-use crate::ui::{ViewContext, text};
-use egui::Ui;
+use crate::ui::{ViewContext, text, theme};
+use egui::{RichText, Ui};
 
 const METHODS: &[Choice<Method>] = &[
     (
@@ -55,36 +55,32 @@ fn has_side_scan(context: &ViewContext<'_>) -> bool {
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    let Some(products) = &context.app.products else {
+    let (Some(products), Some(figures)) = (&context.app.products, &context.app.figures) else {
         parts::remark(ui, "Searching…");
         return;
     };
     // A preview may hold the visible pings only; the counts are those of the whole log.
-    result(ui, summary(&products.returns));
+    let options = &context.app.options;
+    let pings = products.returns.port.len().max(1);
+    let hint = |side: &str, found: usize| {
+        let share = 100.0 * found as f64 / pings as f64;
+        format!("A first return was found to {side} in {share:.1} % of all pings.")
+    };
+    ui.horizontal(|ui| {
+        for (side, short, found) in [
+            (Side::Port, "port", figures.port_picks),
+            (Side::Starboard, "stbd", figures.starboard_picks),
+        ] {
+            let text = RichText::new(format!("{} {short}", text::count(found)));
+            ui.label(text.color(theme::side_colour(options, side)))
+                .on_hover_text(hint(side.name(), found));
+        }
+        ui.label(format!("{} canopy", text::count(figures.canopy)))
+            .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. They are flagged, not hidden.");
+    });
     for text in &products.returns.warnings {
         parts::warning(ui, context, text);
     }
-}
-
-fn summary(returns: &FirstReturns) -> String {
-    let some = |picks: &[Pick]| picks.iter().filter(|pick| pick.is_some()).count();
-    let share = |side: Side| {
-        let picks = returns.side(side);
-        let found = some(picks);
-        let percent = 100.0 * found as f64 / picks.len().max(1) as f64;
-        format!("{} {} ({percent:.0} %)", side.name(), text::count(found))
-    };
-    let canopy = Side::BOTH
-        .iter()
-        .flat_map(|side| returns.side(*side))
-        .filter(|pick| pick.canopy)
-        .count();
-    format!(
-        "{} · {} · canopy {}",
-        share(Side::Port),
-        share(Side::Starboard),
-        text::count(canopy)
-    )
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -121,7 +117,8 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui,
         context,
         threshold,
-        f64::from(first_return.threshold),
+        // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
+        (f64::from(first_return.threshold) * 1e4).round() / 1e4,
         |settings, value| settings.first_return.threshold = value as f32,
     );
     let dead_zone = Knob {

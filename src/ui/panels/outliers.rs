@@ -1,6 +1,6 @@
 //! Step 4: radius outlier removal, shown before anything goes.
 
-use super::parts::{self, Knob, Section, knob, result, section};
+use super::parts::{self, Knob, Section, fact, knob, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Stage;
 use crate::ui::{ViewContext, text};
@@ -21,18 +21,18 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
-    let Some(products) = &context.app.products else {
+    let Some(figures) = &context.app.figures else {
         parts::remark(ui, "No result yet.");
         return;
     };
-    let all = products.kept.len();
-    let removed = products.kept.iter().filter(|kept| !**kept).count();
-    let share = 100.0 * removed as f64 / all.max(1) as f64;
-    result(
+    let share = 100.0 * figures.removed as f64 / figures.points.max(1) as f64;
+    fact(
         ui,
+        "Removed",
+        "Points that the filter takes out; in the paper it was about a tenth.",
         format!(
-            "{} removed ({share:.1} %; paper 10 %)",
-            text::count(removed)
+            "{} ({share:.1} %; paper 10 %)",
+            text::count(figures.removed)
         ),
     );
 }

@@ -61,9 +61,9 @@ pub fn section(
     }
     if !folded {
         body(ui, context);
-        ui.add_space(6.0);
+        ui.add_space(2.0);
     }
-    ui.separator();
+    ui.add(egui::Separator::default().spacing(5.0));
 }
 
 fn heading(
@@ -74,7 +74,7 @@ fn heading(
     freshness: Freshness,
 ) -> Response {
     let look = context.app.options.theme;
-    let size = egui::vec2(ui.available_width(), 22.0);
+    let size = egui::vec2(ui.available_width(), 20.0);
     let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
     let painter = ui.painter();
     let strong = ui.visuals().strong_text_color();
@@ -169,11 +169,6 @@ pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
     });
 }
 
-/// What a step found, in a line or two.
-pub fn result(ui: &mut Ui, text: impl Into<String>) {
-    ui.add(egui::Label::new(RichText::new(text).strong()).wrap());
-}
-
 /// A quiet remark.
 pub fn remark(ui: &mut Ui, text: impl Into<String>) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
@@ -218,6 +213,8 @@ pub fn knob(
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
             egui::Slider::new(&mut wanted, knob.range)
+                // A value is rounded when it is edited, not when it is shown: showing must change nothing.
+                .clamping(egui::SliderClamping::Edits)
                 .step_by(knob.step)
                 .fixed_decimals(knob.decimals)
                 .suffix(knob.suffix),

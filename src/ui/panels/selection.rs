@@ -90,7 +90,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             let range = place::range_m(context.app, mark).unwrap_or(f64::NAN);
             let canopy = if pick.canopy { " · canopy" } else { "" };
             format!(
-                "{} · confidence {:.2}{canopy}",
+                "{} · conf. {:.2}{canopy}",
                 text::measure(range, 2, "m"),
                 pick.confidence
             )

@@ -78,7 +78,10 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (None, EngineStatus::Running { stage, fraction }) => {
             Some((stage.name().to_owned(), fraction))
         }
-        (None, EngineStatus::Idle) => None,
+        (None, EngineStatus::Idle) => {
+            let share = context.app.export_fraction();
+            share.map(|share| ("exporting".to_owned(), share))
+        }
     };
     let Some((what, share)) = job else {
         return;

@@ -36,6 +36,20 @@ pub fn span(columns: &Columns) -> Option<[f32; 2]> {
         .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
 }
 
+/// The same series as `count` columns, more or fewer: extremes are kept, wide columns are repeated.
+pub fn resampled(columns: &Columns, count: usize) -> impl Iterator<Item = Option<[f32; 2]>> + '_ {
+    (0..count).map(move |index| {
+        let from = index * columns.len() / count;
+        let to = ((index + 1) * columns.len() / count).max(from + 1);
+        columns
+            .get(from..to)?
+            .iter()
+            .flatten()
+            .copied()
+            .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,6 +64,15 @@ mod tests {
         assert_eq!(columns[54], Some([1.0, 9.0]));
         assert_eq!(columns[53], Some([1.0, 1.0]));
         assert_eq!(span(&columns), Some([1.0, 9.0]));
+    }
+
+    #[test]
+    fn resampling_keeps_extremes_and_repeats_wide_columns() {
+        let columns = vec![Some([1.0, 2.0]), Some([0.0, 1.0]), None, Some([3.0, 9.0])];
+        let fewer: Vec<_> = resampled(&columns, 2).collect();
+        assert_eq!(fewer, [Some([0.0, 2.0]), Some([3.0, 9.0])]);
+        let more: Vec<_> = resampled(&columns, 8).collect();
+        assert_eq!(more[..4], [columns[0], columns[0], columns[1], columns[1]]);
     }
 
     #[test]

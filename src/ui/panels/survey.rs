@@ -60,14 +60,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ui.label(file.display().to_string());
         }
     });
-    remark(
-        ui,
-        format!(
-            "{} · {}",
-            survey.source.format,
-            text::bytes(survey.source.byte_count)
-        ),
-    );
+    channels(ui, survey);
     let span = time_span(survey);
     let pings = survey.side_scan.len();
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
@@ -97,7 +90,6 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ),
         );
     }
-    channels(ui, survey);
     state_line(ui, context, survey);
 }
 
@@ -125,19 +117,16 @@ fn soundings(survey: &Survey) -> String {
     )
 }
 
+/// Format and size; every channel of the log on hover.
 fn channels(ui: &mut Ui, survey: &Survey) {
-    let names: Vec<String> = survey
-        .channels
-        .iter()
-        .filter(|channel| channel.ping_count > 0)
-        .map(|channel| channel.kind.name())
-        .collect();
-    if names.is_empty() {
-        return;
-    }
-    let shown = ui.add(egui::Label::new(
-        egui::RichText::new(names.join(", ")).small().weak(),
-    ));
+    let line = format!(
+        "{} · {} · {}",
+        survey.source.format,
+        text::bytes(survey.source.byte_count),
+        text::plural(survey.channels.len(), "channel", "channels")
+    );
+    let shown = egui::Label::new(egui::RichText::new(line).small().weak());
+    let shown = ui.add(shown.truncate());
     shown.on_hover_ui(|ui| {
         for channel in &survey.channels {
             let frequency = channel

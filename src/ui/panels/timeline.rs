@@ -1,6 +1,6 @@
 //! The time line: depth and speed over the whole log, where the views are, and where to go.
 
-use super::strip::{Columns, columns, span};
+use super::strip::{Columns, columns, resampled, span};
 use crate::app::{Command, Mark, Outcome, Task};
 use crate::survey::{Navigation, Survey};
 use crate::ui::{ViewContext, text, theme};
@@ -175,7 +175,7 @@ struct Frame {
 }
 
 impl Frame {
-    const GUTTER: f32 = 76.0;
+    const GUTTER: f32 = 104.0;
     const AXIS: f32 = 14.0;
 
     fn new(outer: Rect) -> Self {
@@ -370,15 +370,16 @@ fn band(ui: &Ui, rect: Rect, columns: &Columns, reach: f32, hanging: bool, colou
         }
     };
     let base = if hanging { rect.top() } else { rect.bottom() };
-    let width = rect.width() / columns.len() as f32;
     let body = colour.gamma_multiply(0.35);
     let mut mesh = Mesh::default();
-    for (index, column) in columns.iter().enumerate() {
-        let Some([low, high]) = *column else {
+    // One strip a screen point, each with the extremes of all columns under it.
+    let count = rect.width().round().max(1.0) as usize;
+    for (index, column) in resampled(columns, count).enumerate() {
+        let Some([low, high]) = column else {
             continue;
         };
-        let left = rect.left() + index as f32 * width;
-        let x = left..=left + width.max(1.0);
+        let left = rect.left().round() + index as f32;
+        let x = left..=left + 1.0;
         let (near, far) = (y_of(low), y_of(high));
         mesh.add_colored_rect(Rect::from_x_y_ranges(x.clone(), sorted(base, far)), body);
         let edge = sorted(near, far);

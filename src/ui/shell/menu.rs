@@ -50,7 +50,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.menu_button("Help", |ui| {
             entries(ui, context, &[Action::Palette, Action::Help]);
         });
-        ui.add_space(12.0);
+        ui.separator();
         buttons(ui, context);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             theme_button(ui, context);

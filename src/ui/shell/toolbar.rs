@@ -1,6 +1,6 @@
 //! The options of a view, at the right end of its title bar.
 
-use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions, WaterfallOptions};
+use crate::app::{Action, ColourMap, Command, View, ViewOptions, WaterfallOptions};
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -12,8 +12,8 @@ pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     let mut options = before.clone();
     match view {
         View::Waterfall => waterfall(ui, context, &mut options),
-        View::Map => map(ui, &mut options),
-        View::Cloud => cloud(ui, context, &mut options),
+        // These draw their controls themselves.
+        View::Map | View::Cloud => {}
     }
     if options != before {
         context.push(Command::Show(Box::new(options)));
@@ -93,58 +93,4 @@ pub fn levels(ui: &mut Ui, options: &mut WaterfallOptions) {
     if ui.button("Reset").clicked() {
         options.reset_levels();
     }
-}
-
-fn map(ui: &mut Ui, options: &mut ViewOptions) {
-    let shown = &mut options.map;
-    switch(
-        ui,
-        &mut shown.flat_spots,
-        "Flat stretches",
-        "The ranked stretches to calibrate on.",
-    );
-    switch(
-        ui,
-        &mut shown.track,
-        "Track",
-        "The boat's track, coloured by depth.",
-    );
-    switch(
-        ui,
-        &mut shown.depth_map,
-        "Depth map",
-        "Depths between the soundings, interpolated.",
-    );
-}
-
-fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
-    button(ui, context, Action::SideView, "Side");
-    button(ui, context, Action::TopView, "Top");
-    let shown = &mut options.cloud;
-    switch(
-        ui,
-        &mut shown.outlier_preview,
-        "Outliers",
-        "Shows the points that the filter removes in a third colour (O).",
-    );
-    let exaggeration = egui::DragValue::new(&mut shown.vertical_exaggeration)
-        .range(1.0..=50.0)
-        .speed(0.1)
-        .max_decimals(1)
-        .prefix("× ");
-    ui.add(exaggeration)
-        .accessible_name("Vertical exaggeration")
-        .on_hover_text("Vertical exaggeration: drag, or click to type.");
-    let mut by_depth = shown.colour == CloudColour::Depth;
-    switch(
-        ui,
-        &mut by_depth,
-        "By depth",
-        "Colours the points by depth instead of by side.",
-    );
-    shown.colour = if by_depth {
-        CloudColour::Depth
-    } else {
-        CloudColour::Source
-    };
 }
