@@ -11,3 +11,4 @@ mod golden;
 mod handmade;
 mod support;
 mod waterfall;
+mod window;

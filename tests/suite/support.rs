@@ -13,3 +13,8 @@ pub fn real_data() -> Option<PathBuf> {
     eprintln!("skipped: no real recordings (set BATHYSCOPE_DATA to the folder that holds them)");
     None
 }
+
+/// The bundled demo survey as a file.
+pub fn demo_log() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")
+}

@@ -1,0 +1,339 @@
+//! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
+
+use crate::support::demo_log;
+use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::pipeline::Preset;
+use bathyscope::ui::Shell;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+type Window = Harness<'static, Shell>;
+
+fn empty_window() -> Window {
+    let mut window = Harness::builder()
+        .with_size([1400.0, 1000.0])
+        .with_max_steps(12)
+        .build_eframe(|_| Shell::new(App::new(Jobs::Inline)));
+    window.run();
+    window
+}
+
+fn demo_window() -> Window {
+    let mut window = empty_window();
+    // Every empty part offers it; the first is that of the steps.
+    let button = window.get_all_by_label("Open the demo survey").next();
+    button.expect("the demo is offered").click();
+    window.run();
+    window
+}
+
+fn app(window: &Window) -> &App {
+    &window.state().app
+}
+
+fn threshold(window: &Window) -> f32 {
+    app(window).settings.first_return.threshold
+}
+
+fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run();
+}
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+fn drop_file(window: &mut Window, path: PathBuf) {
+    let file = Arc::new(Dropped(path));
+    window.input_mut().dropped_files.push(file);
+    window.run();
+}
+
+#[test]
+fn the_demo_is_one_click_away_and_its_summary_is_told() {
+    let window = demo_window();
+    let survey = app(&window).survey.as_ref().expect("the demo is open");
+    assert!(app(&window).products.is_some());
+    let pings = survey.side_scan.len();
+    assert!(pings > 1000);
+    assert!(window.query_by_label_contains("pings · 2:0").is_some());
+    assert!(window.query_by_label("First return section").is_some());
+}
+
+#[test]
+fn a_dropped_log_opens_and_is_remembered() {
+    let mut window = empty_window();
+    drop_file(&mut window, demo_log());
+    assert!(app(&window).survey.is_some());
+    assert_eq!(app(&window).recent, [demo_log()]);
+}
+
+#[test]
+fn a_dropped_file_that_is_no_log_is_told_and_can_be_dismissed() {
+    let mut window = demo_window();
+    let serial = app(&window).survey_serial;
+    let this_file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    drop_file(&mut window, this_file);
+    assert_eq!(app(&window).survey_serial, serial, "the open survey stays");
+    assert!(window.query_by_label_contains("not a sonar log").is_some());
+    window.get_by_label("Dismiss").click();
+    window.run();
+    assert!(app(&window).notices.is_empty());
+}
+
+#[test]
+fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_one_undo_step() {
+    for preset in [Preset::Recommended, Preset::Published] {
+        let mut window = demo_window();
+        window.state_mut().app.apply(Command::UsePreset(preset));
+        window.run();
+        let before = app(&window)
+            .products
+            .as_ref()
+            .map(|products| products.returns.clone());
+        let slider = window
+            .get_by_role_and_label(Role::Slider, "Threshold")
+            .rect();
+        let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
+        window.drag_at(at(0.30));
+        window.step();
+        for share in [0.40, 0.50, 0.60] {
+            window.hover_at(at(share));
+            window.step();
+            window.step();
+        }
+        let dragged = threshold(&window);
+        assert!((0.5..0.7).contains(&dragged), "{dragged}");
+        let preview = app(&window)
+            .preview
+            .clone()
+            .expect("a preview while dragging");
+        assert_ne!(
+            Some(&preview),
+            before.as_ref(),
+            "{preset:?}: the line moved"
+        );
+        window.drop_at(at(0.60));
+        window.run();
+        let products = app(&window).products.as_ref().expect("results");
+        assert_eq!(products.settings.first_return.threshold, dragged);
+        assert!(app(&window).preview.is_none());
+        let seen = app(&window).visible.clone();
+        assert!(seen.len() > 100);
+        // As text: no pick is a NaN, which is not equal to itself.
+        assert_eq!(
+            format!("{:?}", &products.returns.port[seen.clone()]),
+            format!("{:?}", &preview.port[seen]),
+            "{preset:?}: the preview was the result"
+        );
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(threshold(&window), 0.30);
+        press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+        assert_eq!(threshold(&window), dragged);
+    }
+}
+
+#[test]
+fn presets_are_one_click_back_and_can_be_undone() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::CloseBracket);
+    assert_eq!(threshold(&window), 0.31);
+    assert!(window.query_by_label("changed").is_some());
+    window.get_by_label("Preset published").click();
+    window.run();
+    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Published));
+    assert!(app(&window).stale().is_none(), "the results follow");
+    window.get_by_label("Preset recommended").click();
+    window.run();
+    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Recommended));
+    window.get_by_label("Undo button").click();
+    window.run();
+    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Published));
+}
+
+#[test]
+fn a_flat_stretch_is_accepted_from_the_list_and_forgotten_again() {
+    let mut window = demo_window();
+    let products = app(&window).products.as_ref().expect("results");
+    let count = products.flat_spots.len();
+    let second = products.flat_spots[1].clone();
+    window
+        .get_by_label(&format!("{count} flat stretches"))
+        .click();
+    window.run();
+    let name = format!(
+        "Flat stretch 2, pings {}..{}",
+        second.pings.start, second.pings.end
+    );
+    window.get_by_label_contains(&name).click();
+    window.run();
+    let products = app(&window).products.as_ref().expect("results");
+    let used = products
+        .calibration
+        .flat_spot
+        .as_ref()
+        .expect("a flat spot");
+    assert_eq!(used.pings, second.pings);
+    window
+        .get_by_label("Calibrate at the flattest stretch")
+        .click();
+    window.run();
+    assert_eq!(app(&window).settings.calibration.pings, None);
+}
+
+#[test]
+fn the_ping_under_the_selection_becomes_the_flat_spot_by_key() {
+    let mut window = demo_window();
+    window
+        .state_mut()
+        .app
+        .apply(Command::Select(Some(Mark::ping(400))));
+    press(&mut window, Modifiers::NONE, Key::C);
+    let pings = app(&window)
+        .settings
+        .calibration
+        .pings
+        .expect("a picked stretch");
+    assert_eq!((pings.start, pings.end), (350, 451));
+}
+
+#[test]
+fn outliers_are_shown_before_they_go() {
+    let mut window = demo_window();
+    window
+        .get_by_role_and_label(Role::CheckBox, "Outlier preview")
+        .click();
+    window.run();
+    assert!(app(&window).options.cloud.outlier_preview);
+    press(&mut window, Modifiers::NONE, Key::O);
+    assert!(!app(&window).options.cloud.outlier_preview);
+}
+
+#[test]
+fn the_time_line_and_the_keys_move_along_the_survey() {
+    let mut window = demo_window();
+    let line = window.get_by_label_contains("Time line, ping").rect();
+    let middle = line.center();
+    window.hover_at(middle);
+    window.step();
+    assert!(app(&window).hover.is_some(), "hovering marks all views");
+    window.drag_at(middle);
+    window.drop_at(middle);
+    window.run();
+    let ping = app(&window).selection.expect("a selection").ping;
+    let pings = app(&window)
+        .survey
+        .as_ref()
+        .map_or(0, |survey| survey.side_scan.len());
+    assert!(
+        (pings / 3..2 * pings / 3).contains(&ping),
+        "{ping} of {pings}"
+    );
+    assert!(window.query_by_label(&format!("Ping {ping}")).is_some());
+    press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
+    press(&mut window, Modifiers::NONE, Key::ArrowLeft);
+    assert_eq!(
+        app(&window).selection.map(|mark| mark.ping),
+        Some(ping + 24)
+    );
+    press(&mut window, Modifiers::NONE, Key::End);
+    assert_eq!(
+        app(&window).selection.map(|mark| mark.ping),
+        Some(pings - 1)
+    );
+}
+
+#[test]
+fn playing_runs_along_the_survey_and_stops() {
+    let mut window = demo_window();
+    window.key_press(Key::Space);
+    window.run_steps(6);
+    let ping = app(&window).selection.expect("a selection").ping;
+    assert!(ping > 0);
+    window.key_press(Key::Space);
+    window.run_steps(4);
+    let stopped = app(&window).selection.map(|mark| mark.ping);
+    window.run_steps(4);
+    assert_eq!(app(&window).selection.map(|mark| mark.ping), stopped);
+}
+
+#[test]
+fn the_palette_finds_a_command_by_a_few_letters() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::COMMAND, Key::P);
+    window.get_by_label("Command").type_text("light");
+    window.run();
+    assert_eq!(
+        app(&window).options.theme,
+        ThemeChoice::Dark,
+        "letters are text here, not keys"
+    );
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(app(&window).options.theme, ThemeChoice::Light);
+    assert!(
+        window.query_by_label("Command").is_none(),
+        "the palette closes"
+    );
+    press(&mut window, Modifiers::NONE, Key::L);
+    assert_eq!(app(&window).options.theme, ThemeChoice::Dark);
+}
+
+#[test]
+fn the_help_page_lists_every_command_with_its_key() {
+    let mut window = empty_window();
+    press(&mut window, Modifiers::NONE, Key::F1);
+    for action in Action::ALL {
+        assert!(
+            window.query_all_by_label(action.hint()).next().is_some(),
+            "{} is missing",
+            action.label()
+        );
+    }
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(window.query_by_label(Action::Fit.hint()).is_none());
+}
+
+#[test]
+fn views_are_maximised_and_arranged() {
+    let mut window = demo_window();
+    assert!(window.query_by_label("Map").is_some());
+    press(&mut window, Modifiers::NONE, Key::Num3);
+    press(&mut window, Modifiers::NONE, Key::F11);
+    assert!(
+        window.query_by_label("Map").is_none(),
+        "the cloud has the whole centre"
+    );
+    assert!(window.query_by_label("3D cloud").is_some());
+    press(&mut window, Modifiers::NONE, Key::F11);
+    assert!(window.query_by_label("Map").is_some());
+}
+
+#[test]
+fn products_are_written_where_the_path_field_says() {
+    let mut window = demo_window();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let into = folder.path().join("out");
+    press(&mut window, Modifiers::COMMAND, Key::E);
+    window
+        .get_by_role_and_label(Role::TextInput, "Folder to write into")
+        .type_text(&into.to_string_lossy());
+    window.run();
+    window.get_by_label("Export").click();
+    window.run();
+    assert!(into.join("report.json").is_file());
+    assert!(window.query_by_label_contains("Wrote ").is_some());
+}
