@@ -28,7 +28,8 @@ impl Origin {
         }
     }
 
-    fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
+    /// Opens it.
+    pub fn open(&self, progress: &Progress) -> Result<Survey, formats::OpenError> {
         match self {
             Origin::Path(path) => formats::open(path, progress),
             Origin::Demo => {

@@ -7,6 +7,7 @@ mod info;
 mod process;
 mod simulate;
 mod snapshot;
+mod start;
 mod status_line;
 mod window;
 
@@ -70,11 +71,7 @@ pub fn main() -> ExitCode {
             command: None,
             surveys,
             demo,
-        } if window::display_available() => window::run(surveys, demo),
-        Cli { command: None, .. } => Err(
-            "no display to open the window on; `bathyscope process` and `bathyscope snapshot` work without one"
-                .to_owned(),
-        ),
+        } => start::run(surveys, demo),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,9 +1,9 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
 use super::process::SettingsArgs;
-use crate::app::{App, Command, Jobs, Mark, ThemeChoice, View};
+use crate::app::{App, Command, Jobs, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
-use crate::ui::{Alone, Shell, offscreen};
+use crate::ui::{Alone, Shell, offscreen::Studio};
 use std::path::{Path, PathBuf};
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
@@ -84,7 +84,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         Theme::Dark => ThemeChoice::Dark,
         Theme::Light => ThemeChoice::Light,
     };
-    open(&mut app, args.survey.as_deref())?;
+    open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     select(&mut app, args.pings)?;
     let mut shell = Shell::new(app);
     if let Some(alone) = alone(args.view) {
@@ -93,13 +93,40 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     if let Some(pings) = args.pings {
         shell.show_pings(pings.start..pings.end);
     }
-    let (picture, adapter) = offscreen::render(&mut shell, args.size, args.scale)?;
+    let studio = Studio::new()?;
+    let picture = studio.draw(&mut shell, args.size, args.scale)?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
         return Err(error.text.clone());
     }
     write(&picture, &args.output)?;
-    eprintln!("drawn by {adapter}");
+    eprintln!("drawn by {}", studio.adapter());
     Ok(())
+}
+
+/// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.
+pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, String), String> {
+    const PICTURES: [(&str, Picture, [u32; 2]); 4] = [
+        ("window.png", Picture::All, [1600, 1000]),
+        ("waterfall.png", Picture::Waterfall, [1600, 800]),
+        ("map.png", Picture::Map, [1000, 800]),
+        ("cloud.png", Picture::Cloud, [1000, 800]),
+    ];
+    let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
+    open(&mut app, origin)?;
+    select(&mut app, None)?;
+    let mut shell = Shell::new(app);
+    let studio = Studio::new()?;
+    for (name, view, size) in PICTURES {
+        if let Some(alone) = alone(view) {
+            shell.show_alone(alone);
+        }
+        let picture = studio.draw(&mut shell, size, 1.0)?;
+        write(&picture, &folder.join(name))?;
+    }
+    Ok((
+        PICTURES.iter().map(|(name, ..)| *name).collect(),
+        studio.adapter(),
+    ))
 }
 
 fn alone(picture: Picture) -> Option<Alone> {
@@ -113,10 +140,10 @@ fn alone(picture: Picture) -> Option<Alone> {
 }
 
 /// Opens the log and waits for all results.
-fn open(app: &mut App, path: Option<&Path>) -> Result<(), String> {
-    app.apply(match path {
-        Some(path) => Command::Open(path.to_owned()),
-        None => Command::OpenDemo,
+fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
+    app.apply(match origin {
+        Origin::Path(path) => Command::Open(path.clone()),
+        Origin::Demo => Command::OpenDemo,
     });
     while !app.is_idle() {
         std::thread::sleep(std::time::Duration::from_millis(2));

@@ -2,8 +2,10 @@
 
 use super::Products;
 use super::report::Report;
+use crate::export;
 use crate::progress::Progress;
 use crate::survey::Survey;
+use std::io::Write as _;
 use std::path::Path;
 
 /// What was written.
@@ -15,7 +17,10 @@ pub struct Written {
     pub report: Report,
 }
 
-/// Writes `report.json` into `folder`.
+/// Writes `first_returns.csv`, `cloud.csv`, `cloud.laz`, `cloud.ply` and `report.json` into `folder`, which is made when it
+/// is missing. Each file is written aside and renamed, the report last: where it is, the others are whole.
+///
+/// The error is one sentence that names the file. A cancelled run leaves whole files only.
 pub fn write_products(
     survey: &Survey,
     products: &Products,
@@ -23,14 +28,46 @@ pub fn write_products(
     progress: &Progress,
 ) -> Result<Written, String> {
     let report = Report::new(survey, products, progress).map_err(|error| error.to_string())?;
-    std::fs::create_dir_all(folder).map_err(|e| e.to_string())?;
-    std::fs::write(
-        folder.join("report.json"),
-        serde_json::to_vec_pretty(&report).map_err(|e| e.to_string())?,
-    )
-    .map_err(|e| e.to_string())?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
+    let Products {
+        navigation,
+        returns,
+        calibration,
+        cloud,
+        kept,
+        ..
+    } = products;
+    let writers: [(
+        &'static str,
+        &dyn Fn(&Path) -> Result<(), export::ExportError>,
+    ); 5] = [
+        ("first_returns.csv", &|path| {
+            export::first_returns_csv(path, survey, navigation, returns, calibration)
+        }),
+        ("cloud.csv", &|path| {
+            export::cloud_csv(path, survey, navigation, cloud, kept)
+        }),
+        ("cloud.laz", &|path| {
+            export::cloud_laz(path, survey, navigation, cloud, kept)
+        }),
+        ("cloud.ply", &|path| export::cloud_ply(path, cloud, kept)),
+        ("report.json", &|path| {
+            export::write_aside(path, |mut file| {
+                let text = serde_json::to_vec_pretty(&report)?;
+                file.write_all(&text)?;
+                file.write_all(b"\n")
+            })
+        }),
+    ];
+    progress.start(writers.len() as u64);
+    for (name, write) in &writers {
+        progress.check().map_err(|error| error.to_string())?;
+        write(&folder.join(name)).map_err(|error| error.to_string())?;
+        progress.advance(1);
+    }
     Ok(Written {
-        files: vec!["report.json"],
+        files: writers.iter().map(|(name, _)| *name).collect(),
         report,
     })
 }

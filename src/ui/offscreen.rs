@@ -16,46 +16,43 @@ const TIME_LIMIT: Duration = Duration::from_secs(240);
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
-/// Draws the shell into a picture of `size` pixels. Returns it with the name of the adapter that drew it.
-///
-/// Errors say in a sentence what is missing: no adapter, a picture larger than the adapter can hold, a time limit.
-pub fn render(
-    shell: &mut Shell,
-    size: [u32; 2],
-    pixels_per_point: f32,
-) -> Result<(RgbaImage, String), String> {
-    let gpu = gpu()?;
-    let info = gpu.adapter.get_info();
-    let largest = gpu.device.limits().max_texture_dimension_2d;
-    if size.iter().any(|side| *side == 0 || *side > largest) {
-        return Err(format!(
-            "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}",
-            size[0], size[1]
-        ));
+/// A graphics device that draws pictures. What the views keep on the device belongs to it: draw one shell with one studio.
+pub struct Studio {
+    gpu: RenderState,
+}
+
+impl Studio {
+    /// Opens the first usable adapter; the error says what to install when there is none.
+    pub fn new() -> Result<Self, String> {
+        gpu().map(|gpu| Self { gpu })
     }
-    let mut host = Host::new(gpu, size, pixels_per_point);
-    let started = Instant::now();
-    let mut quiet = 0;
-    // A few quiet frames: sizes settle over two frames, and tiles asked for in one are drawn in the next.
-    while quiet < 4 {
-        let repaint = host.frame(shell)?;
-        quiet = if shell.is_settled() && !repaint {
-            quiet + 1
-        } else {
-            0
-        };
-        if started.elapsed() > TIME_LIMIT {
+
+    /// Name, interface and kind of the adapter.
+    pub fn adapter(&self) -> String {
+        let info = self.gpu.adapter.get_info();
+        format!("{} ({}, {:?})", info.name, info.backend, info.device_type)
+    }
+
+    /// Draws the shell into a picture of `size` pixels.
+    ///
+    /// Errors say in a sentence what is wrong: a picture larger than the adapter can hold, a time limit.
+    pub fn draw(
+        &self,
+        shell: &mut Shell,
+        size: [u32; 2],
+        pixels_per_point: f32,
+    ) -> Result<RgbaImage, String> {
+        let largest = self.gpu.device.limits().max_texture_dimension_2d;
+        if size.iter().any(|side| *side == 0 || *side > largest) {
             return Err(format!(
-                "the picture was not ready after {} s; ask for fewer pings or a smaller size",
-                TIME_LIMIT.as_secs()
+                "a picture must have 1 to {largest} pixels a side on this adapter; asked for {}x{}",
+                size[0], size[1]
             ));
         }
-        if quiet == 0 {
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        let mut host = Host::new(self.gpu.clone(), size, pixels_per_point);
+        host.settle(shell)?;
+        host.read_back()
     }
-    let name = format!("{} ({}, {:?})", info.name, info.backend, info.device_type);
-    Ok((host.read_back()?, name))
 }
 
 fn gpu() -> Result<RenderState, String> {
@@ -105,6 +102,31 @@ impl Host {
             pixels_per_point,
             frames: 0,
         }
+    }
+
+    /// Draws frames until everything is computed and drawn at its final quality.
+    fn settle(&mut self, shell: &mut Shell) -> Result<(), String> {
+        let started = Instant::now();
+        let mut quiet = 0;
+        // A few quiet frames: sizes settle over two frames, and tiles asked for in one are drawn in the next.
+        while quiet < 4 {
+            let repaint = self.frame(shell)?;
+            quiet = if shell.is_settled() && !repaint {
+                quiet + 1
+            } else {
+                0
+            };
+            if started.elapsed() > TIME_LIMIT {
+                return Err(format!(
+                    "the picture was not ready after {} s; ask for fewer pings or a smaller size",
+                    TIME_LIMIT.as_secs()
+                ));
+            }
+            if quiet == 0 {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+        Ok(())
     }
 
     fn input(&mut self) -> egui::RawInput {

@@ -26,7 +26,10 @@ fn run(folder: &Path, args: &[&str]) -> String {
 fn refusal(folder: &Path, args: &[&str], code: i32) -> String {
     let output = bathyscope(folder, args);
     assert_eq!(output.status.code(), Some(code), "{args:?}");
-    assert!(output.stdout.is_empty(), "{args:?} prints results although it failed");
+    assert!(
+        output.stdout.is_empty(),
+        "{args:?} prints results although it failed"
+    );
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -34,7 +37,10 @@ const SCENE: &str = "duration_s = 20.0\n";
 
 fn simulated(folder: &Path) {
     fs::write(folder.join("scene.toml"), SCENE).expect("a scene file");
-    run(folder, &["simulate", "scene.toml", "-o", "pond", "--seed", "3"]);
+    run(
+        folder,
+        &["simulate", "scene.toml", "-o", "pond", "--seed", "3"],
+    );
 }
 
 fn header(path: &Path) -> String {
@@ -65,24 +71,50 @@ fn simulate_info_process_and_filter_work_together() {
         "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,port_sample,port_range_m,port_confidence,\
          starboard_sample,starboard_range_m,starboard_confidence"
     );
-    assert_eq!(header(&out.join("cloud.csv")), "source,ping,lon,lat,east_m,north_m,z_m,kept");
-    let rows = fs::read_to_string(out.join("first_returns.csv")).expect("first returns").lines().count();
+    assert_eq!(
+        header(&out.join("cloud.csv")),
+        "source,ping,lon,lat,east_m,north_m,z_m,kept"
+    );
+    let rows = fs::read_to_string(out.join("first_returns.csv"))
+        .expect("first returns")
+        .lines()
+        .count();
     assert_eq!(rows as u64, pings + 1, "one row a ping");
     for product in ["cloud.ply", "cloud.laz"] {
         assert!(out.join(product).is_file(), "{product}");
     }
     let report: serde_json::Value =
-        serde_json::from_slice(&fs::read(out.join("report.json")).expect("a report")).expect("JSON");
+        serde_json::from_slice(&fs::read(out.join("report.json")).expect("a report"))
+            .expect("JSON");
     assert_eq!(report["counts"]["pings"].as_u64(), Some(pings));
     assert_eq!(report["preset"], "recommended");
     assert_eq!(report["settings"]["first_return"]["method"], "tracker");
-    assert_eq!(report["inputs"][0]["sha256"].as_str().map(str::len), Some(64));
+    assert_eq!(
+        report["inputs"][0]["sha256"].as_str().map(str::len),
+        Some(64)
+    );
     for key in ["n", "mean_m", "median_m", "sd_m", "rms_m", "mae_m", "p95_m"] {
         assert!(report["residuals"][key].is_number(), "residuals.{key}");
     }
-    assert_eq!(fs::read(folder.join("pond.sl2")).expect("the log"), before, "a log is never modified");
+    assert_eq!(
+        fs::read(folder.join("pond.sl2")).expect("the log"),
+        before,
+        "a log is never modified"
+    );
 
-    run(folder, &["filter", "out/cloud.ply", "-o", "kept.ply", "--radius", "1", "--min-neighbors", "3"]);
+    run(
+        folder,
+        &[
+            "filter",
+            "out/cloud.ply",
+            "-o",
+            "kept.ply",
+            "--radius",
+            "1",
+            "--min-neighbors",
+            "3",
+        ],
+    );
     assert!(folder.join("kept.ply").is_file());
 }
 
@@ -91,22 +123,39 @@ fn presets_files_and_assignments_are_laid_over_each_other() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
-    fs::write(folder.join("mine.toml"), "[cloud]\ngeometry = \"nadir\"\n[first_return]\nthreshold = 0.2\n")
-        .expect("a settings file");
+    fs::write(
+        folder.join("mine.toml"),
+        "[cloud]\ngeometry = \"nadir\"\n[first_return]\nthreshold = 0.2\n",
+    )
+    .expect("a settings file");
     run(
         folder,
         &[
-            "process", "pond.sl2", "-o", "out", "--preset", "published", "--settings", "mine.toml", "--set",
+            "process",
+            "pond.sl2",
+            "-o",
+            "out",
+            "--preset",
+            "published",
+            "--settings",
+            "mine.toml",
+            "--set",
             "first_return.threshold=0.35",
         ],
     );
     let report: serde_json::Value =
-        serde_json::from_slice(&fs::read(folder.join("out/report.json")).expect("a report")).expect("JSON");
+        serde_json::from_slice(&fs::read(folder.join("out/report.json")).expect("a report"))
+            .expect("JSON");
     let settings = &report["settings"];
     assert_eq!(settings["image"]["samples"], "words", "from the preset");
     assert_eq!(settings["cloud"]["geometry"], "nadir", "from the file");
-    let threshold = settings["first_return"]["threshold"].as_f64().expect("a number");
-    assert!((threshold - 0.35).abs() < 1e-6, "from the assignment: {threshold}");
+    let threshold = settings["first_return"]["threshold"]
+        .as_f64()
+        .expect("a number");
+    assert!(
+        (threshold - 0.35).abs() < 1e-6,
+        "from the assignment: {threshold}"
+    );
     assert_eq!(report["preset"], "changed");
 }
 
@@ -114,17 +163,38 @@ fn presets_files_and_assignments_are_laid_over_each_other() {
 fn what_cannot_be_used_is_refused_in_one_sentence() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    fs::write(folder.join("letter.sl2"), "Dear surveyor, this is not a log.").expect("a file");
+    fs::write(
+        folder.join("letter.sl2"),
+        "Dear surveyor, this is not a log.",
+    )
+    .expect("a file");
     fs::write(folder.join("empty.sl2"), "").expect("a file");
 
     let absent = refusal(folder, &["info", "absent.sl2"], 1);
     assert!(absent.contains("absent.sl2"), "{absent}");
     for name in ["letter.sl2", "empty.sl2"] {
         let sentence = refusal(folder, &["process", name, "-o", "out"], 1);
-        assert!(sentence.contains(name) && sentence.lines().count() == 1, "{sentence}");
+        assert!(
+            sentence.contains(name) && sentence.lines().count() == 1,
+            "{sentence}"
+        );
     }
-    assert!(!folder.join("out").exists(), "nothing is written for a log that cannot be read");
-    let unknown = refusal(folder, &["process", "letter.sl2", "-o", "out", "--set", "cloud.geometri=nadir"], 1);
+    assert!(
+        !folder.join("out").exists(),
+        "nothing is written for a log that cannot be read"
+    );
+    let unknown = refusal(
+        folder,
+        &[
+            "process",
+            "letter.sl2",
+            "-o",
+            "out",
+            "--set",
+            "cloud.geometri=nadir",
+        ],
+        1,
+    );
     assert!(unknown.contains("geometri"), "{unknown}");
     refusal(folder, &["process"], 2);
     refusal(folder, &["info", "--jason", "x"], 2);
@@ -137,18 +207,32 @@ fn without_a_display_the_demo_is_processed() {
     let told = run(folder, &["--demo"]);
     assert!(told.contains("bathyscope-out"), "{told}");
     assert!(folder.join("bathyscope-out/demo/report.json").is_file());
-    assert!(folder.join("bathyscope-out/demo/window.png").is_file(), "lavapipe draws the window");
+    assert!(
+        folder.join("bathyscope-out/demo/window.png").is_file(),
+        "lavapipe draws the window"
+    );
 }
 
 #[test]
 fn the_real_river_is_processed_as_its_notes_say() {
-    let Some(data) = support::real_data() else { return };
+    let Some(data) = support::real_data() else {
+        return;
+    };
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let river = data.join("humminbird-glen-canyon/Rec00001.DAT");
     let out = temporary.path().join("out");
-    run(temporary.path(), &["process", &river.to_string_lossy(), "-o", &out.to_string_lossy()]);
+    run(
+        temporary.path(),
+        &[
+            "process",
+            &river.to_string_lossy(),
+            "-o",
+            &out.to_string_lossy(),
+        ],
+    );
     let report: serde_json::Value =
-        serde_json::from_slice(&fs::read(out.join("report.json")).expect("a report")).expect("JSON");
+        serde_json::from_slice(&fs::read(out.join("report.json")).expect("a report"))
+            .expect("JSON");
     assert_eq!(report["counts"]["pings"], 3453);
     let residuals = &report["residuals"];
     let figure = |key: &str| residuals[key].as_f64().expect("a figure");

@@ -2,6 +2,7 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod cli;
 mod cloud;
 mod damage;
 mod export;
@@ -9,6 +10,7 @@ mod first_return;
 mod formats;
 mod golden;
 mod handmade;
+mod real_window;
 mod support;
 mod waterfall;
 mod window;

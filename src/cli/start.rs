@@ -1,0 +1,47 @@
+//! `bathyscope [SURVEY...]`: the window, or the same work where there is no display.
+
+use super::process::process_into;
+use super::{snapshot, window};
+use crate::app::Origin;
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use std::path::{Path, PathBuf};
+
+/// Where a run without a display writes.
+const OUTPUT: &str = "bathyscope-out";
+
+/// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws their pictures.
+pub fn run(surveys: Vec<PathBuf>, demo: bool) -> Result<(), String> {
+    if window::display_available() {
+        return window::run(surveys, demo);
+    }
+    if surveys.is_empty() && !demo {
+        return Err(
+            "no display to open the window on; try `bathyscope --demo`, or `bathyscope process SURVEY -o DIR`"
+                .to_owned(),
+        );
+    }
+    println!("no display: processing into {OUTPUT} instead of opening the window");
+    let paths = surveys.into_iter().map(Origin::Path);
+    for origin in demo.then_some(Origin::Demo).into_iter().chain(paths) {
+        without_display(&origin)?;
+    }
+    println!(
+        "for the window, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)"
+    );
+    Ok(())
+}
+
+fn without_display(origin: &Origin) -> Result<(), String> {
+    let survey = origin
+        .open(&Progress::new())
+        .map_err(|error| error.to_string())?;
+    let folder = Path::new(OUTPUT).join(survey.name());
+    process_into(&survey, &Settings::default(), &folder)?;
+    // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
+    match snapshot::draw_into(origin, &folder) {
+        Ok((files, adapter)) => println!("drew {} on {adapter}", files.join(", ")),
+        Err(reason) => println!("no pictures: {reason}"),
+    }
+    Ok(())
+}
