@@ -4,10 +4,11 @@
 //! absolute times of one machine prove nothing on another.
 
 mod decode;
+mod first_return;
 mod large_log;
 
 /// Name on the command line and what it runs.
-const BENCHES: &[(&str, fn())] = &[("decode", decode::run)];
+const BENCHES: &[(&str, fn())] = &[("decode", decode::run), ("first_return", first_return::run)];
 
 fn main() {
     // Cargo passes `--bench`; what is left are names.
