@@ -1,7 +1,9 @@
 //! From channels in file order to a [`Survey`]: sides joined, depths matched by time, noise named.
 
 use super::collected::{Collected, HalfPing};
-use crate::survey::{ChannelKind, Fix, Side, SidePing, SideScanState, Sounding, Survey, Track};
+use crate::survey::{
+    Channel, ChannelKind, Fix, Side, SidePing, SideScanState, Sounding, Survey, Track,
+};
 
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
 const STUCK_RANGE_M: f32 = 1.6;
@@ -29,12 +31,16 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         log.report
             .log("the log holds no position; nothing in it can be placed on a map");
     }
-    log.channels
-        .sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
+    let mut channels: Vec<Channel> = log
+        .channels
+        .into_iter()
+        .map(|(_, channel)| channel)
+        .collect();
+    channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
     Survey {
         source: log.source,
         start_unix_s: log.start_unix_s,
-        channels: log.channels,
+        channels,
         side_scan,
         side_scan_state,
         soundings,

@@ -18,6 +18,17 @@ pub(super) struct HalfPing {
     pub(super) span: SideSpan,
 }
 
+/// What is counted of a ping of any channel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Counted {
+    /// Seconds after the log's time zero.
+    pub(super) time_s: f64,
+    /// Samples of one side.
+    pub(super) samples: usize,
+    /// Near and far limit, where the recorder states them.
+    pub(super) range_m: Option<(f32, f32)>,
+}
+
 /// A log as read.
 #[derive(Debug)]
 pub(super) struct Collected {
@@ -27,8 +38,8 @@ pub(super) struct Collected {
     pub(super) bytes: Vec<Bytes>,
     /// Unix seconds of the log's time zero.
     pub(super) start_unix_s: Option<f64>,
-    /// What each channel holds so far.
-    pub(super) channels: Vec<Channel>,
+    /// What each channel holds so far, under its number.
+    pub(super) channels: Vec<(u16, Channel)>,
     /// Side-scan pings whose two sides came together.
     pub(super) composite: Vec<SidePing>,
     /// Port halves that came alone.
@@ -60,37 +71,48 @@ impl Collected {
         }
     }
 
-    /// Counts a ping of a channel; channels are told apart by kind and recorder's name.
-    pub(super) fn count(
-        &mut self,
-        kind: ChannelKind,
-        recorder_name: &str,
-        frequency_khz: Option<f32>,
-        time_s: f64,
-        samples: usize,
-        range_m: Option<(f32, f32)>,
-    ) {
-        let same =
-            |channel: &&mut Channel| channel.kind == kind && channel.recorder_name == recorder_name;
-        let Some(channel) = self.channels.iter_mut().find(same) else {
-            self.channels.push(Channel {
-                kind,
-                recorder_name: recorder_name.to_owned(),
-                frequency_khz,
-                ping_count: 1,
-                time_span_s: Some((time_s, time_s)),
-                sample_count: (samples, samples),
-                range_m,
-            });
+    /// Counts a ping of the channel that the recorder (or the order of the files) gives this number.
+    pub(super) fn count(&mut self, number: u16, ping: Counted) {
+        let Some((_, channel)) = self.channels.iter_mut().find(|(known, _)| *known == number)
+        else {
             return;
         };
+        let time_s = (ping.time_s, ping.time_s);
+        let samples = (ping.samples, ping.samples);
+        channel.time_span_s = Some(widen(channel.time_span_s, time_s));
+        channel.sample_count = widen(
+            Some(channel.sample_count).filter(|_| channel.ping_count > 0),
+            samples,
+        );
         channel.ping_count += 1;
-        channel.time_span_s = Some(widen(channel.time_span_s, (time_s, time_s)));
-        let (fewest, most) = channel.sample_count;
-        channel.sample_count = (fewest.min(samples), most.max(samples));
-        if let Some(range_m) = range_m {
+        if let Some(range_m) = ping.range_m {
             channel.range_m = Some(widen(channel.range_m, range_m));
         }
+    }
+
+    /// Whether a channel of this number was introduced.
+    pub(super) fn knows(&self, number: u16) -> bool {
+        self.channels.iter().any(|(known, _)| *known == number)
+    }
+
+    /// Introduces a channel before its first ping is counted.
+    pub(super) fn introduce(
+        &mut self,
+        number: u16,
+        kind: ChannelKind,
+        recorder_name: String,
+        frequency_khz: Option<f32>,
+    ) {
+        let channel = Channel {
+            kind,
+            recorder_name,
+            frequency_khz,
+            ping_count: 0,
+            time_span_s: None,
+            sample_count: (0, 0),
+            range_m: None,
+        };
+        self.channels.push((number, channel));
     }
 
     /// Keeps a depth if it is one: recorders write 0 where there is none.

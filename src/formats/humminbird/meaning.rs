@@ -3,7 +3,7 @@
 use super::dat::{Dat, Water};
 use super::ping::PingHeader;
 use crate::formats::clock::{Clock, Verdict};
-use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::Kind;
 use crate::geo::LonLat;
 use crate::survey::{ChannelKind, Encoding, Fix, Order, SideSpan};
@@ -67,17 +67,18 @@ impl Reader {
         let kind = self.channel_kind(ping);
         let time_s = time_s(ping);
         let span = self.span(offset, ping);
-        let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);
         let is_side = matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
-        let range_m = is_side.then_some((span.near_m, span.far_m));
-        log.count(
-            kind,
-            &self.name,
-            frequency_khz,
+        let number = self.file as u16;
+        if !log.knows(number) {
+            let frequency_khz = (ping.frequency_hz > 0).then(|| ping.frequency_hz as f32 / 1000.0);
+            log.introduce(number, kind, self.name.clone(), frequency_khz);
+        }
+        let counted = Counted {
             time_s,
-            ping.sample_count as usize,
-            range_m,
-        );
+            samples: ping.sample_count as usize,
+            range_m: is_side.then_some((span.near_m, span.far_m)),
+        };
+        log.count(number, counted);
         log.add_depth(kind, time_s, ping.depth_dm as f32 / 10.0);
         if ping.easting_m != 0 && ping.northing_m != 0 {
             log.add_fix(fix(ping, time_s));

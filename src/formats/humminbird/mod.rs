@@ -100,7 +100,8 @@ fn remark(recording: &Recording, log: &mut Collected) {
             .report
             .log(format!("the DAT file is damaged: {unknown}")),
         Some((_, Some(dat))) => {
-            let pings: usize = log.channels.iter().map(|channel| channel.ping_count).sum();
+            let counts = log.channels.iter().map(|(_, channel)| channel.ping_count);
+            let pings: usize = counts.sum();
             if pings < dat.record_count as usize {
                 log.report.log(format!(
                     "the DAT file counts {} pings in all channels; {pings} were read",

@@ -2,9 +2,9 @@
 
 use super::frame::Frame;
 use crate::formats::clock::{Clock, Verdict};
-use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::Kind;
-use crate::geo::{self, METRES_PER_FOOT, MPS_PER_KNOT};
+use crate::geo::{self, LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Encoding, Fix, Order, SidePing, SideSpan};
 
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
@@ -15,6 +15,8 @@ const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
 pub(super) struct Reader {
     clock: Clock<Frame>,
     keel_ft: f32,
+    /// The last place, as recorded and as degrees: units repeat a fix for tens of frames.
+    place: Option<([i32; 2], LonLat)>,
 }
 
 impl Reader {
@@ -57,14 +59,16 @@ impl Reader {
         if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
             log.start_unix_s = Some(f64::from(frame.clock));
         }
-        log.count(
-            kind,
-            &frame.channel.to_string(),
-            frequency_khz(frame.frequency),
+        if !log.knows(frame.channel) {
+            let name = frame.channel.to_string();
+            log.introduce(frame.channel, kind, name, frequency_khz(frame.frequency));
+        }
+        let counted = Counted {
             time_s,
-            samples_a_side(kind, frame),
-            range_m(kind, frame),
-        );
+            samples: samples_a_side(kind, frame),
+            range_m: range_m(kind, frame),
+        };
+        log.count(frame.channel, counted);
         let is_sonar = !matches!(kind, ChannelKind::Other(_));
         if is_sonar && frame.depth_ft > 0.0 {
             // A whole metre of keel offset is rare; ten are damage.
@@ -75,9 +79,19 @@ impl Reader {
             log.add_depth(kind, time_s, metres(frame.depth_ft) - metres(keel_ft));
         }
         if frame.x_m != 0 && frame.y_m != 0 {
-            log.add_fix(fix(frame, time_s));
+            log.add_fix(fix(frame, time_s, self.position(frame)));
         }
         keep_side_scan(log, kind, frame, time_s);
+    }
+
+    fn position(&mut self, frame: &Frame) -> LonLat {
+        let recorded = [frame.x_m, frame.y_m];
+        if let Some((_, degrees)) = self.place.filter(|(place, _)| *place == recorded) {
+            return degrees;
+        }
+        let degrees = geo::lowrance_mercator_inverse(f64::from(frame.x_m), f64::from(frame.y_m));
+        self.place = Some((recorded, degrees));
+        degrees
     }
 }
 
@@ -187,10 +201,10 @@ fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
     (near_m.is_finite() && far_m.is_finite()).then_some((near_m, far_m))
 }
 
-fn fix(frame: &Frame, time_s: f64) -> Fix {
+fn fix(frame: &Frame, time_s: f64, position: LonLat) -> Fix {
     Fix {
         time_s,
-        position: geo::lowrance_mercator_inverse(f64::from(frame.x_m), f64::from(frame.y_m)),
+        position,
         cog_rad: if frame.course_rad.is_finite() {
             frame.course_rad
         } else {

@@ -3,7 +3,7 @@
 use super::channels::{self, XtfChannel};
 use super::raw::{FileHeader, PacketHeader, PingChannel, PingHeader, record};
 use crate::formats::clock::{Clock, Verdict};
-use crate::formats::collected::{Collected, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::Kind;
 use crate::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
 use crate::survey::{ChannelKind, Encoding, Fix, SideSpan};
@@ -155,14 +155,17 @@ impl<'a> Reader<'a> {
     ) {
         let count = header.samples;
         let far_m = far_m(header);
-        log.count(
-            channel.kind,
-            &channel.name,
-            channel.frequency_khz,
+        let number = header.channel;
+        if !log.knows(number) {
+            let name = channel.name.clone();
+            log.introduce(number, channel.kind, name, channel.frequency_khz);
+        }
+        let counted = Counted {
             time_s,
-            count as usize,
-            Some((0.0, far_m)),
-        );
+            samples: count as usize,
+            range_m: Some((0.0, far_m)),
+        };
+        log.count(number, counted);
         let side = match channel.kind {
             ChannelKind::Port => 0,
             ChannelKind::Starboard => 1,
