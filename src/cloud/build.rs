@@ -1,11 +1,13 @@
 //! Picks and soundings to points in the survey's plane.
 
 use super::geometry::{Foot, beside, fixed_foot};
-use super::{CloudPoint, CloudSettings, PointCloud, PointSource};
+use super::specular::{Pair, Rise, specular_foot};
+use super::{CloudPoint, CloudSettings, Geometry, PointCloud, PointSource};
 use crate::calibration::{Calibration, ScaleMode};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Side, Survey};
+use rayon::prelude::*;
 
 /// Slant range of a pick by the calibration in force, metres; NaN without a pick. The only place where samples become metres.
 pub fn slant_range_m(
@@ -39,24 +41,57 @@ pub fn build(
     progress.start(3);
     let mut points = sounding_points(survey, navigation);
     progress.advance(1);
-    for side in Side::BOTH {
-        progress.check()?;
-        let feet: Vec<Option<Foot>> = returns
-            .side(side)
-            .iter()
-            .enumerate()
-            .map(|(ping, pick)| {
-                let range_m = slant_range_m(survey, calibration, ping, side, pick.sample);
-                (range_m > 0.0).then(|| fixed_foot(settings.geometry, range_m, settings.alpha2_deg))
-            })
-            .collect();
-        points.extend(side_points(navigation, returns, side, &feet));
-        progress.advance(1);
+    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, calibration, side));
+    let rises = match settings.geometry {
+        Geometry::Slope => rises(survey, &ranges),
+        _ => Vec::new(),
+    };
+    progress.advance(1);
+    progress.check()?;
+    for (side, ranges_m) in Side::BOTH.into_iter().zip(&ranges) {
+        let foot = |ping: usize, range_m: f64| match (rises.get(ping), side) {
+            (Some(rise), Side::Port) => specular_foot(range_m, rise.port_rad),
+            (Some(rise), Side::Starboard) => specular_foot(range_m, rise.starboard_rad),
+            (None, _) => fixed_foot(settings.geometry, range_m, settings.alpha2_deg),
+        };
+        points.extend(side_points(navigation, returns, side, ranges_m, foot));
     }
+    progress.advance(1);
     Ok(PointCloud {
         points,
         zero_heading: navigation.zero_heading,
     })
+}
+
+/// Slant range of every pick of a side; NaN without one.
+fn ranges_m(
+    survey: &Survey,
+    returns: &FirstReturns,
+    calibration: &Calibration,
+    side: Side,
+) -> Vec<f64> {
+    let picks = returns.side(side).par_iter().enumerate();
+    picks
+        .map(|(ping, pick)| slant_range_m(survey, calibration, ping, side, pick.sample))
+        .collect()
+}
+
+/// The slope at every ping. Picks flagged as canopy count: on a steep slope the bottom itself lies above the recorded
+/// depth, and canopy on one side moves only the points of that side.
+fn rises(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Rise> {
+    let sides = port.iter().zip(starboard);
+    let pairs: Vec<Pair> = sides
+        .zip(&survey.side_scan)
+        .map(|((&port_m, &starboard_m), ping)| Pair {
+            time_s: ping.time_s,
+            port_m,
+            starboard_m,
+        })
+        .collect();
+    (0..pairs.len())
+        .into_par_iter()
+        .map(|ping| Rise::at(&pairs, ping))
+        .collect()
 }
 
 fn sounding_points(survey: &Survey, navigation: &Navigation) -> Vec<CloudPoint> {
@@ -94,27 +129,32 @@ fn side_points<'a>(
     navigation: &'a Navigation,
     returns: &'a FirstReturns,
     side: Side,
-    feet: &'a [Option<Foot>],
+    ranges_m: &'a [f64],
+    foot: impl Fn(usize, f64) -> Foot + 'a,
 ) -> impl Iterator<Item = CloudPoint> + 'a {
+    let source = match side {
+        Side::Port => PointSource::Port,
+        Side::Starboard => PointSource::Starboard,
+    };
     let pings = navigation
         .pings
         .iter()
         .zip(returns.side(side))
-        .zip(feet)
-        .enumerate();
-    pings.filter_map(move |(ping, ((place, pick), foot))| {
-        let [east_m, north_m] = beside(place, side, (*foot)?.across_m)?;
+        .zip(ranges_m);
+    let heard = pings
+        .enumerate()
+        .filter(|(_, (_, range_m))| **range_m > 0.0);
+    heard.filter_map(move |(ping, ((place, pick), &range_m))| {
+        let foot = foot(ping, range_m);
+        let [east_m, north_m] = beside(place, side, foot.across_m)?;
         Some(CloudPoint {
-            source: match side {
-                Side::Port => PointSource::Port,
-                Side::Starboard => PointSource::Starboard,
-            },
+            source,
             ping: ping as u32,
             sounding: None,
             sample: pick.sample,
             east_m,
             north_m,
-            z_m: -(*foot)?.depth_m,
+            z_m: -foot.depth_m,
         })
     })
 }

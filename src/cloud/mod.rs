@@ -5,6 +5,7 @@ mod geometry;
 mod keep;
 pub mod outliers;
 mod residuals;
+mod specular;
 
 pub use build::{build, slant_range_m};
 pub use geometry::{Foot, beside, fixed_foot};
@@ -23,7 +24,8 @@ pub enum Geometry {
     SelfConsistent,
     /// `z = r`, `y = 0`: the first return is straight below.
     Nadir,
-    /// The specular foot: the first return lies where the bottom is square to the beam.
+    /// The specular foot: the first return lies where the bottom is square to the beam. Its slope comes from the
+    /// difference of the two sides.
     Slope,
 }
 
