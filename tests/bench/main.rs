@@ -3,12 +3,19 @@
 //! A figure is a ratio against a baseline in the same run, or a throughput beside a plain read of the same bytes:
 //! absolute times of one machine prove nothing on another.
 
+mod accuracy;
 mod decode;
 mod first_return;
 mod large_log;
+mod outliers;
 
 /// Name on the command line and what it runs.
-const BENCHES: &[(&str, fn())] = &[("decode", decode::run), ("first_return", first_return::run)];
+const BENCHES: &[(&str, fn())] = &[
+    ("decode", decode::run),
+    ("first_return", first_return::run),
+    ("outliers", outliers::run),
+    ("accuracy", accuracy::run),
+];
 
 fn main() {
     // Cargo passes `--bench`; what is left are names.
