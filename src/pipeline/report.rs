@@ -96,6 +96,8 @@ pub struct CalibrationReport {
     pub k: Option<f64>,
     /// Offset of range against depth.
     pub b_m: Option<f64>,
+    /// Taken off every slant range, metres (`calibration.offset`).
+    pub offset_m: f64,
     /// Robust standard deviation about that line.
     pub fit_spread_m: Option<f64>,
 }
@@ -214,6 +216,7 @@ impl CalibrationReport {
             ppd,
             header,
             fit,
+            offset_m,
             ..
         } = calibration;
         Self {
@@ -228,6 +231,7 @@ impl CalibrationReport {
             flat_spot_depth_m: flat_spot.as_ref().map(|spot| spot.depth_m),
             header_px_per_m: header.map(|scale| scale.px_per_m),
             header_spread_px_per_m: header.map(|scale| scale.spread_px_per_m),
+            offset_m: *offset_m,
             k: fit.map(|fit| fit.k),
             b_m: fit.map(|fit| fit.b_m),
             fit_spread_m: fit.map(|fit| fit.spread_m),
