@@ -44,6 +44,14 @@ impl LineSpan {
         self.min_m > self.max_m
     }
 
+    /// Both ends, drawn out until they touch those of the stretch before, metres.
+    pub fn reaching(&self, before: &Self) -> [f32; 2] {
+        if before.is_gap() {
+            return [self.min_m, self.max_m];
+        }
+        [self.min_m.min(before.max_m), self.max_m.max(before.min_m)]
+    }
+
     fn join(self, other: Self) -> Self {
         Self {
             min_m: self.min_m.min(other.min_m),
@@ -191,6 +199,19 @@ mod tests {
                 assert_eq!(span.max_m, finite.fold(f32::NEG_INFINITY, f32::max));
             }
         }
+    }
+
+    #[test]
+    fn stretches_reach_to_the_one_before_and_not_over_a_gap() {
+        let span = |min_m, max_m| LineSpan {
+            min_m,
+            max_m,
+            canopy: false,
+        };
+        assert_eq!(span(5.0, 6.0).reaching(&span(1.0, 2.0)), [2.0, 6.0]);
+        assert_eq!(span(1.0, 2.0).reaching(&span(5.0, 6.0)), [1.0, 5.0]);
+        assert_eq!(span(1.0, 4.0).reaching(&span(2.0, 3.0)), [1.0, 4.0]);
+        assert_eq!(span(1.0, 2.0).reaching(&LineSpan::GAP), [1.0, 2.0]);
     }
 
     #[test]

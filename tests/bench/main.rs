@@ -8,12 +8,14 @@ mod decode;
 mod first_return;
 mod large_log;
 mod outliers;
+mod waterfall;
 
 /// Name on the command line and what it runs.
 const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
     ("first_return", first_return::run),
     ("outliers", outliers::run),
+    ("waterfall", waterfall::run),
     ("accuracy", accuracy::run),
 ];
 

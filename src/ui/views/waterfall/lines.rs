@@ -2,10 +2,11 @@
 
 use super::camera::{Lens, Place, across_m};
 use super::drawing::Drawing;
+use crate::app::Orientation;
 use crate::first_return::FirstReturns;
 use crate::survey::{Side, Survey};
-use crate::waterfall::LineStep;
-use egui::{Color32, Painter, Pos2, Shape, Stroke};
+use crate::waterfall::{LineSpan, LineStep};
+use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 /// Pings wider than this many points get a dot each.
 const DOT_POINTS: f64 = 7.0;
@@ -19,7 +20,17 @@ pub(super) struct Pen {
     pub width: f32,
 }
 
-/// The first return of a side; stretches above the canopy are dashed and paler, pings without a pick are gaps.
+impl Pen {
+    fn of(self, canopy: bool) -> Color32 {
+        if canopy {
+            self.colour.lerp_to_gamma(Color32::WHITE, 0.45)
+        } else {
+            self.colour
+        }
+    }
+}
+
+/// The first return of a side; canopy is dashed and paler, pings without a pick are gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
@@ -34,15 +45,85 @@ pub(super) fn first_return(
         lines: drawing.picks.as_deref(),
         side,
     };
-    draw(painter, &runs(lens, survey, step, side), lens, pen);
+    draw(painter, lens, survey, step, side, pen);
 }
 
 /// The recorded depth, as the slant range at which a flat bottom would first be heard.
 pub(super) fn depth(painter: &Painter, lens: &Lens, survey: &Survey, drawing: &Drawing, pen: Pen) {
     let step = LineStep::Depth(drawing.depth.as_ref());
     for side in Side::BOTH {
-        draw(painter, &runs(lens, survey, step, side), lens, pen);
+        draw(painter, lens, survey, step, side, pen);
     }
+}
+
+fn draw(painter: &Painter, lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side, pen: Pen) {
+    let columns = columns(lens, survey, step, side);
+    if columns.halvings > 0 {
+        painter.add(ribbon(&columns, lens, pen));
+    } else {
+        for run in runs(&columns, lens) {
+            draw_run(painter, &run, lens, pen);
+        }
+    }
+}
+
+/// The line over the pings in view, one value or pair of extremes a screen point or ping, whichever is wider.
+struct Columns {
+    /// A column covers `2^halvings` pings.
+    halvings: u8,
+    /// Number of the first column.
+    first: usize,
+    side: Side,
+    spans: Vec<LineSpan>,
+}
+
+impl Columns {
+    fn place(&self, index: usize, range_m: f32) -> Place {
+        Place {
+            ping: ((self.first + index) as f64 + 0.5) * f64::from(1_u32 << self.halvings),
+            across_m: across_m(self.side, f64::from(range_m)),
+        }
+    }
+}
+
+fn columns(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Columns {
+    let halvings = lens.pings_per_point().max(1.0).log2().ceil().min(30.0) as u8;
+    let block = 1_usize << halvings;
+    let seen = lens.visible(survey.side_scan.len());
+    // One more at each end, so that the line leaves the picture.
+    let first = (seen.start / block).saturating_sub(1);
+    Columns {
+        halvings,
+        first,
+        side,
+        spans: (first..seen.end.div_ceil(block) + 1)
+            .map(|index| step.span(survey, halvings, index))
+            .collect(),
+    }
+}
+
+/// Bars from extreme to extreme that touch their neighbours: quick to draw however ragged the line is.
+fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
+    let mut mesh = Mesh::default();
+    let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
+    let mut before = LineSpan::GAP;
+    for (index, span) in columns.spans.iter().enumerate() {
+        let is_dash_gap = span.canopy && (columns.first + index) % 7 >= 4;
+        if !span.is_gap() && !is_dash_gap {
+            let [low, high] = span.reaching(&before);
+            let [low, high] = [low, high].map(|range_m| columns.place(index, range_m));
+            let ends = [low, high].map(|place| lens.to_screen(place));
+            let bar = Rect::from_points(&ends);
+            let across = pen.width / 2.0;
+            let bar = match lens.orientation {
+                Orientation::Horizontal => bar.expand2(vec2(half as f32, across)),
+                Orientation::Vertical => bar.expand2(vec2(across, half as f32)),
+            };
+            mesh.add_colored_rect(bar, pen.of(span.canopy));
+        }
+        before = *span;
+    }
+    mesh
 }
 
 /// A stretch of a line without gaps and of one kind.
@@ -51,67 +132,46 @@ struct Run {
     points: Vec<Pos2>,
 }
 
-/// The line over the pings in view: one vertex a ping, or two (the extremes) a pixel column where pings share one.
-fn runs(lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side) -> Vec<Run> {
-    let halvings = lens.pings_per_point().max(1.0).log2().ceil() as u8;
-    let block = 1_usize << halvings;
-    let seen = lens.visible(survey.side_scan.len());
-    let blocks = seen.start / block..seen.end.div_ceil(block);
+fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     let mut is_broken = true;
-    for index in blocks.start.saturating_sub(1)..blocks.end + 1 {
-        let span = step.span(survey, halvings, index);
+    for (index, span) in columns.spans.iter().enumerate() {
         if span.is_gap() {
             is_broken = true;
             continue;
         }
-        let at = |range_m: f32| {
-            lens.to_screen(Place {
-                ping: (index as f64 + 0.5) * block as f64,
-                across_m: across_m(side, f64::from(range_m)),
-            })
-        };
-        let (near, far) = (at(span.min_m), at(span.max_m));
+        let point = lens.to_screen(columns.place(index, span.min_m));
         let last = runs.last_mut().filter(|_| !is_broken);
         let joint = last.as_ref().and_then(|run| run.points.last().copied());
         match last.filter(|run| run.canopy == span.canopy) {
-            Some(run) => run.points.push(near),
+            Some(run) => run.points.push(point),
             None => runs.push(Run {
                 canopy: span.canopy,
-                points: joint.into_iter().chain([near]).collect(),
+                points: joint.into_iter().chain([point]).collect(),
             }),
-        }
-        if near != far
-            && let Some(run) = runs.last_mut()
-        {
-            run.points.push(far);
         }
         is_broken = false;
     }
     runs
 }
 
-fn draw(painter: &Painter, runs: &[Run], lens: &Lens, pen: Pen) {
-    let ping_points = 1.0 / lens.pings_per_point();
-    for run in runs {
-        let pale = pen.colour.lerp_to_gamma(Color32::WHITE, 0.45);
-        let colour = if run.canopy { pale } else { pen.colour };
-        let stroke = Stroke::new(pen.width, colour);
-        match (run.points.as_slice(), run.canopy) {
-            ([single], _) => {
-                painter.circle_filled(*single, pen.width, colour);
-            }
-            (points, true) => {
-                painter.extend(Shape::dashed_line(points, stroke, 4.0, 3.0));
-            }
-            (points, false) => {
-                painter.line(points.to_vec(), stroke);
-            }
+fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
+    let colour = pen.of(run.canopy);
+    let stroke = Stroke::new(pen.width, colour);
+    match (run.points.as_slice(), run.canopy) {
+        ([single], _) => {
+            painter.circle_filled(*single, pen.width, colour);
         }
-        if ping_points >= DOT_POINTS {
-            for point in &run.points {
-                painter.circle_filled(*point, pen.width * 1.4, colour);
-            }
+        (points, true) => {
+            painter.extend(Shape::dashed_line(points, stroke, 4.0, 3.0));
+        }
+        (points, false) => {
+            painter.line(points.to_vec(), stroke);
+        }
+    }
+    if 1.0 / lens.pings_per_point() >= DOT_POINTS {
+        for point in &run.points {
+            painter.circle_filled(*point, pen.width * 1.4, colour);
         }
     }
 }
