@@ -1,6 +1,7 @@
 //! First returns on made pictures, simulated ponds and real recordings.
 
 mod ponds;
+mod real;
 
 use bathyscope::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
@@ -194,6 +195,54 @@ fn tracker_follows_a_slope_under_noise() {
         for (ping, pick) in found.side(side).iter().enumerate() {
             let off = f64::from(pick.sample) - edge(ping) as f64;
             assert!(off.abs() < 4.0, "{side:?} {ping}: off by {off} samples");
+        }
+    }
+}
+
+#[test]
+fn words_that_go_negative_are_warned_of() {
+    let quiet = noisy_rows(20, 400, |_| 150, 40, 50);
+    let loud = noisy_rows(20, 400, |_| 150, 40, 100);
+    let words = ImageSettings {
+        samples: SampleMode::Words,
+    };
+    let settings = FirstReturnSettings {
+        method: Method::Threshold,
+        ..Default::default()
+    };
+    for (rows, warnings) in [(quiet, 0), (loud, 1)] {
+        let survey = composite(&rows, 4.0, f32::NAN);
+        let found = detect(&survey, &words, &settings, &Progress::new()).expect("not cancelled");
+        assert_eq!(found.warnings.len(), warnings, "{:?}", found.warnings);
+    }
+}
+
+#[test]
+fn empty_and_silent_surveys_have_no_picks() {
+    let silent = composite(&vec![vec![0; 800]; 30], 4.0, f32::NAN);
+    let mut none = composite(&[vec![0; 800]], 4.0, f32::NAN);
+    none.side_scan.clear();
+    for method in [Method::Threshold, Method::Tracker] {
+        let settings = FirstReturnSettings {
+            method,
+            ..Default::default()
+        };
+        for survey in [&silent, &none] {
+            let found = detect(
+                survey,
+                &ImageSettings::default(),
+                &settings,
+                &Progress::new(),
+            );
+            let found = found.expect("not cancelled");
+            assert_eq!(found.port.len(), survey.side_scan.len());
+            assert!(
+                found
+                    .port
+                    .iter()
+                    .chain(&found.starboard)
+                    .all(|pick| !pick.is_some())
+            );
         }
     }
 }

@@ -1,7 +1,8 @@
 //! First returns against the truth of simulated ponds.
 
 use bathyscope::first_return::{
-    FirstReturnSettings, FirstReturns, ImageSettings, Method, SampleMode, detect,
+    FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode, detect,
+    track_range,
 };
 use bathyscope::formats;
 use bathyscope::progress::Progress;
@@ -149,6 +150,122 @@ fn tracker_stays_within_a_centimetre_on_ponds_of_every_kind() {
         assert!(found.p95_m <= 0.030, "{kind}: {found}");
         assert!(found.gross <= 0.002, "{kind}: {found}");
         assert!(found.without_pick <= 0.01, "{kind}: {found}");
+    }
+}
+
+/// The tracker with its defaults.
+fn tracked(survey: &Survey) -> FirstReturns {
+    let settings = FirstReturnSettings::default();
+    detect(
+        survey,
+        &ImageSettings::default(),
+        &settings,
+        &Progress::new(),
+    )
+    .expect("not cancelled")
+}
+
+#[test]
+fn part_of_a_log_is_tracked_as_in_the_whole() {
+    let pond = Pond::new(&Scene::steep(), 11);
+    let whole = tracked(&pond.survey);
+    let settings = FirstReturnSettings::default();
+    let (image, progress) = (ImageSettings::default(), Progress::new());
+    let scale = Normalisation::measure(&pond.survey, &image, settings.dead_zone_m, &progress);
+    let scale = scale.expect("not cancelled");
+    for pings in [0..1, 0..700, 500..520, 510..1100, 1000..pond.truth.len()] {
+        let part = track_range(&pond.survey, &scale, &settings, pings.clone(), &progress);
+        let part = part.expect("not cancelled");
+        for side in Side::BOTH {
+            // Picks hold NaN where there is none, so they are compared as text.
+            let (part, whole) = (part.side(side), &whole.side(side)[pings.clone()]);
+            assert_eq!(
+                format!("{part:?}"),
+                format!("{whole:?}"),
+                "{side:?} {pings:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn missing_and_wrong_depths_do_not_lead_the_tracker_astray() {
+    for change in [
+        |_| f32::NAN,
+        |depth_m| 2.1 * depth_m,
+        |depth_m| 0.4 * depth_m,
+    ] {
+        let mut pond = Pond::new(&Scene::gentle(), 3);
+        for ping in &mut pond.survey.side_scan {
+            ping.depth_m = change(ping.depth_m);
+        }
+        let mut errors = Errors::default();
+        errors.add(&pond, &tracked(&pond.survey));
+        let found = errors.summary();
+        assert!(found.mae_m <= 0.010 && found.gross <= 0.005, "{found}");
+    }
+}
+
+#[test]
+fn weed_is_flagged_and_open_ground_is_not() {
+    let pond = Pond::new(&Scene::gentle(), 5);
+    let returns = tracked(&pond.survey);
+    let mut flagged = [(0, 0); 2];
+    for side in Side::BOTH {
+        for (truth, pick) in pond.truth.iter().zip(returns.side(side)) {
+            let (canopy, all) = &mut flagged[usize::from(truth.side(side).weed)];
+            *canopy += usize::from(pick.canopy);
+            *all += 1;
+        }
+    }
+    let share = |(canopy, all): (usize, usize)| canopy as f64 / f64::from(all as u32);
+    assert!(share(flagged[0]) < 0.03, "open ground: {flagged:?}");
+    assert!(share(flagged[1]) > 0.6, "weed: {flagged:?}");
+}
+
+#[test]
+fn the_slider_acts_on_the_tracker() {
+    let pond = Pond::new(&Scene::gentle(), 2);
+    let found = |threshold| {
+        let settings = FirstReturnSettings {
+            threshold,
+            ..FirstReturnSettings::default()
+        };
+        let returns = detect(
+            &pond.survey,
+            &ImageSettings::default(),
+            &settings,
+            &Progress::new(),
+        );
+        let returns = returns.expect("not cancelled");
+        let sides = Side::BOTH.into_iter().flat_map(|side| returns.side(side));
+        sides.filter(|pick| pick.is_some()).count()
+    };
+    let counts = [0.2, 0.9, 0.97, 1.0].map(found);
+    assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
+    // Most bottoms reach the recorder's ceiling somewhere; many do not.
+    assert!(20 * counts[3] < 19 * counts[0], "{counts:?}");
+}
+
+#[test]
+fn a_cancelled_search_stops() {
+    let pond = Pond::new(&Scene::gentle(), 2);
+    for method in [Method::Threshold, Method::Tracker] {
+        let settings = FirstReturnSettings {
+            method,
+            ..FirstReturnSettings::default()
+        };
+        let progress = Progress::new();
+        progress.cancel();
+        assert!(
+            detect(
+                &pond.survey,
+                &ImageSettings::default(),
+                &settings,
+                &progress
+            )
+            .is_err()
+        );
     }
 }
 
