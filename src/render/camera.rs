@@ -5,8 +5,6 @@ use glam::{Mat3, Mat4, Vec2, Vec3};
 
 /// Vertical field of view, radians.
 const FIELD_OF_VIEW: f32 = 0.7;
-/// Share of the picture that a fitted box leaves free.
-const FIT_MARGIN: f32 = 1.12;
 /// Nearest and farthest that the camera comes to its target, metres.
 const DISTANCES_M: [f32; 2] = [0.05, 1e6];
 
@@ -72,15 +70,15 @@ impl OrbitCamera {
         self.distance_m = distance_m;
     }
 
-    /// Shows a box whole, from the direction the camera has.
-    pub fn fit(&mut self, low: Vec3, high: Vec3, aspect: f32) {
+    /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the picture.
+    pub fn fit(&mut self, [low, high]: [Vec3; 2], aspect: f32, margin: f32) {
         self.target = 0.5 * (low + high);
         let tan = (0.5 * FIELD_OF_VIEW).tan();
         let [right, up, back] = self.axes();
         let needed = corners(low, high).map(|corner| {
             let offset = self.exaggerate(corner - self.target);
             let beside = (offset.dot(right).abs() / (tan * aspect)).max(offset.dot(up).abs() / tan);
-            beside * FIT_MARGIN + offset.dot(back)
+            beside * margin + offset.dot(back)
         });
         let [nearest, farthest] = DISTANCES_M;
         let distance_m = needed.into_iter().fold(0.0, f32::max);
@@ -208,7 +206,7 @@ mod tests {
             exaggeration,
             ..OrbitCamera::default()
         };
-        camera.fit(LOW, HIGH, 1.5);
+        camera.fit([LOW, HIGH], 1.5, 1.1);
         camera
     }
 
@@ -244,7 +242,7 @@ mod tests {
                 let mut camera = fitted(8.0);
                 camera.azimuth_rad = azimuth as f32 * 0.5;
                 camera.elevation_rad = elevation as f32 * 0.5;
-                camera.fit(LOW, HIGH, 0.8);
+                camera.fit([LOW, HIGH], 0.8, 1.1);
                 let projection = camera.projection(0.8);
                 let most = corners(LOW, HIGH)
                     .map(|corner| {

@@ -32,6 +32,14 @@ pub fn plate(
     rect
 }
 
+/// A frame for buttons that lie on a view: keeps them readable over whatever is drawn there.
+pub fn frame(options: &ViewOptions) -> egui::Frame {
+    egui::Frame::NONE
+        .fill(theme::plate_colour(options))
+        .corner_radius(3.0)
+        .inner_margin(2.0)
+}
+
 /// Draws the scale of depth upright, shallow on top, with its right bottom corner at `corner`; returns what it covers.
 pub fn depth_scale(
     painter: &Painter,

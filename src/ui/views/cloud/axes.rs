@@ -4,7 +4,7 @@ use crate::app::ViewOptions;
 use crate::render::Projection;
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
-use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, Vec2};
+use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
 
 /// Labels nearer to each other than this are thinned out, points: along a level edge, and along an upright one.
@@ -162,15 +162,16 @@ impl Axes<'_> {
                 text,
             );
         }
-        // Words are wide: beside an upright edge they need more room than under a level one.
-        let at = from.lerp(to, 0.5) + (32.0 + 34.0 * outward.x.abs()) * outward;
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            name,
-            legend::font(),
-            text.gamma_multiply(0.75),
-        );
+        let (at, anchor) = match axis {
+            // Above the upper end: beside the numbers it would need much room.
+            2 => (to + vec2(0.0, -8.0), Align2::CENTER_BOTTOM),
+            // Words are wide: beside an upright edge they need more room than under a level one.
+            _ => {
+                let away = 32.0 + 34.0 * outward.x.abs();
+                (from.lerp(to, 0.5) + away * outward, Align2::CENTER_CENTER)
+            }
+        };
+        painter.text(at, anchor, name, legend::font(), text.gamma_multiply(0.75));
     }
 
     fn step(&self, axis: usize) -> f32 {

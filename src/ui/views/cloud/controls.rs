@@ -11,7 +11,7 @@ use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
 /// Least and most vertical exaggeration that the slider gives.
 const EXAGGERATIONS: std::ops::RangeInclusive<f32> = 1.0..=50.0;
 
-/// Fit, directions, colours, exaggeration.
+/// Fit above, exaggeration below; colours and directions are chosen in the view's title.
 pub fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
@@ -19,60 +19,41 @@ pub fn show(
     wish: &mut Option<ViewRequest>,
 ) {
     let mut options = context.app.options.clone();
-    let top = Rect::from_min_size(rect.min + vec2(6.0, 6.0), vec2(rect.width() - 12.0, 24.0));
+    let frame = legend::frame(&options);
+    let top = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(120.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(top), |ui| {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            directions(ui, wish);
-            colours(ui, &mut options);
+        frame.show(ui, |ui| {
+            let fit = ui.button("Fit");
+            if fit
+                .on_hover_text("Shows the whole cloud (F, or a double-click).")
+                .clicked()
+            {
+                *wish = Some(ViewRequest::Fit);
+            }
         });
     });
-    let bottom = pos2(rect.left() + 6.0, rect.bottom() - 28.0);
-    let bottom = Rect::from_min_size(bottom, vec2(rect.width() - 90.0, 24.0));
+    let bottom = Rect::from_min_size(
+        pos2(rect.left() + 4.0, rect.bottom() - 30.0),
+        vec2(rect.width() - 90.0, 26.0),
+    );
     ui.scope_builder(UiBuilder::new().max_rect(bottom), |ui| {
-        let exaggeration = &mut options.cloud.vertical_exaggeration;
-        let slider = Slider::new(exaggeration, EXAGGERATIONS)
-            .logarithmic(true)
-            .max_decimals(1)
-            .prefix("x")
-            .text("vertical");
-        ui.spacing_mut().slider_width = 90.0;
-        ui.add(slider)
-            .on_hover_text("Vertical exaggeration: elevations are drawn this many times too tall.");
+        frame.show(ui, |ui| ui.horizontal(|ui| exaggeration(ui, &mut options)));
     });
     if options.cloud != context.app.options.cloud {
         context.push(Command::Show(Box::new(options)));
     }
 }
 
-fn directions(ui: &mut Ui, wish: &mut Option<ViewRequest>) {
-    let buttons = [
-        (
-            "Fit",
-            "Shows the whole cloud (F, or a double-click).",
-            ViewRequest::Fit,
-        ),
-        ("Top", "Looks down, north up (7).", ViewRequest::Top),
-        ("Side", "Looks level from the south (8).", ViewRequest::Side),
-    ];
-    for (label, hint, request) in buttons {
-        if ui.button(label).on_hover_text(hint).clicked() {
-            *wish = Some(request);
-        }
-    }
-}
-
-fn colours(ui: &mut Ui, options: &mut ViewOptions) {
-    let cloud = &mut options.cloud;
-    let mut by_depth = cloud.colour == CloudColour::Depth;
-    ui.toggle_value(&mut by_depth, "Depth colours")
-        .on_hover_text("Colours by depth instead of by down-scan, port and starboard.");
-    cloud.colour = match by_depth {
-        true => CloudColour::Depth,
-        false => CloudColour::Source,
-    };
-    ui.toggle_value(&mut cloud.outlier_preview, "Outliers")
-        .on_hover_text("Shows what the outlier filter removes (O).");
+fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
+    let factor = &mut options.cloud.vertical_exaggeration;
+    let slider = Slider::new(factor, EXAGGERATIONS)
+        .logarithmic(true)
+        .max_decimals(1)
+        .prefix("x")
+        .text("vertical");
+    ui.spacing_mut().slider_width = 90.0;
+    ui.add(slider)
+        .on_hover_text("Vertical exaggeration: elevations are drawn this many times too tall.");
 }
 
 /// What the colours mean, and how many points there are of each.

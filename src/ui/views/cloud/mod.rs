@@ -19,6 +19,9 @@ use picture::CloudPicture;
 use scene::CloudScene;
 use std::sync::Arc;
 
+/// Points of the screen that the numbers around the box need, both sides together.
+const LABEL_ROOM: f32 = 90.0;
+
 type Key = (
     Same<PointCloud>,
     Same<Vec<bool>>,
@@ -138,7 +141,6 @@ impl CloudView {
         products: &Products,
         scene: &CloudScene,
     ) -> OrbitCamera {
-        let [low, high] = scene.corners;
         let is_new = self.camera.is_none();
         let mut camera = self.camera.unwrap_or_default();
         camera.exaggeration = context.app.options.cloud.vertical_exaggeration.max(0.1);
@@ -155,7 +157,7 @@ impl CloudView {
             Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
         );
         if is_new || fits || response.double_clicked() {
-            camera.fit(low, high, aspect(rect));
+            camera.fit(scene.corners, aspect(rect), margin(rect));
         }
         pointer::move_camera(ui, rect, response, &mut camera);
         if let Some(reveal) = context.app.reveal
@@ -171,6 +173,12 @@ impl CloudView {
 
 fn aspect(rect: Rect) -> f32 {
     rect.width().max(1.0) / rect.height().max(1.0)
+}
+
+/// Room for the numbers beside the fitted box.
+fn margin(rect: Rect) -> f32 {
+    let shorter = rect.size().min_elem().max(1.0);
+    1.0 / (1.0 - LABEL_ROOM / shorter).max(0.6)
 }
 
 /// Moves the camera over a ping that is out of the picture; one in the picture stays where it is.

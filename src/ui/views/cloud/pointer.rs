@@ -55,7 +55,10 @@ impl Pointer {
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
         let shown = scene.shown(context.app.options.cloud.outlier_preview);
-        let at = response.hover_pos().filter(|_| !response.dragged());
+        let at = match response.clicked() {
+            true => response.interact_pointer_pos(),
+            false => response.hover_pos().filter(|_| !response.dragged()),
+        };
         let looks = shown <= MOST_ON_HOVER || response.clicked();
         let vertex = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, vertex)) if last == at && with == camera => vertex,

@@ -80,12 +80,11 @@ fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
 
 fn stretch(painter: &Painter, scene: &Scene<'_>, pings: &Range<usize>, colour: Color32) {
     let line = places(scene, pings);
-    let [casing, inner] = [9.0, 1.5];
-    painter.add(Shape::line(
-        line.clone(),
-        Stroke::new(casing, colour.gamma_multiply(0.45)),
-    ));
-    painter.add(Shape::line(line, Stroke::new(inner, colour)));
+    // Wide and faint, so that the track's own colour stays readable under it.
+    let [halo, core] = [9.0, 1.2];
+    let faint = Stroke::new(halo, colour.gamma_multiply(0.3));
+    painter.add(Shape::line(line.clone(), faint));
+    painter.add(Shape::line(line, Stroke::new(core, colour)));
 }
 
 fn middle(scene: &Scene<'_>, pings: &Range<usize>) -> Option<Pos2> {

@@ -11,7 +11,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
 /// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
-const OPACITY: [f32; 2] = [0.85, 0.3];
+const OPACITY: [f32; 2] = [0.85, 0.25];
 
 /// The track, ready to draw and to search.
 pub struct TrackLayer {
@@ -174,7 +174,9 @@ fn depth_image(map: &DepthMap, range_m: [f32; 2], gap_m: f64) -> ColorImage {
             return Color32::TRANSPARENT;
         }
         let [r, g, b] = depth_colour(depth_share(*depth_m, range_m));
-        let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * distance_m / gap_m as f32;
+        // The root lets the first metres beside the track already look less sure.
+        let unsure = (distance_m / gap_m as f32).sqrt();
+        let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
         Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
     };
     ColorImage::new([map.columns, map.rows], pixels.map(colour).collect())

@@ -106,7 +106,13 @@ impl MapView {
         };
         paint(ui, context, &scene, &mut self.picture);
         self.pointer.handle(ui, context, &scene, response);
-        toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
+        toolbar::show(
+            ui,
+            &context.app.options,
+            rect,
+            &mut self.wish,
+            &mut self.pointer,
+        );
         name(&survey, &products, &track)
     }
 
@@ -172,10 +178,10 @@ fn paint(
     picture: &mut TrackPicture,
 ) {
     let painter = ui.painter_at(scene.rect);
-    overlay::grid(&painter, scene);
     if scene.options.map.depth_map {
         overlay::depth_map(&painter, scene);
     }
+    overlay::grid(&painter, scene);
     if scene.options.map.track {
         picture.show(&painter, context.render_state, scene);
     }

@@ -48,9 +48,10 @@ pub fn place_of(products: &Products, mark: &Mark) -> Option<[f64; 2]> {
 pub fn grid(painter: &Painter, scene: &Scene<'_>) {
     let rect = scene.rect;
     let [west, south, east, north] = scene.transform.visible(rect);
-    let step = ticks::round_step(90.0 * scene.transform.metres_per_point, 1.0);
-    let line = Stroke::new(1.0, theme::grid_colour(scene.options));
-    let faint = scene.text_colour().gamma_multiply(0.6);
+    let step = ticks::round_step(60.0 * scene.transform.metres_per_point, 1.0);
+    // Faint over everything: the metres are read across the depth map too.
+    let line = Stroke::new(1.0, scene.text_colour().gamma_multiply(0.13));
+    let faint = scene.text_colour().gamma_multiply(0.7);
     for east_m in ticks::multiples(west, east, step) {
         let x = scene.at([east_m, 0.0]).x;
         painter.vline(x, rect.y_range(), line);
@@ -61,6 +62,10 @@ pub fn grid(painter: &Painter, scene: &Scene<'_>) {
     for north_m in ticks::multiples(south, north, step) {
         let y = scene.at([0.0, north_m]).y;
         painter.hline(rect.x_range(), y, line);
+        if rect.bottom() - y < 16.0 {
+            // The lower edge belongs to the metres east.
+            continue;
+        }
         let at = pos2(rect.left() + 2.0, y - 1.0);
         let text = format!("{} N", ticks::label(north_m, step));
         painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), faint);
@@ -97,10 +102,10 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) {
     {
         let text = match depth.map {
             Some(_) => format!(
-                "faded: interpolated, up to {} m from a sounding",
+                "faded: interpolated,\nup to {} m from a sounding",
                 depth.gap_m
             ),
-            None => "no depth map: the soundings lie on one line".to_owned(),
+            None => "no depth map:\nthe soundings lie on one line".to_owned(),
         };
         let at = pos2(scale.right(), scale.top() - 3.0);
         let colour = scene.text_colour();
@@ -127,7 +132,7 @@ fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
 }
 
 fn scale_bar(painter: &Painter, scene: &Scene<'_>) {
-    let length_m = ticks::round_step(110.0 * scene.transform.metres_per_point, 1.0);
+    let length_m = ticks::round_step(48.0 * scene.transform.metres_per_point, 1.0);
     let length = (length_m / scene.transform.metres_per_point) as f32;
     let start = scene.rect.left_bottom() + vec2(40.0, -26.0);
     let end = start + vec2(length, 0.0);

@@ -71,10 +71,12 @@ impl Pointer {
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
         {
-            self.click(context, scene, at, ping);
+            self.click(context, scene, at);
         }
         if response.secondary_clicked() {
-            self.menu_ping = ping;
+            self.menu_ping = response
+                .interact_pointer_pos()
+                .and_then(|at| nearest(scene, at));
         }
         self.menu(context, response);
         self.offer(ui, context, scene);
@@ -89,13 +91,8 @@ impl Pointer {
         self.hovering = hover.is_some();
     }
 
-    fn click(
-        &mut self,
-        context: &mut ViewContext<'_>,
-        scene: &Scene<'_>,
-        at: Pos2,
-        ping: Option<usize>,
-    ) {
+    fn click(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, at: Pos2) {
+        let ping = nearest(scene, at);
         let spot = flat_spots::under(scene, at);
         if self.calibrating {
             let pings = match spot {

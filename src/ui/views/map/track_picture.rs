@@ -13,7 +13,9 @@ use std::sync::Arc;
 /// Most segments drawn in a frame: beyond, a coarser level is taken.
 const MOST_SEGMENTS: u32 = 60_000;
 /// Width of the track and of the dark line under it, points.
-const WIDTHS: [f32; 2] = [3.0, 5.5];
+const WIDTHS: [f32; 2] = [3.0, 4.6];
+/// Opacity of the line under the track.
+const CASING_OPACITY: f32 = 0.75;
 
 /// GPU objects of one map view.
 #[derive(Default)]
@@ -94,5 +96,5 @@ fn line_draw(pixels_per_point: f32, scene: &Scene<'_>) -> LineDraw {
 fn casing(scene: &Scene<'_>) -> [f32; 4] {
     let colour = theme::canvas_colour(scene.options);
     let [r, g, b, _] = colour.to_array().map(|byte| f32::from(byte) / 255.0);
-    [r, g, b, 1.0]
+    [r, g, b, CASING_OPACITY]
 }
