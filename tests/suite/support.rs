@@ -1,4 +1,4 @@
-//! Where the real recordings are, and what a test says when they are not there.
+//! Where the real recordings are, what a test says when they are not there, and how pictures are compared.
 
 use std::path::PathBuf;
 
@@ -17,4 +17,12 @@ pub fn real_data() -> Option<PathBuf> {
 /// The bundled demo survey as a file.
 pub fn demo_log() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")
+}
+
+/// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor it runs on, so the last
+/// bit of a colour and the odd pixel of an edge differ between machines; a changed picture differs in far more.
+pub fn snapshot_options() -> egui_kittest::SnapshotOptions {
+    egui_kittest::SnapshotOptions::new()
+        .threshold(1.0)
+        .max_failed_pixels(20usize)
 }

@@ -1,0 +1,519 @@
+//! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
+
+use crate::support;
+use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::bathymetry::{DepthMapSettings, depth_map, depth_points};
+use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode};
+use bathyscope::cloud::{CloudPoint, PointCloud, PointSource};
+use bathyscope::first_return::FirstReturns;
+use bathyscope::formats;
+use bathyscope::geo::LonLat;
+use bathyscope::pipeline::{Products, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::survey::{
+    Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
+    Source, Survey, Track, navigate,
+};
+use bathyscope::ui::views::{CloudView, MapView};
+use bathyscope::ui::{ViewContext, ViewRequest};
+use eframe::egui_wgpu::{RenderState, RendererOptions};
+use egui::{Key, Pos2, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use std::sync::Arc;
+
+const LINES: usize = 7;
+const PINGS_A_LINE: usize = 101;
+const SIZE: Vec2 = vec2(400.0, 300.0);
+
+/// Depth of the pond's bed, metres: a slope with a trough.
+fn bed_m(east_m: f64, north_m: f64) -> f64 {
+    2.0 + 0.03 * east_m + 0.6 * (-((north_m - 20.0) / 8.0).powi(2)).exp()
+}
+
+/// Parallel lines of 40 m, 8 m apart, back and forth.
+fn place(ping: usize) -> PingNav {
+    let (line, along) = (ping / PINGS_A_LINE, ping % PINGS_A_LINE);
+    let back = line % 2 == 1;
+    let along_m = 0.4 * along as f64;
+    PingNav {
+        east_m: if back { 40.0 - along_m } else { along_m },
+        north_m: 8.0 * line as f64,
+        heading_rad: if back { 1.5 } else { 0.5 } * std::f64::consts::PI,
+        speed_mps: 1.0,
+    }
+}
+
+fn pond() -> (Survey, Products) {
+    let count = LINES * PINGS_A_LINE;
+    let nav: Vec<PingNav> = (0..count).map(place).collect();
+    let depth_m = |nav: &PingNav| bed_m(nav.east_m, nav.north_m) as f32;
+    let side_scan = nav.iter().enumerate().map(|(index, nav)| SidePing {
+        time_s: 0.4 * index as f64,
+        depth_m: depth_m(nav),
+        port: None,
+        starboard: None,
+    });
+    let soundings = nav.iter().enumerate().map(|(index, nav)| Sounding {
+        time_s: 0.4 * index as f64,
+        depth_m: depth_m(nav),
+    });
+    let survey = Survey {
+        source: Source {
+            files: Vec::new(),
+            format: "made here".to_owned(),
+            byte_count: 0,
+        },
+        start_unix_s: None,
+        channels: Vec::new(),
+        side_scan: side_scan.collect(),
+        side_scan_state: SideScanState::Usable,
+        soundings: soundings.collect(),
+        track: Track::new(vec![Fix {
+            time_s: 0.0,
+            position: LonLat {
+                lon_deg: -82.11,
+                lat_deg: 29.41,
+            },
+            cog_rad: f32::NAN,
+            compass_rad: f32::NAN,
+            speed_mps: f32::NAN,
+        }]),
+        warnings: Vec::new(),
+        bytes: Vec::new(),
+    };
+    let (cloud, kept) = cloud(&nav);
+    (survey, products(nav, cloud, kept))
+}
+
+fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
+    let point = |source, ping: usize, across_m: f64, up_m: f64| {
+        let boat = &nav[ping];
+        let (sin, cos) = boat.heading_rad.sin_cos();
+        let (east_m, north_m) = (boat.east_m + across_m * cos, boat.north_m - across_m * sin);
+        CloudPoint {
+            source,
+            ping: ping as u32,
+            sounding: (source == PointSource::DownScan).then_some(ping as u32),
+            sample: 100.0,
+            east_m,
+            north_m,
+            z_m: up_m - bed_m(east_m, north_m),
+        }
+    };
+    let every = |source, across_m| (0..nav.len()).map(move |ping| (source, ping, across_m, 0.0));
+    let outliers = (0..nav.len()).step_by(23);
+    let points = every(PointSource::DownScan, 0.0)
+        .chain(every(PointSource::Port, -0.8))
+        .chain(every(PointSource::Starboard, 0.8))
+        .chain(outliers.map(|ping| {
+            (
+                PointSource::Port,
+                ping,
+                -2.5,
+                1.0 + 0.01 * ping as f64 % 0.7,
+            )
+        }))
+        .map(|(source, ping, across_m, up_m)| point(source, ping, across_m, up_m));
+    let points: Vec<CloudPoint> = points.collect();
+    let kept = (0..points.len()).map(|index| index < 3 * nav.len());
+    let kept = kept.collect();
+    let zero_heading = 0;
+    (
+        PointCloud {
+            points,
+            zero_heading,
+        },
+        kept,
+    )
+}
+
+fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
+    let spot = |start: usize, depth_m| FlatSpot {
+        pings: start..start + 41,
+        depth_m,
+        slope: 0.004,
+        scatter_m: 0.012,
+    };
+    // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
+    let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
+    Products {
+        settings: Settings::default(),
+        navigation: Arc::new(Navigation {
+            pings: nav.clone(),
+            soundings: nav,
+            projection: Projection::Enu,
+            zero_heading: 0,
+            moving: 0,
+        }),
+        returns: Arc::new(FirstReturns {
+            port: Vec::new(),
+            starboard: Vec::new(),
+            warnings: Vec::new(),
+        }),
+        calibration: Arc::new(Calibration {
+            mode: ScaleMode::FlatSpot,
+            flat_spot: Some(spots[0].clone()),
+            ppd: None,
+            header: None,
+            fit: None,
+            offset_m: 0.0,
+            warnings: Vec::new(),
+        }),
+        flat_spots: Arc::new(spots),
+        cloud: Arc::new(cloud),
+        kept: Arc::new(kept),
+    }
+}
+
+/// One of the views alone in a window, with its state at hand.
+struct Room {
+    app: App,
+    map: MapView,
+    cloud: CloudView,
+    shows_cloud: bool,
+    pushed: Vec<Command>,
+}
+
+impl Room {
+    fn new(filled: bool, shows_cloud: bool) -> Self {
+        let mut app = App::new(Jobs::Inline);
+        if filled {
+            let (survey, products) = pond();
+            app.survey = Some(Arc::new(survey));
+            app.survey_serial = 1;
+            app.products = Some(products);
+        }
+        Self {
+            app,
+            map: MapView::default(),
+            cloud: CloudView::default(),
+            shows_cloud,
+            pushed: Vec::new(),
+        }
+    }
+
+    fn map() -> Self {
+        Self::new(true, false)
+    }
+
+    fn cloud() -> Self {
+        Self::new(true, true)
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, render_state: Option<&RenderState>) {
+        let mut commands = Vec::new();
+        let mut context = ViewContext {
+            app: &self.app,
+            render_state,
+            commands: &mut commands,
+        };
+        match self.shows_cloud {
+            true => self.cloud.ui(ui, &mut context),
+            false => self.map.ui(ui, &mut context),
+        }
+        for command in &commands {
+            self.app.apply(command.clone());
+        }
+        self.pushed.extend(commands);
+    }
+
+    fn is_settled(&self) -> bool {
+        self.map.is_settled() && self.cloud.is_settled()
+    }
+}
+
+type Window = Harness<'static, Room>;
+
+fn open(room: Room) -> Window {
+    let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let for_view = state.clone();
+    let dark = room.app.options.theme == ThemeChoice::Dark;
+    let mut window = Harness::builder()
+        .with_size(SIZE)
+        .with_pixels_per_point(1.0)
+        .with_theme(if dark {
+            egui::Theme::Dark
+        } else {
+            egui::Theme::Light
+        })
+        .with_options(support::snapshot_options())
+        .with_render_cursor(false)
+        .renderer(WgpuTestRenderer::from_render_state(state))
+        .build_ui_state(
+            move |ui, room: &mut Room| {
+                egui::Frame::NONE.show(ui, |ui| room.ui(ui, Some(&for_view)));
+            },
+            room,
+        );
+    window.run();
+    assert!(window.state().is_settled());
+    window
+}
+
+/// The middle of the view.
+fn middle(window: &Window) -> Pos2 {
+    let name = if window.state().shows_cloud {
+        "3D point cloud"
+    } else {
+        "Map,"
+    };
+    window.get_by_label_contains(name).rect().center()
+}
+
+fn click(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.run();
+    for pressed in [true, false] {
+        window.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        });
+    }
+    window.run();
+}
+
+/// The ping nearest to a place, found the slow way.
+fn nearest_ping(east_m: f64, north_m: f64) -> usize {
+    let off = |ping: &usize| {
+        let nav = place(*ping);
+        (nav.east_m - east_m).hypot(nav.north_m - north_m)
+    };
+    (0..LINES * PINGS_A_LINE)
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .unwrap()
+}
+
+#[test]
+fn every_shader_is_valid() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).unwrap().flatten() {
+        let text = std::fs::read_to_string(entry.path()).unwrap();
+        let module = wgpu::naga::front::wgsl::parse_str(&text)
+            .unwrap_or_else(|error| panic!("{:?}: {}", entry.path(), error.emit_to_string(&text)));
+        wgpu::naga::valid::Validator::new(
+            wgpu::naga::valid::ValidationFlags::all(),
+            wgpu::naga::valid::Capabilities::empty(),
+        )
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{:?}: {error:?}", entry.path()));
+        seen += 1;
+    }
+    assert!(seen >= 2, "{seen}");
+}
+
+#[test]
+fn the_views_name_what_they_show_and_look_as_they_did() {
+    let mut map = open(Room::map());
+    map.get_by_label("Map, track of 707 pings, depth 2.0 to 3.6 m, 2 flat stretches");
+    map.snapshot("map");
+
+    let mut cloud = open(Room::cloud());
+    cloud.get_by_label("3D point cloud, 2 121 points, 31 removed");
+    cloud.snapshot("cloud");
+
+    let mut room = Room::cloud();
+    room.app.options.theme = ThemeChoice::Light;
+    room.app.options.cloud.colour = CloudColour::Depth;
+    room.app.options.cloud.outlier_preview = true;
+    room.app.selection = Some(Mark::ping(200));
+    let mut light = open(room);
+    light.snapshot("cloud_light_by_depth");
+
+    let mut results = map.take_snapshot_results();
+    results.extend_harness(&mut cloud);
+    results.extend_harness(&mut light);
+}
+
+#[test]
+fn the_pointer_on_the_map_finds_the_nearest_ping() {
+    let mut window = open(Room::map());
+    let at = middle(&window);
+    click(&mut window, at);
+    // The map is fitted: the middle of the view is the middle of the pond.
+    let ping = nearest_ping(20.0, 24.0);
+    assert_eq!(window.state().app.hover, Some(Mark::ping(ping)));
+    assert_eq!(window.state().app.selection, Some(Mark::ping(ping)));
+    let reveals = |command: &Command| *command == Command::Reveal(Mark::ping(ping));
+    assert!(window.state().pushed.iter().any(reveals));
+    window.remove_cursor();
+    window.run();
+    assert_eq!(window.state().app.hover, None);
+}
+
+#[test]
+fn a_click_with_the_tool_calibrates_at_the_stretch_around_it() {
+    let mut window = open(Room::map());
+    window.get_by_label("Calibrate by click").click();
+    window.run();
+    let at = middle(&window) + vec2(10.0, 0.0);
+    click(&mut window, at);
+    let ping = window.state().app.hover.unwrap().ping;
+    let expected = PingRange {
+        start: ping - 50,
+        end: ping + 51,
+    };
+    let calibrated = Command::CalibrateAt(expected);
+    assert!(
+        window.state().pushed.contains(&calibrated),
+        "{:?}",
+        window.state().pushed
+    );
+    // The tool is laid down: the next click selects.
+    click(&mut window, at);
+    let calibrations = window.state().pushed.iter();
+    let count = calibrations
+        .filter(|c| matches!(c, Command::CalibrateAt(_)))
+        .count();
+    assert_eq!(count, 1);
+}
+
+#[test]
+fn a_numbered_stretch_offers_itself() {
+    let mut window = open(Room::map());
+    let badge = middle(&window) - vec2(0.0, 15.5);
+    click(&mut window, badge);
+    window.get_by_label_contains("flat stretch 2: pings 333 to 373, 2.90 m deep");
+    window.get_by_label("Calibrate here").click();
+    window.run();
+    let expected = Command::CalibrateAt(PingRange {
+        start: 333,
+        end: 374,
+    });
+    assert!(
+        window.state().pushed.contains(&expected),
+        "{:?}",
+        window.state().pushed
+    );
+}
+
+#[test]
+fn escape_leaves_the_tool() {
+    let mut window = open(Room::map());
+    window.get_by_label("Calibrate by click").click();
+    window.run();
+    window.key_press(Key::Escape);
+    window.run();
+    let at = middle(&window);
+    click(&mut window, at);
+    let calibrates = |command: &Command| matches!(command, Command::CalibrateAt(_));
+    assert!(!window.state().pushed.iter().any(calibrates));
+}
+
+#[test]
+fn a_click_on_a_point_leads_to_its_ping_and_sample() {
+    let mut room = Room::cloud();
+    room.cloud.request(ViewRequest::Top);
+    let mut window = open(room);
+    let at = middle(&window);
+    click(&mut window, at);
+    let mark = window
+        .state()
+        .app
+        .selection
+        .expect("a point near the middle");
+    let products = window.state().app.products.clone().unwrap();
+    let point = products.cloud.points[mark.point.unwrap()];
+    assert_eq!(mark.ping, point.ping as usize);
+    // From above the middle of the picture is the middle of the pond; a point lies there or a few pixels beside.
+    let off_m = (point.east_m - 20.0).hypot(point.north_m - 24.0);
+    assert!(off_m < 2.0, "{off_m}");
+}
+
+#[test]
+fn outliers_are_shown_only_on_request() {
+    let amber = |room: Room| {
+        let mut window = open(room);
+        let picture = window.render().unwrap();
+        let is_amber = |pixel: &&image::Rgba<u8>| pixel.0 == [255, 190, 40, 255];
+        picture.pixels().filter(is_amber).count()
+    };
+    let without = amber(Room::cloud());
+    let mut room = Room::cloud();
+    room.app.options.cloud.outlier_preview = true;
+    let with = amber(room);
+    assert!(with > without + 31, "{without} {with}");
+}
+
+#[test]
+fn empty_views_offer_the_demo() {
+    for shows_cloud in [false, true] {
+        let mut window = open(Room::new(false, shows_cloud));
+        window.get_by_label(Action::OpenDemo.label()).click();
+        window.step();
+        let expected = Command::Do(Action::OpenDemo);
+        assert!(window.state().pushed.contains(&expected));
+    }
+}
+
+#[test]
+fn without_a_gpu_the_views_say_so() {
+    for (shows_cloud, name) in [(false, "Map, track"), (true, "3D point cloud, 2 121")] {
+        let mut window = Harness::builder().with_size(SIZE).build_ui_state(
+            |ui, room: &mut Room| room.ui(ui, None),
+            Room::new(true, shows_cloud),
+        );
+        window.run();
+        window.get_by_label_contains(name);
+    }
+}
+
+#[test]
+fn wheel_and_drag_move_the_map_and_a_reveal_brings_a_ping_back() {
+    let mut window = open(Room::map());
+    let before = window.render().unwrap();
+    let at = middle(&window);
+    for request in [ViewRequest::ZoomIn; 4] {
+        window.state_mut().map.request(request);
+        window.run();
+    }
+    assert_ne!(window.render().unwrap(), before);
+    // The first ping is out of sight now; a reveal from another view brings it to the middle.
+    window.state_mut().app.apply(Command::Reveal(Mark::ping(0)));
+    window.run();
+    window.hover_at(at);
+    window.run();
+    assert_eq!(window.state().app.hover, Some(Mark::ping(0)));
+    window.remove_cursor();
+    window.state_mut().app.apply(Command::Select(None));
+    window.state_mut().map.request(ViewRequest::Fit);
+    window.run();
+    assert_eq!(window.render().unwrap(), before);
+}
+
+#[test]
+fn the_depth_map_of_the_real_river_stays_by_its_soundings() {
+    let Some(data) = support::real_data() else {
+        return;
+    };
+    let progress = Progress::new();
+    let survey = formats::open(&data.join("humminbird-glen-canyon"), &progress).unwrap();
+    let settings = HeadingSettings::default();
+    let navigation = navigate(&survey, &settings, Projection::Enu, &progress).unwrap();
+    let points = depth_points(&survey, &navigation);
+    let settings = DepthMapSettings {
+        max_side: 512,
+        ..DepthMapSettings::default()
+    };
+    let map = depth_map(&points, &settings, &progress).unwrap().unwrap();
+    let depths = points.iter().map(|point| point.depth_m as f32);
+    let [least, most] = depths.fold([f32::MAX, f32::MIN], |[l, m], d| [l.min(d), m.max(d)]);
+    let known: Vec<f32> = map
+        .depth_m
+        .iter()
+        .copied()
+        .filter(|d| !d.is_nan())
+        .collect();
+    assert!(known.len() > 100, "{}", known.len());
+    assert!(known.iter().all(|depth| (least..=most).contains(depth)));
+    let farthest = map.distance_m.iter().copied().fold(0.0, f32::max);
+    assert!(f64::from(farthest) <= settings.gap_m, "{farthest}");
+    assert!(
+        map.at(points[0].east_m + 500.0, points[0].north_m)
+            .is_none()
+    );
+}
