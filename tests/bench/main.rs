@@ -7,6 +7,7 @@ mod accuracy;
 mod decode;
 mod first_return;
 mod large_log;
+mod map;
 mod outliers;
 mod waterfall;
 
@@ -16,6 +17,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("first_return", first_return::run),
     ("outliers", outliers::run),
     ("waterfall", waterfall::run),
+    ("map", map::run),
     ("accuracy", accuracy::run),
 ];
 

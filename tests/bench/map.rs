@@ -1,0 +1,170 @@
+//! A frame of the map on the window's thread, for a small and a large survey.
+
+use bathyscope::app::{App, Jobs};
+use bathyscope::calibration::{Calibration, ScaleMode};
+use bathyscope::cloud::PointCloud;
+use bathyscope::first_return::FirstReturns;
+use bathyscope::pipeline::{Products, Settings};
+use bathyscope::survey::{
+    Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Source, Survey, Track,
+};
+use bathyscope::ui::ViewContext;
+use bathyscope::ui::views::MapView;
+use eframe::egui_wgpu::{RenderState, RendererOptions};
+use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Frames timed; the median counts.
+const FRAMES: usize = 200;
+
+/// Prints the median time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and their ratio.
+pub fn run() {
+    let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let few = frame_time(&state, 1_000);
+    let many = frame_time(&state, 1_000_000);
+    println!("map, 1 000 pings:      {:8.1} us a frame", us(few));
+    println!("map, 1 000 000 pings:  {:8.1} us a frame", us(many));
+    println!(
+        "ratio:                 {:8.2} (at most 1.5)",
+        us(many) / us(few)
+    );
+}
+
+fn us(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e6
+}
+
+/// Lines of 500 m, 10 m apart, back and forth, however many it takes.
+fn place(ping: usize, count: usize) -> PingNav {
+    let a_line = (count / 40).max(1);
+    let (line, share) = (ping / a_line, (ping % a_line) as f64 / a_line as f64);
+    let along = if line % 2 == 1 { 1.0 - share } else { share };
+    PingNav {
+        east_m: 500.0 * along,
+        north_m: 10.0 * line as f64 + 0.3 * (ping as f64 * 0.01).sin(),
+        heading_rad: 0.0,
+        speed_mps: 2.0,
+    }
+}
+
+fn app(count: usize) -> App {
+    let nav: Vec<PingNav> = (0..count).map(|ping| place(ping, count)).collect();
+    let depth_m = |ping: usize| 3.0 + (ping as f32 * 1e-4).sin();
+    let side_scan = (0..count).map(|ping| SidePing {
+        time_s: ping as f64 * 0.1,
+        depth_m: depth_m(ping),
+        port: None,
+        starboard: None,
+    });
+    let soundings = (0..count).map(|ping| Sounding {
+        time_s: ping as f64 * 0.1,
+        depth_m: depth_m(ping),
+    });
+    let mut app = App::new(Jobs::Inline);
+    app.survey_serial = 1;
+    app.survey = Some(Arc::new(Survey {
+        source: Source {
+            files: Vec::new(),
+            format: String::new(),
+            byte_count: 0,
+        },
+        start_unix_s: None,
+        channels: Vec::new(),
+        side_scan: side_scan.collect(),
+        side_scan_state: SideScanState::Usable,
+        soundings: soundings.collect(),
+        track: Track::new(Vec::new()),
+        warnings: Vec::new(),
+        bytes: Vec::new(),
+    }));
+    app.products = Some(products(nav));
+    app
+}
+
+fn products(nav: Vec<PingNav>) -> Products {
+    Products {
+        settings: Settings::default(),
+        navigation: Arc::new(Navigation {
+            pings: nav.clone(),
+            soundings: nav,
+            projection: Projection::Enu,
+            zero_heading: 0,
+            moving: 0,
+        }),
+        flat_spots: Arc::new(Vec::new()),
+        returns: Arc::new(FirstReturns {
+            port: Vec::new(),
+            starboard: Vec::new(),
+            warnings: Vec::new(),
+        }),
+        calibration: Arc::new(Calibration {
+            mode: ScaleMode::Header,
+            flat_spot: None,
+            ppd: None,
+            header: None,
+            fit: None,
+            offset_m: 0.0,
+            warnings: Vec::new(),
+        }),
+        cloud: Arc::new(PointCloud {
+            points: Vec::new(),
+            zero_heading: 0,
+        }),
+        kept: Arc::new(Vec::new()),
+    }
+}
+
+/// Median time of building a frame in which the map moves, so that nothing can be taken from the frame before.
+fn frame_time(state: &RenderState, count: usize) -> Duration {
+    let app = app(count);
+    let mut view = MapView::default();
+    let context = egui::Context::default();
+    let mut times = Vec::with_capacity(FRAMES);
+    for frame in 0..FRAMES + 20 {
+        let input = egui::RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(
+                egui::Pos2::ZERO,
+                egui::vec2(900.0, 700.0),
+            )),
+            time: Some(frame as f64 / 60.0),
+            events: drag(frame),
+            ..Default::default()
+        };
+        let started = Instant::now();
+        let output = context.run_ui(input, |ui| {
+            let mut context = ViewContext {
+                app: &app,
+                render_state: Some(state),
+                commands: &mut Vec::new(),
+            };
+            view.ui(ui, &mut context);
+        });
+        let shapes = context.tessellate(output.shapes, output.pixels_per_point);
+        let spent = started.elapsed();
+        std::hint::black_box(shapes);
+        // What the GPU does with the frame is not the window's thread's time.
+        state.device.poll(wgpu::PollType::wait_indefinitely()).ok();
+        if frame >= 20 {
+            times.push(spent);
+        }
+    }
+    times.sort();
+    times[FRAMES / 2]
+}
+
+/// The pointer goes down on the map and then circles.
+fn drag(frame: usize) -> Vec<egui::Event> {
+    let (sin, cos) = (frame as f32 * 0.1).sin_cos();
+    let at = egui::pos2(450.0 + 60.0 * cos, 350.0 + 60.0 * sin);
+    let mut events = vec![egui::Event::PointerMoved(at)];
+    if frame == 5 {
+        events.push(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed: true,
+            modifiers: egui::Modifiers::NONE,
+        });
+    }
+    events
+}
