@@ -45,7 +45,7 @@ impl Figures {
             canopy: canopy(&products.returns),
             points: points.len(),
             side_scan_points,
-            removed: products.kept.iter().filter(|kept| !**kept).count(),
+            removed: products.cloud.outliers(&products.kept),
             residuals: residuals(
                 survey,
                 &products.navigation,

@@ -17,6 +17,7 @@ pub struct DepthPoint {
 pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
     let placed = survey.soundings.iter().zip(&navigation.soundings);
     placed
+        .filter(|(sounding, _)| sounding.locked)
         .map(|(sounding, place)| DepthPoint {
             east_m: place.east_m,
             north_m: place.north_m,

@@ -103,7 +103,7 @@ impl Profile {
         }
         let usable = |index: usize| {
             let pause_s = pings[index].time_s - pings[index.saturating_sub(1)].time_s;
-            pings[index].depth_m > 0.0
+            pings[index].locked_depth_m() > 0.0
                 && pause_s < MAX_PAUSE_S
                 && navigation.pings[index].speed_mps >= MIN_SPEED_MPS
         };

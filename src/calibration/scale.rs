@@ -46,7 +46,7 @@ pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usabl
 fn usable_pick(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
     let recorded = survey.side_scan.get(ping)?;
     let span = recorded.side(side)?;
-    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.depth_m));
+    let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.locked_depth_m()));
     let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
     (inside && !pick.canopy && depth_m > 0.0).then(|| Usable {
         ping,

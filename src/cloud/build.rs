@@ -2,7 +2,7 @@
 
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
-use super::{CloudPoint, CloudSettings, Geometry, PointCloud, PointSource};
+use super::{CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSource};
 use crate::calibration::{Calibration, ScaleMode};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
@@ -39,7 +39,7 @@ pub fn build(
     progress: &Progress,
 ) -> Result<PointCloud, Cancelled> {
     progress.start(3);
-    let mut points = sounding_points(survey, navigation);
+    let mut points = sounding_points(survey, navigation, settings.down_scan);
     progress.advance(1);
     let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, calibration, side));
     let rises = match settings.geometry {
@@ -94,7 +94,11 @@ fn rises(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Rise> {
         .collect()
 }
 
-fn sounding_points(survey: &Survey, navigation: &Navigation) -> Vec<CloudPoint> {
+fn sounding_points(
+    survey: &Survey,
+    navigation: &Navigation,
+    down_scan: DownScan,
+) -> Vec<CloudPoint> {
     let soundings = survey
         .soundings
         .iter()
@@ -106,6 +110,7 @@ fn sounding_points(survey: &Survey, navigation: &Navigation) -> Vec<CloudPoint> 
             source: PointSource::DownScan,
             ping: nearest_ping(survey, sounding.time_s) as u32,
             sounding: Some(index as u32),
+            sound: sounding.locked || down_scan == DownScan::All,
             sample: f32::NAN,
             east_m: place.east_m,
             north_m: place.north_m,
@@ -151,6 +156,7 @@ fn side_points<'a>(
             source,
             ping: ping as u32,
             sounding: None,
+            sound: true,
             sample: pick.sample,
             east_m,
             north_m,

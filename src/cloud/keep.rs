@@ -3,7 +3,8 @@
 use super::{OutlierSettings, PointCloud, PointSource, outliers};
 use crate::progress::{Cancelled, Progress};
 
-/// Radius outlier removal over the side-scan points of the cloud (soundings are always kept), as the published code does.
+/// Radius outlier removal over the side-scan points of the cloud as the published code does; soundings are kept unless
+/// [`super::CloudPoint::sound`] says no.
 /// One flag per point.
 pub fn keep_points(
     cloud: &PointCloud,
@@ -19,7 +20,7 @@ pub fn keep_points(
         .map(|point| [point.east_m, point.north_m, point.z_m])
         .collect();
     let flags = outliers::keep(&places, settings.radius_m, settings.min_neighbors, progress)?;
-    let mut kept = vec![true; cloud.points.len()];
+    let mut kept: Vec<bool> = cloud.points.iter().map(|point| point.sound).collect();
     for (index, flag) in beside.into_iter().zip(flags) {
         kept[index] = flag;
     }

@@ -37,6 +37,19 @@ pub struct CloudSettings {
     pub geometry: Geometry,
     /// Angle of the first return from the vertical, degrees; 16 in the published code.
     pub alpha2_deg: f64,
+    /// Which recorded depths are kept.
+    pub down_scan: DownScan,
+}
+
+/// Which recorded depths belong to the cloud.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DownScan {
+    /// All, as published.
+    All,
+    /// Those at which the recorder had the bottom; the others are points that are not kept.
+    #[default]
+    Locked,
 }
 
 impl Default for CloudSettings {
@@ -44,6 +57,7 @@ impl Default for CloudSettings {
         Self {
             geometry: Geometry::Slope,
             alpha2_deg: 16.0,
+            down_scan: DownScan::Locked,
         }
     }
 }
@@ -98,6 +112,9 @@ pub struct CloudPoint {
     pub ping: u32,
     /// The sounding for down-scan points.
     pub sounding: Option<u32>,
+    /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless
+    /// [`DownScan::All`] asks for it.
+    pub sound: bool,
     /// First return in u8 samples outward; NaN for a sounding.
     pub sample: f32,
     /// Metres east of the survey's origin.
@@ -115,4 +132,15 @@ pub struct PointCloud {
     pub points: Vec<CloudPoint>,
     /// Pings that gave no side-scan point because they have no heading.
     pub zero_heading: usize,
+}
+
+impl PointCloud {
+    /// Side-scan points that the outlier filter removed; `kept` holds one flag per point.
+    pub fn outliers(&self, kept: &[bool]) -> usize {
+        let beside = |point: &CloudPoint| point.source != PointSource::DownScan;
+        let points = self.points.iter().zip(kept);
+        points
+            .filter(|(point, kept)| beside(point) && !**kept)
+            .count()
+    }
 }

@@ -23,7 +23,8 @@ pub struct Residuals {
     pub p95_m: f64,
 }
 
-/// Side-scan depth minus recorded depth at the same ping, over the kept side-scan points; `None` without any.
+/// Side-scan depth minus recorded depth at the same ping, over the kept side-scan points where the recorder
+/// had the bottom; `None` without any.
 ///
 /// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
 pub fn residuals(
@@ -38,7 +39,7 @@ pub fn residuals(
         .zip(kept)
         .filter(|(point, kept)| **kept && point.source != PointSource::DownScan)
         .filter_map(|(point, _)| {
-            let recorded_m = f64::from(survey.side_scan.get(point.ping as usize)?.depth_m);
+            let recorded_m = f64::from(survey.locked_depth_m(point.ping as usize));
             (recorded_m > 0.0).then_some(-point.z_m - recorded_m)
         })
         .collect();

@@ -4,13 +4,11 @@
 //! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth where `depth` believes it.
 
 mod canopy;
-mod depth;
 mod normalise;
 mod threshold;
 mod tracker;
 mod words;
 
-pub use depth::steady_depth_m;
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
@@ -154,7 +152,7 @@ pub fn track_range(
     let mut sides = tracker::track(survey, normalisation, settings, pings.clone(), progress)?;
     let depths_m: Vec<f32> = pings
         .clone()
-        .map(|ping| steady_depth_m(survey, ping))
+        .map(|ping| survey.locked_depth_m(ping))
         .collect();
     for (side, picks) in Side::BOTH.into_iter().zip(&mut sides) {
         let margin_m = settings.canopy_margin_m;

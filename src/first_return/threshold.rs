@@ -4,9 +4,7 @@
 //! (about fifteen of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
 
 use super::normalise::{BLOCK, dead_samples};
-use super::{
-    FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, steady_depth_m, words,
-};
+use super::{FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, words};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -55,7 +53,7 @@ impl ThresholdIndex {
         let pings = 0..survey.side_scan.len();
         let depths_m = pings
             .into_par_iter()
-            .map(|ping| steady_depth_m(survey, ping));
+            .map(|ping| survey.locked_depth_m(ping));
         Ok(Self {
             normalisation,
             maxima,

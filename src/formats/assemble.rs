@@ -3,6 +3,7 @@
 use super::collected::{Collected, HalfPing};
 use crate::survey::{
     Channel, ChannelKind, Fix, Side, SidePing, SideScanState, Sounding, Survey, Track,
+    mark_bottom_lock,
 };
 
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
@@ -19,7 +20,9 @@ const HALVES_TOGETHER_S: f64 = 0.1;
 /// Puts the pieces of a log together.
 pub(super) fn assemble(mut log: Collected) -> Survey {
     let mut side_scan = join_sides(&mut log);
-    let soundings = choose_soundings(std::mem::take(&mut log.depths));
+    let mut soundings = choose_soundings(std::mem::take(&mut log.depths));
+    mark_bottom_lock(&mut soundings);
+    warn_of_lost_bottom(&soundings, &mut log);
     match_depths(&mut side_scan, &soundings);
     let fixes = clean_track(&mut log);
     let side_scan_state = judge(&side_scan, &mut log);
@@ -114,6 +117,7 @@ fn ping(port: Option<&HalfPing>, starboard: Option<&HalfPing>) -> SidePing {
     SidePing {
         time_s: port.or(starboard).map_or(f64::NAN, |half| half.time_s),
         depth_m: f32::NAN,
+        depth_locked: false,
         port: port.map(|half| half.span),
         starboard: starboard.map(|half| half.span),
     }
@@ -169,11 +173,26 @@ fn match_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
             .into_iter()
             .flatten()
             .filter_map(|index| soundings.get(index))
-            .map(|sounding| ((sounding.time_s - ping.time_s).abs(), sounding.depth_m))
+            .map(|sounding| ((sounding.time_s - ping.time_s).abs(), sounding))
             .filter(|(apart_s, _)| *apart_s <= NEAREST_SOUNDING_S)
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        ping.depth_m = nearest.map_or(f32::NAN, |(_, depth_m)| depth_m);
+        ping.depth_m = nearest.map_or(f32::NAN, |(_, sounding)| sounding.depth_m);
+        ping.depth_locked = nearest.is_some_and(|(_, sounding)| sounding.locked);
     }
+}
+
+fn warn_of_lost_bottom(soundings: &[Sounding], log: &mut Collected) {
+    let lost = || soundings.iter().filter(|sounding| !sounding.locked);
+    let (Some(first), Some(last)) = (lost().next(), lost().next_back()) else {
+        return;
+    };
+    log.report.log(format!(
+        "the recorder had lost the bottom at {} of {} soundings (between {:.0} s and {:.0} s its depth jumps): they are shown, but nothing is measured against them",
+        lost().count(),
+        soundings.len(),
+        first.time_s,
+        last.time_s
+    ));
 }
 
 /// Fixes in time order, without those that a damaged header threw far away.

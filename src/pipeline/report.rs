@@ -53,6 +53,8 @@ pub struct Counts {
     pub pings: usize,
     /// Depths that the recorder gave.
     pub soundings: usize,
+    /// Of these, depths written while the recorder had lost the bottom.
+    pub soundings_without_bottom: usize,
     /// Pings with a port first return.
     pub port_first_returns: usize,
     /// Pings with a starboard first return.
@@ -135,7 +137,7 @@ impl Report {
             .iter()
             .filter(|point| point.source != PointSource::DownScan)
             .count();
-        let outliers_removed = kept.iter().filter(|kept| !**kept).count();
+        let outliers_removed = cloud.outliers(kept);
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             inputs: hash_inputs(survey, progress)?,
@@ -146,6 +148,7 @@ impl Report {
             counts: Counts {
                 pings: survey.side_scan.len(),
                 soundings: survey.soundings.len(),
+                soundings_without_bottom: survey.soundings.iter().filter(|s| !s.locked).count(),
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 canopy: flagged(Side::Port) + flagged(Side::Starboard),

@@ -1,7 +1,7 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 
 use crate::calibration::{CalibrationSettings, OffsetMode, ScaleMode};
-use crate::cloud::{CloudSettings, Geometry, OutlierSettings};
+use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
 use serde::{Deserialize, Serialize};
@@ -77,6 +77,7 @@ impl Settings {
                 cloud: CloudSettings {
                     geometry: Geometry::Published,
                     alpha2_deg: 16.0,
+                    down_scan: DownScan::All,
                 },
                 heading: HeadingSettings {
                     source: HeadingSource::Steps,

@@ -1,10 +1,12 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 
+mod bottom_lock;
 mod fitted_track;
 mod navigation;
 mod samples;
 mod track;
 
+pub use bottom_lock::mark_bottom_lock;
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{Fix, Track};
@@ -93,6 +95,8 @@ pub struct SidePing {
     pub time_s: f64,
     /// Recorded depth below the transducer, metres, from the sounding nearest in time; NaN when there is none.
     pub depth_m: f32,
+    /// Whether the recorder had the bottom then ([`mark_bottom_lock`]).
+    pub depth_locked: bool,
     /// The port samples, if that side was recorded for this ping.
     pub port: Option<SideSpan>,
     /// The starboard samples, if that side was recorded for this ping.
@@ -100,6 +104,15 @@ pub struct SidePing {
 }
 
 impl SidePing {
+    /// The recorded depth where it can be leaned on, metres; NaN without one, or where the recorder had lost the bottom.
+    pub fn locked_depth_m(&self) -> f32 {
+        if self.depth_locked && self.depth_m > 0.0 {
+            self.depth_m
+        } else {
+            f32::NAN
+        }
+    }
+
     /// The samples of one side.
     pub fn side(&self, side: Side) -> Option<&SideSpan> {
         match side {
@@ -116,6 +129,8 @@ pub struct Sounding {
     pub time_s: f64,
     /// Metres below the transducer (keel offset removed where the log states one).
     pub depth_m: f32,
+    /// Whether the recorder had the bottom ([`mark_bottom_lock`]).
+    pub locked: bool,
 }
 
 /// What can be done with the survey's side-scan.
@@ -180,6 +195,13 @@ impl Survey {
     pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
         let span = self.side_scan.get(ping)?.side(side)?;
         Samples::new(self.bytes.get(usize::from(span.file))?, span)
+    }
+
+    /// [`SidePing::locked_depth_m`] of a ping; NaN beyond the last.
+    pub fn locked_depth_m(&self, ping: usize) -> f32 {
+        self.side_scan
+            .get(ping)
+            .map_or(f32::NAN, SidePing::locked_depth_m)
     }
 
     /// The survey's name for people: the opened file's stem.

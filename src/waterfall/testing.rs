@@ -12,6 +12,7 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
         .map(|(ping, [port, starboard])| SidePing {
             time_s: ping as f64,
             depth_m: f32::NAN,
+            depth_locked: false,
             port,
             starboard,
         });

@@ -132,6 +132,7 @@ fn survey(pings: usize) -> Survey {
     let side_scan = (0..pings).map(|ping| SidePing {
         time_s: ping as f64 * 0.05,
         depth_m: 5.0,
+        depth_locked: true,
         port: Some(span(ping, Order::FarToNear)),
         starboard: Some(span(ping, Order::NearToFar)),
     });

@@ -96,6 +96,7 @@ fn survey_of(
         SidePing {
             time_s: ping as f64 * 0.05,
             depth_m: 4.0,
+            depth_locked: true,
             port,
             starboard,
         }

@@ -14,7 +14,7 @@ mod score;
 mod straight;
 mod viterbi;
 
-use super::{FirstReturnSettings, Normalisation, Pick, steady_depth_m};
+use super::{FirstReturnSettings, Normalisation, Pick};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -119,7 +119,7 @@ impl Workspace {
             &score::Kernel::new(normalisation, settings, chunk, cell_m),
         );
         for (row, &ping) in chunk.pings.iter().enumerate() {
-            let depth_m = steady_depth_m(survey, ping as usize);
+            let depth_m = survey.locked_depth_m(ping as usize);
             self.scores
                 .weigh_depth(row, f64::from(depth_m), chunk, cell_m);
         }

@@ -109,6 +109,7 @@ fn keep_side_scan(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s:
             let [port, starboard] = composite_spans(frame).map(|span| Some(span).filter(is_sound));
             if port.is_some() || starboard.is_some() {
                 log.composite.push(SidePing {
+                    depth_locked: false,
                     time_s,
                     depth_m: f32::NAN,
                     port,

@@ -119,5 +119,9 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         };
         lines.push((text, colour));
     }
+    if counts.lost > 0 {
+        let text = format!("bottom lost {}", count(counts.lost));
+        lines.push((text, theme::outlier_colour().gamma_multiply(0.4)));
+    }
     lines
 }

@@ -21,8 +21,10 @@ pub struct Counts {
     pub port: usize,
     /// Kept, starboard.
     pub starboard: usize,
-    /// Those that the outlier filter would remove.
+    /// Side-scan points that the outlier filter would remove.
     pub removed: usize,
+    /// Soundings at which the recorder had lost the bottom; drawn with the removed ones.
+    pub lost: usize,
 }
 
 impl Counts {
@@ -39,6 +41,7 @@ impl Counts {
 
     fn add(&mut self, source: PointSource, kept: bool) {
         let count = match (kept, source) {
+            (false, PointSource::DownScan) => &mut self.lost,
             (false, _) => &mut self.removed,
             (true, PointSource::DownScan) => &mut self.down_scan,
             (true, PointSource::Port) => &mut self.port,
@@ -239,6 +242,7 @@ mod tests {
             source,
             ping,
             sounding: None,
+            sound: true,
             sample: 100.0,
             east_m: f64::from(ping),
             north_m: 2.0,

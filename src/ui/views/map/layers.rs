@@ -37,7 +37,7 @@ impl TrackLayer {
         device: Option<&wgpu::Device>,
         progress: &Progress,
     ) -> Option<Self> {
-        let range_m = bathymetry::depth_range(survey.soundings.iter().map(|s| s.depth_m));
+        let range_m = bathymetry::depth_range(locked_depths(survey));
         let records = records(survey, navigation);
         let bounds = bounds(records.iter().map(|(_, place, _)| place))?;
         let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
@@ -73,17 +73,36 @@ impl TrackLayer {
     }
 }
 
+/// Depths that the recorder had the bottom for: the others would stretch the colours.
+fn locked_depths(survey: &Survey) -> impl Iterator<Item = f32> {
+    survey
+        .soundings
+        .iter()
+        .filter(|sounding| sounding.locked)
+        .map(|sounding| sounding.depth_m)
+}
+
 /// Time, place and depth along the track: of the side-scan pings, or of the soundings in a log without.
 fn records<'a>(survey: &'a Survey, navigation: &'a Navigation) -> Vec<(f64, &'a PingNav, f32)> {
     if navigation.pings.is_empty() {
         let soundings = survey.soundings.iter().zip(&navigation.soundings);
         return soundings
-            .map(|(sounding, place)| (sounding.time_s, place, sounding.depth_m))
+            .map(|(sounding, place)| {
+                (
+                    sounding.time_s,
+                    place,
+                    if sounding.locked {
+                        sounding.depth_m
+                    } else {
+                        f32::NAN
+                    },
+                )
+            })
             .collect();
     }
     let pings = survey.side_scan.iter().zip(&navigation.pings);
     pings
-        .map(|(ping, place)| (ping.time_s, place, ping.depth_m))
+        .map(|(ping, place)| (ping.time_s, place, ping.locked_depth_m()))
         .collect()
 }
 
@@ -153,7 +172,7 @@ impl DepthLayer {
     ) -> Option<Self> {
         let settings = DepthMapSettings::default();
         let points = bathymetry::depth_points(survey, navigation);
-        let range_m = bathymetry::depth_range(survey.soundings.iter().map(|s| s.depth_m));
+        let range_m = bathymetry::depth_range(locked_depths(survey));
         let map = bathymetry::depth_map(&points, &settings, progress).ok()?;
         let map = map.zip(range_m).map(|(map, range_m)| {
             let image = depth_image(&map, range_m, settings.gap_m);

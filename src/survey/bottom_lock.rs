@@ -1,0 +1,126 @@
+//! Where the recorder's own depth can be believed.
+//!
+//! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the last quarter of the log
+//! jumps between one and four times the depth within a second. Nothing may lean on such depths, but they stay visible.
+
+use super::Sounding;
+
+/// A step between soundings is a jump beyond this many metres and this share of the depth: at any boat's speed a bed that
+/// rises so from one sounding to the next stands upright.
+const JUMP_M: f32 = 0.5;
+const JUMP_SHARE: f32 = 0.15;
+/// Soundings further apart in time are not compared, seconds.
+const NEIGHBOURS_S: f64 = 1.0;
+/// Jumps that follow each other within this time are one loss of the bottom, seconds.
+const TOGETHER_S: f64 = 3.0;
+/// So many jumps together are a loss; fewer are boulders, piers and ledges, which come in twos.
+const JUMPS: usize = 4;
+/// Soundings to both sides of one that a glitch is judged against.
+const REACH: usize = 4;
+
+/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, and on single glitches.
+pub fn mark_bottom_lock(soundings: &mut [Sounding]) {
+    for sounding in &mut *soundings {
+        sounding.locked = true;
+    }
+    let glitches: Vec<usize> = (0..soundings.len())
+        .filter(|&index| is_glitch(soundings, index))
+        .collect();
+    let jumps: Vec<usize> = (1..soundings.len())
+        .filter(|&index| is_jump(soundings, index))
+        .collect();
+    let together = |a: &usize, b: &usize| soundings[*b].time_s - soundings[*a].time_s < TOGETHER_S;
+    let losses: Vec<(usize, usize)> = jumps
+        .chunk_by(together)
+        .filter(|loss| loss.len() >= JUMPS)
+        .map(|loss| (loss[0], loss[loss.len() - 1]))
+        .collect();
+    let lost = losses.into_iter().flat_map(|(first, last)| first..=last);
+    for index in lost.chain(glitches) {
+        soundings[index].locked = false;
+    }
+}
+
+fn differ(a: &Sounding, b: &Sounding) -> bool {
+    (a.depth_m - b.depth_m).abs() > JUMP_M.max(JUMP_SHARE * a.depth_m.min(b.depth_m))
+}
+
+fn is_jump(soundings: &[Sounding], index: usize) -> bool {
+    let (before, here) = (&soundings[index - 1], &soundings[index]);
+    here.time_s - before.time_s < NEIGHBOURS_S && differ(before, here)
+}
+
+/// Whether a sounding departs from the median of its neighbours, and from both next to it that agree with that median.
+fn is_glitch(soundings: &[Sounding], index: usize) -> bool {
+    let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
+    if around.len() <= REACH {
+        return false;
+    }
+    let mut near: Vec<Sounding> = soundings[around].to_vec();
+    let middle = near.len() / 2;
+    let (_, median, _) =
+        near.select_nth_unstable_by(middle, |a, b| a.depth_m.total_cmp(&b.depth_m));
+    (median.time_s - soundings[index].time_s).abs() < TOGETHER_S
+        && differ(median, &soundings[index])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn locked(depths: impl Iterator<Item = f32>) -> Vec<bool> {
+        let mut soundings: Vec<Sounding> = depths
+            .enumerate()
+            .map(|(index, depth_m)| Sounding {
+                time_s: 0.1 * index as f64,
+                depth_m,
+                locked: false,
+            })
+            .collect();
+        mark_bottom_lock(&mut soundings);
+        soundings.iter().map(|sounding| sounding.locked).collect()
+    }
+
+    #[test]
+    fn slopes_noise_and_ledges_keep_the_lock() {
+        assert!(
+            locked((0..300).map(|i| 2.0 + 0.02 * i as f32))
+                .iter()
+                .all(|locked| *locked)
+        );
+        assert!(
+            locked((0..300).map(|i| 2.0 + 0.1 * (i % 3) as f32))
+                .iter()
+                .all(|locked| *locked)
+        );
+        // A block on the bed, a metre high and two seconds long.
+        let block = |i| if (100..120).contains(&i) { 2.0 } else { 3.0 };
+        assert!(locked((0..300).map(block)).iter().all(|locked| *locked));
+    }
+
+    #[test]
+    fn a_wandering_lock_is_lost_from_its_first_to_its_last_jump() {
+        let wandering = |i: usize| {
+            if (100..200).contains(&i) {
+                [1.5, 5.0, 3.0, 6.0][i / 7 % 4]
+            } else {
+                1.5
+            }
+        };
+        let locked = locked((0..300).map(wandering));
+        assert!(
+            locked[..90]
+                .iter()
+                .chain(&locked[210..])
+                .all(|locked| *locked)
+        );
+        assert!(locked[110..190].iter().all(|locked| !*locked));
+    }
+
+    #[test]
+    fn one_wild_depth_is_a_glitch() {
+        let locked = locked((0..50).map(|i| if i == 20 { 9.0 } else { 2.0 }));
+        let wild: Vec<usize> = (0..50).filter(|&i| !locked[i]).collect();
+        assert_eq!(wild, [20]);
+    }
+}
