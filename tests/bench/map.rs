@@ -54,12 +54,14 @@ fn app(count: usize) -> App {
     let side_scan = (0..count).map(|ping| SidePing {
         time_s: ping as f64 * 0.1,
         depth_m: depth_m(ping),
+        depth_locked: true,
         port: None,
         starboard: None,
     });
     let soundings = (0..count).map(|ping| Sounding {
         time_s: ping as f64 * 0.1,
         depth_m: depth_m(ping),
+        locked: true,
     });
     let mut app = App::new(Jobs::Inline);
     app.survey_serial = 1;

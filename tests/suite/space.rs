@@ -52,12 +52,14 @@ fn pond() -> (Survey, Products) {
     let side_scan = nav.iter().enumerate().map(|(index, nav)| SidePing {
         time_s: 0.4 * index as f64,
         depth_m: depth_m(nav),
+        depth_locked: true,
         port: None,
         starboard: None,
     });
     let soundings = nav.iter().enumerate().map(|(index, nav)| Sounding {
         time_s: 0.4 * index as f64,
         depth_m: depth_m(nav),
+        locked: true,
     });
     let survey = Survey {
         source: Source {
@@ -96,6 +98,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
             source,
             ping: ping as u32,
             sounding: (source == PointSource::DownScan).then_some(ping as u32),
+            sound: true,
             sample: 100.0,
             east_m,
             north_m,
