@@ -19,10 +19,24 @@ pub struct Trouble {
     pub missing: bool,
     /// Another sounder is heard.
     pub interference: bool,
-    /// A fish on one side: the side, its place as a share of the first return, and its strength over the bottom, dB.
-    pub fish: Option<(Side, f64, f64)>,
+    /// A fish in the water column.
+    pub fish: Option<Fish>,
     /// Recorded range, metres.
     pub range_m: f64,
+}
+
+/// A fish that one side hears in a row of pings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fish {
+    pub side: Side,
+    /// First ping of the row.
+    pub first_ping: u64,
+    /// Its slant range as a share of the depth at that ping.
+    pub depth_share: f64,
+    /// How much farther away it is in this ping, metres.
+    pub farther_m: f64,
+    /// Strength of its echo over that of a level bottom's edge, dB.
+    pub strength_db: f64,
 }
 
 /// Length of the stretch with a gain drop, metres.
@@ -46,14 +60,14 @@ pub struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// Draws where along the way things go wrong.
     pub fn new(scene: &'a Scene, path: &Path, seed: u64) -> Self {
-        let mut random = Random::new(seed, Purpose::Track, 0);
+        let mut random = Random::new(seed, Purpose::Plan, 0);
         let length_m = path.length_m();
         let change = random.between(0.5, 0.75);
         Self {
             scene,
             seed,
-            wander: Field::new(seed, Purpose::Track, 12.0),
-            swing: Field::new(seed, Purpose::Water, 6.0),
+            wander: Field::new(seed, Purpose::Wander, 12.0),
+            swing: Field::new(seed, Purpose::Roll, 6.0),
             gain_drop_m: random.between(0.1, 0.9) * length_m,
             range_change: [change, change + 0.2],
             length_m,
@@ -70,8 +84,10 @@ impl<'a> Plan<'a> {
         Trouble {
             gain: self.gain(travelled_m),
             roll_rad: self.roll_rad(time_s),
-            missing: self.row(ping, artefacts.dropouts, Purpose::Track).is_some(),
-            interference: Random::new(self.seed, Purpose::Sounding, ping)
+            missing: self
+                .row(ping, artefacts.dropouts, Purpose::Dropouts)
+                .is_some(),
+            interference: Random::new(self.seed, Purpose::Interference, ping)
                 .chance(artefacts.interference),
             fish: self.fish(ping),
             range_m: if changed {
@@ -100,18 +116,23 @@ impl<'a> Plan<'a> {
         amplitude * strength * sin(2.0 * PI * time_s / 2.6)
     }
 
-    fn fish(&self, ping: u64) -> Option<(Side, f64, f64)> {
-        let start = self.row(ping, self.scene.artefacts.fish, Purpose::Water)?;
-        let mut random = Random::new(self.seed, Purpose::Water, start.wrapping_add(1 << 40));
+    fn fish(&self, ping: u64) -> Option<Fish> {
+        let first_ping = self.row(ping, self.scene.artefacts.fish, Purpose::Fish)?;
+        let mut random = Random::new(self.seed, Purpose::Fish, first_ping.wrapping_add(1 << 40));
         let side = if random.chance(0.5) {
             Side::Port
         } else {
             Side::Starboard
         };
         // A fish passes on a shallow arc: a little farther away at both ends of its row.
-        let off = (ping - start) as f64 - 1.5;
-        let place = random.between(0.3, 0.9) + 0.003 * off * off;
-        Some((side, place, random.between(-14.0, -2.0)))
+        let off = (ping - first_ping) as f64 - 1.5;
+        Some(Fish {
+            side,
+            first_ping,
+            depth_share: random.between(0.3, 0.85),
+            farther_m: 0.007 * off * off,
+            strength_db: random.between(-14.0, -2.0),
+        })
     }
 
     /// The start of the row of troubled pings that holds this ping. Rows are 1 to 5 pings long and together take a share
@@ -135,4 +156,35 @@ pub fn ring_down(range_m: f64) -> f64 {
 /// Share of the power left after absorption over a slant range, there and back.
 pub fn absorption(db_per_km: f64, range_m: f64) -> f64 {
     exp(-2.0 * db_per_km * 1e-3 * range_m * LN_10 / 10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn troubles_take_their_shares_of_the_pings() {
+        let mut scene = Scene::gentle();
+        scene.artefacts.dropouts = 0.02;
+        let path = Path::new(&scene.track);
+        let plan = Plan::new(&scene, &path, 11);
+        let count = 60_000_u64;
+        let troubles: Vec<Trouble> = (0..count)
+            .map(|ping| plan.at(ping, 0.05 * ping as f64, 0.0))
+            .collect();
+        let share = |meets: &dyn Fn(&Trouble) -> bool| {
+            troubles.iter().filter(|trouble| meets(trouble)).count() as f64 / count as f64
+        };
+        let fish = share(&|trouble| trouble.fish.is_some());
+        let missing = share(&|trouble| trouble.missing);
+        let interference = share(&|trouble| trouble.interference);
+        assert!((fish - 0.03).abs() < 0.004, "{fish}");
+        assert!((missing - 0.02).abs() < 0.003, "{missing}");
+        assert!((interference - 0.015).abs() < 0.002, "{interference}");
+        let steepest = troubles
+            .iter()
+            .map(|trouble| trouble.roll_rad.abs())
+            .fold(0.0, f64::max);
+        assert!((1.0..2.0).contains(&steepest.to_degrees()), "{steepest}");
+    }
 }

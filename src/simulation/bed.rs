@@ -4,6 +4,7 @@ use super::arithmetic::{cos, sin};
 use super::noise::{Field, smooth};
 use super::random::{Purpose, Random};
 use super::scene::{Bank, BedKind, BedSettings, Terrace};
+use super::stones::Stones;
 use std::f64::consts::PI;
 
 /// What a kind of ground looks like.
@@ -14,6 +15,8 @@ struct Character {
     wavelengths_m: [f64; 3],
     /// Two sizes of roughness: distance between bumps and standard deviation of their height, metres.
     roughness_m: [(f64, f64); 2],
+    /// Whether stones lie about.
+    stones: bool,
     /// Shape of the texture's gamma distribution: how much the strength of neighbouring places differs (small: much).
     texture_shape: f64,
 }
@@ -23,20 +26,23 @@ impl BedKind {
         match self {
             BedKind::Gentle => Character {
                 slope_deg: 4.0,
-                wavelengths_m: [34.0, 21.0, 13.0],
+                wavelengths_m: [40.0, 26.0, 16.0],
                 roughness_m: [(0.6, 0.004), (0.0, 0.0)],
+                stones: false,
                 texture_shape: 5.0,
             },
             BedKind::Steep => Character {
                 slope_deg: 20.0,
                 wavelengths_m: [24.0, 15.0, 10.0],
                 roughness_m: [(0.6, 0.004), (0.0, 0.0)],
+                stones: false,
                 texture_shape: 5.0,
             },
             BedKind::Rough => Character {
                 slope_deg: 6.0,
                 wavelengths_m: [34.0, 21.0, 13.0],
-                roughness_m: [(0.9, 0.035), (0.4, 0.012)],
+                roughness_m: [(0.9, 0.025), (0.4, 0.008)],
+                stones: true,
                 texture_shape: 1.0,
             },
         }
@@ -56,10 +62,13 @@ pub struct Bed {
     mean_depth_m: f64,
     swells: Vec<Swell>,
     roughness: Vec<(Field, f64)>,
+    stones: Option<Stones>,
     texture: Field,
     /// Spread of the texture's natural logarithm.
     texture_spread: f64,
     patches: Field,
+    /// Spread of the patches' natural logarithm.
+    patch_spread: f64,
     terrace: Option<Terrace>,
     /// Half extents and rise over run of the bank.
     bank: Option<[f64; 3]>,
@@ -69,6 +78,8 @@ pub struct Bed {
 const SLOPE_SHARES: [f64; 3] = [0.55, 0.3, 0.15];
 /// Distance over which the foot of the bank is rounded, metres.
 const BANK_FOOT_M: f64 = 0.6;
+/// Size of the texture's grains, metres.
+const TEXTURE_M: f64 = 0.4;
 /// Size of the patches of finer and coarser sediment, metres, and their spread, as a natural logarithm (about 2 dB).
 const PATCHES: (f64, f64) = (7.0, 0.45);
 
@@ -76,7 +87,7 @@ impl Bed {
     /// The ground of a scene; the seed places its swells and bumps.
     pub fn new(settings: &BedSettings, seed: u64) -> Self {
         let character = settings.kind.character();
-        let mut random = Random::new(seed, Purpose::Waves, 0);
+        let mut random = Random::new(seed, Purpose::Swells, 0);
         let slope = tangent(character.slope_deg);
         let shares = SLOPE_SHARES.into_iter().zip(character.wavelengths_m);
         let swells = shares
@@ -101,10 +112,12 @@ impl Bed {
                     (Field::new(seed, Purpose::Roughness, *spacing_m), *height_m)
                 })
                 .collect(),
-            texture: Field::new(seed, Purpose::Texture, 0.25),
+            stones: character.stones.then(|| Stones::new(seed)),
+            texture: Field::new(seed, Purpose::Texture, TEXTURE_M),
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
             texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
             patches: Field::new(seed, Purpose::Patches, PATCHES.0),
+            patch_spread: PATCHES.1,
             terrace: settings.terrace.clone(),
             bank: settings.bank.as_ref().map(Bank::shape),
         }
@@ -115,7 +128,9 @@ impl Bed {
         Self {
             swells: Vec::new(),
             roughness: Vec::new(),
+            stones: None,
             texture_spread: 0.0,
+            patch_spread: 0.0,
             ..Self::new(settings, 0)
         }
     }
@@ -137,14 +152,18 @@ impl Bed {
         for (field, height_m) in &self.roughness {
             depth += height_m * field.at(east_m, north_m);
         }
-        depth
+        match &self.stones {
+            Some(stones) => depth - stones.height_m(east_m, north_m),
+            None => depth,
+        }
     }
 
     /// How strongly the place scatters, as a factor of mean about 1.
     pub fn strength(&self, east_m: f64, north_m: f64) -> f64 {
         let texture = self.texture_spread * self.texture.at(east_m, north_m);
-        let patches = PATCHES.1 * self.patches.at(east_m, north_m);
-        let variance = self.texture_spread * self.texture_spread + PATCHES.1 * PATCHES.1;
+        let patches = self.patch_spread * self.patches.at(east_m, north_m);
+        let variance =
+            self.texture_spread * self.texture_spread + self.patch_spread * self.patch_spread;
         super::arithmetic::exp(texture + patches - 0.5 * variance)
     }
 }

@@ -14,9 +14,11 @@
 
 mod arithmetic;
 mod artefacts;
+mod beam;
 mod bed;
 mod check;
 mod echo;
+mod log;
 mod noise;
 mod objects;
 mod path;
@@ -27,8 +29,10 @@ mod scene;
 mod simulate;
 mod sl2;
 mod sonar;
+mod stones;
 mod truth;
 mod weed;
+mod world;
 
 pub use objects::ObjectKind;
 pub use presets::SceneError;

@@ -62,7 +62,7 @@ impl Placed {
         Self {
             reach_m: 0.5 * (length * length + width * width).sqrt() + SIDE_M,
             forward: [sin(heading), cos(heading)],
-            bumps: Field::new(seed, Purpose::Objects, 0.3 * length.min(width)),
+            bumps: Field::new(seed, Purpose::Bumps, 0.3 * length.min(width)),
             settings,
         }
     }
@@ -110,12 +110,29 @@ fn round(offset: f64) -> f64 {
 /// All objects of the scene: those it names, then those scattered beside the lines.
 pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<Placed> {
     let mut random = Random::new(seed, Purpose::Objects, 0);
-    let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
+    let scattered = (0..scene.scattered_objects).map(|_| scatter_clear_of(path, &mut random));
     let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();
     all.into_iter()
         .enumerate()
         .map(|(index, settings)| Placed::new(settings, seed.wrapping_add(index as u64)))
         .collect()
+}
+
+/// How far scattered objects stay away from the way, metres: none is under the boat.
+const CLEAR_M: f64 = 2.5;
+/// Places that are tried for a scattered object.
+const TRIES: usize = 20;
+
+/// A random object beside the way; the last place tried where lines are too dense to stay clear of them.
+fn scatter_clear_of(path: &Path, random: &mut Random) -> ObjectSettings {
+    let mut object = scatter(path, random);
+    for _ in 1..TRIES {
+        if path.distance_m([object.east_m, object.north_m]) >= CLEAR_M {
+            break;
+        }
+        object = scatter(path, random);
+    }
+    object
 }
 
 /// A random object 3 to 7 m beside a random point of the way.

@@ -6,18 +6,27 @@ use std::f64::consts::PI;
 /// What a stream of random numbers is for; part of its seed, so that no two purposes share numbers.
 #[derive(Clone, Copy)]
 pub enum Purpose {
-    Waves = 1,
-    Objects,
-    Weed,
-    Track,
-    Speckle,
-    Water,
-    Sounding,
-    Echogram,
-    Texture,
-    Roughness,
-    Patches,
+    Bumps = 1,
     Canopy,
+    Dropouts,
+    Echogram,
+    Fish,
+    Fix,
+    Interference,
+    Objects,
+    Outline,
+    Patches,
+    Plan,
+    Roll,
+    Roughness,
+    Sounding,
+    Speckle,
+    Stems,
+    Stones,
+    Swells,
+    Texture,
+    Wander,
+    Weed,
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough for pictures.
@@ -104,6 +113,6 @@ mod tests {
     fn streams_differ_by_purpose_and_index() {
         let first = |purpose, index| Random::new(1, purpose, index).bits();
         assert_ne!(first(Purpose::Speckle, 0), first(Purpose::Speckle, 1));
-        assert_ne!(first(Purpose::Speckle, 0), first(Purpose::Water, 0));
+        assert_ne!(first(Purpose::Speckle, 0), first(Purpose::Fish, 0));
     }
 }

@@ -2,11 +2,13 @@
 
 use super::arithmetic::{exp, from_db, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
+use super::beam::Beam;
 use super::bed::Bed;
-use super::echo::{Beam, Echo, Listener, World};
+use super::echo::{Echo, Listener};
 use super::path::Pose;
 use super::random::{Purpose, Random};
 use super::scene::{BedSettings, RecorderSettings, Scene};
+use super::world::World;
 use crate::survey::Side;
 
 /// The receiver, with its tables for one recorded range.
@@ -31,7 +33,11 @@ pub struct Receiver<'a> {
 const TVG_START_M: f64 = 0.3;
 /// Share of the samples that an interfering sounder hits.
 const INTERFERENCE_SHARE: f64 = 0.08;
-/// Length of a fish in slant range, metres (standard deviation of its echo).
+/// Range behind the first return over which the ground is still heard a second time, metres.
+const SECOND_ECHO_M: f64 = 0.15;
+/// How far before the first return its pulse can begin, metres.
+const PULSE_LEAD_M: f64 = 0.1;
+/// Length of a fish's echo in slant range, metres (standard deviation).
 const FISH_M: f64 = 0.04;
 /// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation of one sample, which
 /// gives speckle correlated as in the real river recording (0.55 and 0.2 at one and two samples).
@@ -133,23 +139,26 @@ impl<'a> Receiver<'a> {
             .collect()
     }
 
-    /// The bytes of one side, nearest first.
+    /// The bytes of one side, nearest first; `fish` is the slant range (metres) and strength (dB) of a fish.
     pub fn record(
         &self,
         echo: &Echo,
-        side: Side,
         trouble: &Trouble,
+        fish: Option<[f64; 2]>,
         random: &mut Random,
     ) -> Vec<u8> {
         let mut power = self.after_gain(echo);
-        self.add_second_echo(&mut power);
-        self.add_fish(&mut power, echo, side, trouble);
+        self.add_second_echo(&mut power, echo.first_return_m);
+        if let Some([fish_m, strength_db]) = fish {
+            self.add_fish(&mut power, fish_m, strength_db);
+        }
         let speckle = self.speckle(random);
         let mut bytes: Vec<u8> = (0..self.samples)
             .map(|i| {
                 let heard = (power[i] + self.noise[i]) * speckle[i];
-                let total = (heard + self.ringing[i]) * trouble.gain;
-                let ringing = self.ringing[i] * trouble.gain;
+                // The transducer rings much alike from ping to ping: a quarter of it fades.
+                let ringing = self.ringing[i] * (0.75 + 0.25 * speckle[i]) * trouble.gain;
+                let total = heard * trouble.gain + ringing;
                 let limited = self
                     .byte(total)
                     .min(f64::from(self.scene.recorder.echo_ceiling));
@@ -162,26 +171,23 @@ impl<'a> Receiver<'a> {
         bytes
     }
 
-    /// The bottom heard again after another way to the surface and back: later and weaker.
-    fn add_second_echo(&self, power: &mut [f64]) {
+    /// The bottom heard again after another way to the surface and back: later and weaker. Only the ground under the boat
+    /// is flat enough on to be heard so.
+    fn add_second_echo(&self, power: &mut [f64], first_return_m: f64) {
         let loss = self.scene.artefacts.second_echo_db;
-        if loss <= 0.0 {
+        if loss <= 0.0 || first_return_m.is_nan() {
             return;
         }
         let share = from_db(-loss);
-        for index in (0..power.len()).rev() {
-            power[index] += share * power[index / 2];
+        let first = (2.0 * (first_return_m - PULSE_LEAD_M) / self.metres_per_sample) as usize;
+        for index in (first..power.len()).rev() {
+            let behind_m = 0.5 * index as f64 * self.metres_per_sample - first_return_m;
+            power[index] += share * exp(-behind_m.max(0.0) / SECOND_ECHO_M) * power[index / 2];
         }
     }
 
-    fn add_fish(&self, power: &mut [f64], echo: &Echo, side: Side, trouble: &Trouble) {
-        let Some((fish_side, place, strength_db)) = trouble.fish else {
-            return;
-        };
-        if fish_side != side || !echo.first_return_m.is_finite() {
-            return;
-        }
-        let at = place * echo.first_return_m / self.metres_per_sample;
+    fn add_fish(&self, power: &mut [f64], fish_m: f64, strength_db: f64) {
+        let at = fish_m / self.metres_per_sample;
         let width = FISH_M / self.metres_per_sample;
         let strength = self.reference * from_db(strength_db);
         let last = ((at + 3.0 * width) as usize + 1).min(power.len());

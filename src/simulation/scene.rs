@@ -265,7 +265,7 @@ impl Default for RecorderSettings {
             tvg_limit_m: 6.0,
             electronic_noise: 4e-11,
             volume_noise: 6e-11,
-            bottom_byte: 105.0,
+            bottom_byte: 99.0,
             bytes_per_db: 2.6,
             echo_ceiling: 120,
             sonar_samples: 400,

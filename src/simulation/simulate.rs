@@ -2,19 +2,18 @@
 
 use super::artefacts::{Plan, Trouble};
 use super::bed::Bed;
-use super::echo::{Echo, Seen, World};
+use super::echo::{Echo, Seen};
 use super::objects;
 use super::path::{Path, Pose};
-use super::random::{Purpose, Random};
 use super::recorder::{Receiver, speckle_stream};
 use super::scene::Scene;
-use super::sl2::{self, Frame, WrittenFix};
-use super::sonar::echogram;
+use super::sl2::{self, Frame};
 use super::truth::{self, ObjectTruth, PingTruth, SideTruth};
 use super::weed::Weed;
+use super::world::World;
 use crate::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{ChannelKind, Side};
+use crate::survey::Side;
 use rayon::prelude::*;
 use std::io::{self, Write};
 
@@ -100,26 +99,27 @@ impl Simulated {
 }
 
 /// Everything that pings share.
-struct Run<'a> {
-    scene: &'a Scene,
-    seed: u64,
+pub struct Run<'a> {
+    pub scene: &'a Scene,
+    pub seed: u64,
     path: Path,
     plan: Plan<'a>,
-    world: World,
-    scene_frame: LocalFrame,
+    pub world: World,
+    pub scene_frame: LocalFrame,
     frame: LocalFrame,
     /// The receiver at the usual range, and at the changed one.
     receivers: [Receiver<'a>; 2],
 }
 
 /// One recorded ping.
-struct Heard {
-    ping: u64,
-    truth: PingTruth,
+pub struct Heard {
+    /// Counts all pings, the missing ones included.
+    pub ping: u64,
+    pub truth: PingTruth,
     seen: Vec<(Side, Seen)>,
     /// Port far to near, then starboard near to far.
-    composite: Vec<u8>,
-    range_m: f64,
+    pub composite: Vec<u8>,
+    pub range_m: f64,
 }
 
 impl<'a> Run<'a> {
@@ -162,11 +162,11 @@ impl<'a> Run<'a> {
     }
 
     /// Recorded time of a ping, whole milliseconds.
-    fn milliseconds(&self, ping: u64) -> i32 {
+    pub fn milliseconds(&self, ping: u64) -> i32 {
         (ping as f64 * 1000.0 / self.scene.track.ping_rate_hz).round() as i32
     }
 
-    fn pose_at(&self, time_s: f64) -> Pose {
+    pub fn pose_at(&self, time_s: f64) -> Pose {
         self.path.at(time_s * self.scene.track.speed_mps)
     }
 
@@ -229,93 +229,34 @@ impl<'a> Run<'a> {
         };
         let echo = receiver.listen(&self.world, pose, side, roll_rad);
         let mut random = speckle_stream(self.seed, ping, side);
-        let bytes = receiver.record(&echo, side, trouble, &mut random);
+        let fish = self.fish(trouble, side, echo.first_return_m);
+        let bytes = receiver.record(&echo, trouble, fish, &mut random);
         (echo, bytes)
     }
 
-    /// The fix that is valid at a time, and its number.
-    fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
-        let rate = self.scene.track.fix_rate_hz;
-        let number = (time_s * rate + 1e-6).floor();
-        let pose = self.pose_at(number / rate);
-        let mut random = Random::new(self.seed, Purpose::Track, 1 + number as u64);
-        let [course_noise, compass_noise] = random.normal_pair();
-        let speed_noise = random.normal();
-        let noisy = |noise_deg: f64| {
-            (pose.heading_rad + noise_deg.to_radians()).rem_euclid(std::f64::consts::TAU)
-        };
-        let fix = WrittenFix {
-            mercator: mercator(&self.scene_frame, pose),
-            course_rad: noisy(COURSE_NOISE_DEG * course_noise),
-            speed_mps: (self.scene.track.speed_mps + SPEED_NOISE_MPS * speed_noise).max(0.0),
-            compass_rad: (self.scene.recorder.compass)
-                .then(|| noisy(COMPASS_NOISE_DEG * compass_noise)),
-        };
-        (number as u64, fix)
+    /// Slant range (metres) and strength (dB) of a fish above the ground, where this side hears one.
+    fn fish(&self, trouble: &Trouble, side: Side, first_return_m: f64) -> Option<[f64; 2]> {
+        let fish = trouble.fish.filter(|fish| fish.side == side)?;
+        let range_m = fish.depth_share * self.true_depth_m(fish.first_ping) + fish.farther_m;
+        (range_m < first_return_m - FISH_CLEARANCE_M).then_some([range_m, fish.strength_db])
     }
 
-    /// Puts the pings into frames, in the order in which the recorder would write them.
-    fn finish(self, heard: Vec<Heard>) -> Simulated {
-        let objects = self.object_truth(&heard);
-        let mut frames = FrameList::default();
-        let mut depth_m = self.recorded_depth_m(0);
-        let mut pings = Vec::with_capacity(heard.len());
-        let every = u64::from(self.scene.recorder.sonar_every.max(1));
-        for (recorded, ping) in heard.into_iter().enumerate() {
-            let milliseconds = self.milliseconds(ping.ping);
-            let fix = self.fix(ping.truth.time_s);
-            if recorded == 0 || ping.ping % every == 0 {
-                depth_m = self.recorded_depth_m(ping.ping);
-                for (channel, kind) in [
-                    (sl2::PRIMARY, ChannelKind::Primary),
-                    (sl2::DOWN_SCAN, ChannelKind::DownScan),
-                ] {
-                    let range_m = self.sonar_range_m(ping.truth.depth_m);
-                    let samples = self.scene.recorder.sonar_samples as usize;
-                    let bytes = echogram(
-                        kind,
-                        samples,
-                        range_m,
-                        ping.truth.depth_m,
-                        self.seed,
-                        ping.ping,
-                    );
-                    frames.push(channel, [0.0, range_m], depth_m, milliseconds, fix, bytes);
-                }
-            }
-            let range = [-ping.range_m, ping.range_m];
-            frames.push(
-                sl2::COMPOSITE,
-                range,
-                depth_m,
-                milliseconds,
-                fix,
-                ping.composite,
-            );
-            pings.push(ping.truth);
-        }
+    /// True depth under the boat at a ping.
+    pub fn true_depth_m(&self, ping: u64) -> f64 {
+        let pose = self.pose_at(f64::from(self.milliseconds(ping)) / 1000.0);
+        self.world.depth_m(pose.east_m, pose.north_m)
+    }
+
+    fn finish(self, mut heard: Vec<Heard>) -> Simulated {
         Simulated {
-            pings,
-            objects,
+            objects: self.object_truth(&heard),
+            frames: self.frames(&mut heard),
+            pings: heard.into_iter().map(|ping| ping.truth).collect(),
             frame: self.frame,
-            frames: frames.frames,
             start_unix_s: self.scene.start_unix_s,
             world: self.world,
             scene_frame: self.scene_frame,
         }
-    }
-
-    /// What the down-scan's bottom lock says at a ping.
-    fn recorded_depth_m(&self, ping: u64) -> f64 {
-        let pose = self.pose_at(f64::from(self.milliseconds(ping)) / 1000.0);
-        let noise = Random::new(self.seed, Purpose::Sounding, ping.wrapping_add(1 << 40)).normal();
-        let depth_m = self.world.depth_m(pose.east_m, pose.north_m);
-        (depth_m + self.scene.artefacts.depth_noise_m * noise).max(0.0)
-    }
-
-    /// Range of the sonar channels: the recorder's next step of 5 m that shows the second bottom echo begin.
-    fn sonar_range_m(&self, depth_m: f64) -> f64 {
-        5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
     }
 
     fn object_truth(&self, heard: &[Heard]) -> Vec<ObjectTruth> {
@@ -349,10 +290,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Noise of the recorded course, degrees; of the compass; and of the speed.
-const COURSE_NOISE_DEG: f64 = 1.5;
-const COMPASS_NOISE_DEG: f64 = 2.0;
-const SPEED_NOISE_MPS: f64 = 0.05;
+/// A fish keeps this far away from the ground, metres.
+const FISH_CLEARANCE_M: f64 = 0.1;
 /// Weed this little behind the ground still changes its edge, metres.
 const WEED_MARGIN_M: f64 = 0.1;
 
@@ -364,42 +303,7 @@ fn side_truth(echo: &Echo) -> SideTruth {
 }
 
 /// Whole Lowrance Mercator metres of a place in the scene's frame.
-fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
+pub fn mercator(frame: &LocalFrame, pose: Pose) -> [i32; 2] {
     lowrance_mercator(frame.to_lon_lat(pose.east_m, pose.north_m))
         .map(|metres| metres.round() as i32)
-}
-
-/// Frames in file order, with the counters that the recorder keeps.
-#[derive(Default)]
-struct FrameList {
-    frames: Vec<Frame>,
-    next_index: [u32; 6],
-    last_fix: Option<u64>,
-}
-
-impl FrameList {
-    fn push(
-        &mut self,
-        channel: u16,
-        range_m: [f64; 2],
-        depth_m: f64,
-        milliseconds: i32,
-        (fix_number, fix): (u64, WrittenFix),
-        bytes: Vec<u8>,
-    ) {
-        let index = self.next_index[usize::from(channel)];
-        self.next_index[usize::from(channel)] += 1;
-        let fresh = self.last_fix != Some(fix_number);
-        self.last_fix = Some(fix_number);
-        self.frames.push(Frame {
-            channel,
-            index,
-            range_m,
-            depth_m,
-            milliseconds,
-            fix,
-            fresh,
-            bytes,
-        });
-    }
 }

@@ -86,8 +86,9 @@ pub struct Sighting {
     pub near_m: f64,
     /// Farthest slant range of its visible surface, metres.
     pub far_m: f64,
-    /// Farthest slant range at which its shadow ends, metres; NaN when the shadow runs off the range.
-    pub shadow_end_m: f64,
+    /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow runs off the range. The
+    /// start is the far edge of its top: with the altitude H, its height is `H (end - start) / end`.
+    pub shadow_m: [f64; 2],
 }
 
 /// Pings without an echo that end a pass.
@@ -101,10 +102,12 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             pass.last_ping = ping;
             pass.near_m = pass.near_m.min(seen.near_m);
             pass.far_m = pass.far_m.max(seen.far_m);
-            // One ping whose shadow runs off the range makes the end of the whole shadow unknown.
-            let known = !pass.shadow_end_m.is_nan() && !seen.shadow_end_m.is_nan();
-            let farther = pass.shadow_end_m.max(seen.shadow_end_m);
-            pass.shadow_end_m = if known { farther } else { f64::NAN };
+            // A shadow that runs off the range is longer than any that ends within it; NaN stays.
+            let [start, end] = pass.shadow_m;
+            let longer = seen.shadow_end_m - seen.far_m > end - start;
+            if !end.is_nan() && (seen.shadow_end_m.is_nan() || longer) {
+                pass.shadow_m = [seen.far_m, seen.shadow_end_m];
+            }
         }
         None => sightings.push(Sighting {
             side,
@@ -112,7 +115,7 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             last_ping: ping,
             near_m: seen.near_m,
             far_m: seen.far_m,
-            shadow_end_m: seen.shadow_end_m,
+            shadow_m: [seen.far_m, seen.shadow_end_m],
         }),
     }
 }
@@ -147,12 +150,12 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
 }
 
 /// Writes one line per sighting, and one with empty fields for an object that was never heard:
-/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_end_m`.
+/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m`.
 pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
-         side,first_ping,last_ping,near_m,far_m,shadow_end_m"
+         side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m"
     )?;
     for (index, object) in objects.iter().enumerate() {
         let what = format!(
@@ -168,18 +171,19 @@ pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Resul
             object.heading_deg,
         );
         if object.sightings.is_empty() {
-            writeln!(out, "{what},,,,,,")?;
+            writeln!(out, "{what},,,,,,,")?;
         }
         for seen in &object.sightings {
             writeln!(
                 out,
-                "{what},{},{},{},{},{},{}",
+                "{what},{},{},{},{},{},{},{}",
                 seen.side.name(),
                 seen.first_ping,
                 seen.last_ping,
                 metres(seen.near_m),
                 metres(seen.far_m),
-                metres(seen.shadow_end_m),
+                metres(seen.shadow_m[0]),
+                metres(seen.shadow_m[1]),
             )?;
         }
     }

@@ -9,12 +9,15 @@ pub struct Weed {
     east_m: f64,
     north_m: f64,
     radius_m: f64,
+    outline: Field,
     height: Field,
     stems: Field,
 }
 
 /// Lowest and highest canopy above the ground, metres.
 const CANOPY_M: (f64, f64) = (0.25, 0.45);
+/// How far the outline goes in and out, as a share of the radius (standard deviation).
+const RAGGED: f64 = 0.25;
 /// Width of the rim over which the canopy comes down, metres.
 const RIM_M: f64 = 1.0;
 
@@ -30,8 +33,9 @@ impl Weed {
             east_m: pose.east_m,
             north_m: pose.north_m,
             radius_m: 0.5 * diameter_m,
+            outline: Field::new(seed, Purpose::Outline, 0.2 * diameter_m),
             height: Field::new(seed, Purpose::Canopy, 0.8),
-            stems: Field::new(seed, Purpose::Weed, 0.15),
+            stems: Field::new(seed, Purpose::Stems, 0.25),
         })
     }
 
@@ -43,7 +47,8 @@ impl Weed {
     /// Distance to the rim, metres; negative outside.
     fn inside(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
-        self.radius_m - (east * east + north * north).sqrt()
+        let ragged = RAGGED * self.radius_m * self.outline.at(east, north);
+        self.radius_m - (east * east + north * north).sqrt() - ragged.abs()
     }
 
     /// Height of the canopy above the ground, metres; 0 outside.
@@ -58,8 +63,9 @@ impl Weed {
         middle * smooth(inside / RIM_M)
     }
 
-    /// How densely the place is grown: 0 (a gap) to about 2.
+    /// How densely the place is grown: 0 (a gap) to about 3.
     pub fn density(&self, east_m: f64, north_m: f64) -> f64 {
-        (1.0 + 0.6 * self.stems.at(east_m, north_m)).max(0.0)
+        let rim = smooth(self.inside(east_m, north_m) / RIM_M);
+        rim * (1.0 + 0.9 * self.stems.at(east_m, north_m)).max(0.0)
     }
 }

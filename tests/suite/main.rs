@@ -11,6 +11,7 @@ mod formats;
 mod golden;
 mod handmade;
 mod real_window;
+mod simulation;
 mod space;
 mod support;
 mod waterfall;

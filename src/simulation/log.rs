@@ -1,0 +1,125 @@
+//! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of time.
+
+use super::random::{Purpose, Random};
+use super::simulate::{Heard, Run, mercator};
+use super::sl2::{self, Frame, WrittenFix};
+use super::sonar::echogram;
+use crate::survey::ChannelKind;
+use std::f64::consts::TAU;
+
+/// Noise of the recorded course (standard deviation).
+const COURSE_NOISE_DEG: f64 = 1.5;
+/// Noise of the compass.
+const COMPASS_NOISE_DEG: f64 = 2.0;
+/// Noise of the recorded speed.
+const SPEED_NOISE_MPS: f64 = 0.05;
+
+impl Run<'_> {
+    /// The fix that is valid at a time, and its number.
+    fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
+        let rate = self.scene.track.fix_rate_hz;
+        let number = (time_s * rate + 1e-6).floor();
+        let pose = self.pose_at(number / rate);
+        let mut random = Random::new(self.seed, Purpose::Fix, number as u64);
+        let [course_noise, compass_noise] = random.normal_pair();
+        let speed_noise = random.normal();
+        let noisy = |noise_deg: f64| (pose.heading_rad + noise_deg.to_radians()).rem_euclid(TAU);
+        let fix = WrittenFix {
+            mercator: mercator(&self.scene_frame, pose),
+            course_rad: noisy(COURSE_NOISE_DEG * course_noise),
+            speed_mps: (self.scene.track.speed_mps + SPEED_NOISE_MPS * speed_noise).max(0.0),
+            compass_rad: (self.scene.recorder.compass)
+                .then(|| noisy(COMPASS_NOISE_DEG * compass_noise)),
+        };
+        (number as u64, fix)
+    }
+
+    /// All frames in the order in which the recorder would write them; takes the side-scan bytes out of the pings.
+    pub fn frames(&self, heard: &mut [Heard]) -> Vec<Frame> {
+        let mut log = Log::default();
+        let every = u64::from(self.scene.recorder.sonar_every.max(1));
+        let mut depth_m = 0.0;
+        for (recorded, ping) in heard.iter_mut().enumerate() {
+            let moment = Moment {
+                milliseconds: self.milliseconds(ping.ping),
+                fix: self.fix(ping.truth.time_s),
+            };
+            if recorded == 0 || ping.ping % every == 0 {
+                depth_m = self.recorded_depth_m(ping.ping);
+                self.write_sonar(ping, depth_m, &moment, &mut log);
+            }
+            let range_m = [-ping.range_m, ping.range_m];
+            let bytes = std::mem::take(&mut ping.composite);
+            log.push(sl2::COMPOSITE, range_m, depth_m, &moment, bytes);
+        }
+        log.frames
+    }
+
+    /// The primary's and the down-scan's frames of a ping.
+    fn write_sonar(&self, ping: &Heard, depth_m: f64, moment: &Moment, log: &mut Log) {
+        let true_depth_m = ping.truth.depth_m;
+        let range_m = sonar_range_m(true_depth_m);
+        let samples = self.scene.recorder.sonar_samples as usize;
+        for (channel, kind) in [
+            (sl2::PRIMARY, ChannelKind::Primary),
+            (sl2::DOWN_SCAN, ChannelKind::DownScan),
+        ] {
+            let bytes = echogram(kind, samples, range_m, true_depth_m, self.seed, ping.ping);
+            log.push(channel, [0.0, range_m], depth_m, moment, bytes);
+        }
+    }
+
+    /// What the down-scan's bottom lock says at a ping.
+    fn recorded_depth_m(&self, ping: u64) -> f64 {
+        let noise = Random::new(self.seed, Purpose::Sounding, ping).normal();
+        (self.true_depth_m(ping) + self.scene.artefacts.depth_noise_m * noise).max(0.0)
+    }
+}
+
+/// Range of the sonar channels: the next step of 5 m that shows the second bottom echo begin, metres.
+fn sonar_range_m(depth_m: f64) -> f64 {
+    5.0 * (1.6 * depth_m / 5.0).ceil().max(1.0)
+}
+
+/// What all frames of one ping share.
+struct Moment {
+    milliseconds: i32,
+    /// The fix that is valid, and its number.
+    fix: (u64, WrittenFix),
+}
+
+/// Frames in file order, with the counters that the recorder keeps.
+#[derive(Default)]
+struct Log {
+    frames: Vec<Frame>,
+    next_index: [u32; 6],
+    last_fix: Option<u64>,
+}
+
+impl Log {
+    fn push(
+        &mut self,
+        channel: u16,
+        range_m: [f64; 2],
+        depth_m: f64,
+        moment: &Moment,
+        bytes: Vec<u8>,
+    ) {
+        let (fix_number, fix) = moment.fix;
+        let next_index = &mut self.next_index[usize::from(channel)];
+        let index = *next_index;
+        *next_index += 1;
+        let fresh = self.last_fix != Some(fix_number);
+        self.last_fix = Some(fix_number);
+        self.frames.push(Frame {
+            channel,
+            index,
+            range_m,
+            depth_m,
+            milliseconds: moment.milliseconds,
+            fix,
+            fresh,
+            bytes,
+        });
+    }
+}

@@ -1,0 +1,89 @@
+//! The ground with all that lies and grows on it.
+
+use super::arithmetic::exp;
+use super::bed::Bed;
+use super::objects::Placed;
+use super::path::Pose;
+use super::weed::Weed;
+
+/// Everything that echoes. Places are metres from the scene's centre.
+pub struct World {
+    pub bed: Bed,
+    pub objects: Vec<Placed>,
+    pub weed: Option<Weed>,
+}
+
+/// How much stronger stone, wood and metal scatter than the ground (6 dB).
+const OBJECT_STRENGTH: f64 = 4.0;
+/// What is left of the echo of the ground under weed (6 dB lost, both ways).
+const WEED_LOSS: f64 = 0.25;
+
+impl World {
+    /// Depth of the visible ground (objects included, weed not) below the water surface, metres.
+    pub fn depth_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let heights = self
+            .objects
+            .iter()
+            .map(|object| object.height_m(east_m, north_m));
+        self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
+    }
+
+    /// As [`World::depth_m`], with only some objects to look at.
+    pub fn depth_among_m(&self, objects: &[usize], east_m: f64, north_m: f64) -> f64 {
+        let heights = objects
+            .iter()
+            .map(|&object| self.objects[object].height_m(east_m, north_m));
+        self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
+    }
+
+    /// How strongly a place scatters, as a factor of mean about 1 for bare ground.
+    pub fn strength(&self, objects: &[usize], east_m: f64, north_m: f64) -> f64 {
+        let grown = |weed: &Weed| weed.height_m(east_m, north_m) > 0.0;
+        let loss = if self.weed.as_ref().is_some_and(grown) {
+            WEED_LOSS
+        } else {
+            1.0
+        };
+        let mut heights = objects
+            .iter()
+            .map(|&object| self.objects[object].height_m(east_m, north_m));
+        if heights.any(|height| height > 0.0) {
+            return OBJECT_STRENGTH * loss;
+        }
+        self.bed.strength(east_m, north_m) * loss
+    }
+
+    /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to both sides.
+    pub fn objects_across(&self, pose: Pose, half_width_m: f64, reach_m: f64) -> Vec<usize> {
+        let [east, north] = pose.forward();
+        let objects = self.objects.iter().enumerate();
+        let met = objects.filter(|(_, object)| {
+            let de = object.settings.east_m - pose.east_m;
+            let dn = object.settings.north_m - pose.north_m;
+            let (along, across) = (de * east + dn * north, de * north - dn * east);
+            along.abs() <= object.reach_m + half_width_m && across.abs() <= object.reach_m + reach_m
+        });
+        met.map(|(index, _)| index).collect()
+    }
+}
+
+/// Scattering per unit of area at an angle of incidence `th` given by the square of its cosine: Lambert's law with
+/// Mackenzie's -27 dB, and near-normal facets that slope by 7 degrees,
+/// `10^-2.7 cos^2 th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
+pub fn backscatter(cos_squared: f64) -> f64 {
+    const LAMBERT: f64 = 1.995_262_3e-3;
+    const NORMAL: f64 = 6.309_573_4e-2;
+    /// 2 tan^2(7 degrees).
+    const FACETS: f64 = 2.0 * 0.122_784_56 * 0.122_784_56;
+    if cos_squared <= 0.0 {
+        return 0.0;
+    }
+    let tan_squared = (1.0 - cos_squared) / cos_squared;
+    // Beyond 35 degrees the facets are 70 dB down.
+    let normal = if tan_squared < 0.5 {
+        NORMAL * exp(-tan_squared / FACETS)
+    } else {
+        0.0
+    };
+    LAMBERT * cos_squared + normal
+}
