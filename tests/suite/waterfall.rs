@@ -1,34 +1,29 @@
-//! The waterfall: tiles against a brute-force picture, gestures, names, and what it looks like.
+//! The waterfall and the profile in a window of their own: what they say, what gestures do, what they look like.
 
 use crate::support;
 use bathyscope::app::{App, Command, Jobs, Mark, Orientation};
+use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::survey::{
-    Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Source, Survey, Track,
+    Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
 };
 use bathyscope::ui::views::{ProfileView, WaterfallView};
 use bathyscope::ui::{ViewContext, ViewRequest};
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
+use egui::accesskit::Role;
+use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Vec2, pos2, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use egui_kittest::{Harness, Node};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A waterfall alone in a window, with its state at hand.
+/// A waterfall or a profile alone in a window, with its state at hand.
 struct Window {
     app: App,
-    view: WaterfallView,
+    waterfall: WaterfallView,
     profile: ProfileView,
-    /// Which of the two is in the window.
     shows_profile: bool,
     /// Commands that the view pushed, in order.
     pushed: Vec<Command>,
-}
-
-fn app_with(survey: Survey) -> App {
-    let mut app = App::new(Jobs::Inline);
-    app.survey = Some(Arc::new(survey));
-    app.survey_serial = 1;
-    app
 }
 
 fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
@@ -39,7 +34,7 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
     let for_view = render_state.clone();
     let state = Window {
         app,
-        view: WaterfallView::default(),
+        waterfall: WaterfallView::default(),
         profile: ProfileView::default(),
         shows_profile: false,
         pushed: Vec::new(),
@@ -47,6 +42,10 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
     Harness::builder()
         .with_size(size)
         .with_pixels_per_point(1.0)
+        .with_render_cursor(false)
+        // Two clicks in a row are a double-click only within 0.3 s.
+        .with_step_dt(0.02)
+        .with_options(support::snapshot_options())
         .renderer(WgpuTestRenderer::from_render_state(render_state))
         .build_ui_state(
             move |ui, state: &mut Window| {
@@ -56,10 +55,13 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
                     render_state: Some(&for_view),
                     commands: &mut commands,
                 };
+                // The margin of the harness's panel is no part of the view.
+                let whole = ui.ctx().content_rect();
+                let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(whole));
                 if state.shows_profile {
-                    state.profile.ui(ui, &mut context);
+                    state.profile.ui(&mut ui, &mut context);
                 } else {
-                    state.view.ui(ui, &mut context);
+                    state.waterfall.ui(&mut ui, &mut context);
                 }
                 for command in commands {
                     state.pushed.push(command.clone());
@@ -71,35 +73,39 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
 }
 
 /// Runs frames until all tiles are there.
-fn settle(harness: &mut Harness<'_, Window>) {
+fn settle(window: &mut Harness<'_, Window>) {
     let start = Instant::now();
-    harness.run_steps(2);
-    while !harness.state().view.is_settled() {
+    window.run_steps(2);
+    while !window.state().waterfall.is_settled() {
         assert!(
-            start.elapsed() < Duration::from_secs(30),
+            start.elapsed() < Duration::from_secs(60),
             "the waterfall never settles"
         );
         std::thread::sleep(Duration::from_millis(2));
-        harness.run_steps(1);
+        window.run_steps(1);
     }
-    harness.run_steps(1);
+    window.run_steps(1);
 }
 
-/// Pings that share one small buffer: `spans` says where port and starboard of each lie.
-fn survey_of(
-    bytes: Vec<u8>,
-    pings: usize,
-    spans: impl Fn(usize) -> [Option<SideSpan>; 2],
-) -> Survey {
-    let side_scan = (0..pings).map(|ping| {
-        let [port, starboard] = spans(ping);
-        SidePing {
-            time_s: ping as f64 * 0.05,
-            depth_m: 4.0,
-            depth_locked: true,
-            port,
-            starboard,
-        }
+fn name(window: &Harness<'_, Window>) -> String {
+    let picture: Node<'_> = window.get_by_role(Role::Image);
+    picture.accesskit_node().label().unwrap_or_default()
+}
+
+fn app_with(survey: Survey) -> App {
+    let mut app = App::new(Jobs::Inline);
+    app.survey = Some(Arc::new(survey));
+    app.survey_serial = 1;
+    app
+}
+
+fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {
+    let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
+        time_s: ping as f64 * 0.05,
+        depth_m: 4.0,
+        depth_locked: true,
+        port,
+        starboard,
     });
     Survey {
         source: Source {
@@ -118,89 +124,476 @@ fn survey_of(
     }
 }
 
-fn span(offset: u64, count: u32, far_m: f32) -> SideSpan {
+fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
     SideSpan {
         file: 0,
         encoding: Encoding::U8,
         order: Order::NearToFar,
-        offset,
+        offset: offset as u64,
         count,
         near_m: 0.0,
         far_m,
     }
 }
 
-/// A bottom at 4 m under a dark water column, brighter to starboard, every ping the same.
+/// 20 m to each side in 400 samples; a bottom at 4 m under dark water, brighter to starboard, every ping the same.
 fn even_bottom(pings: usize) -> Survey {
     let side = |gain: usize| {
-        (0..400).map(move |sample| {
-            if sample < 80 {
-                8
-            } else {
-                (gain * (480 - sample) / 400) as u8
-            }
+        (0..400_usize).map(move |sample| match sample {
+            0..80 => 8,
+            _ => (gain * (480 - sample) / 400) as u8,
         })
     };
-    let bytes: Vec<u8> = side(150).chain(side(220)).collect();
-    survey_of(bytes, pings, |_| {
-        [Some(span(0, 400, 20.0)), Some(span(400, 400, 20.0))]
-    })
+    let bytes = side(120).chain(side(220)).collect();
+    let spans = [Some(span(0, 400, 20.0)), Some(span(400, 400, 20.0))];
+    survey_of(bytes, std::iter::repeat_n(spans, pings))
+}
+
+/// A bed that rises and falls, with ripples, a target with its shadow to starboard, and a range that is halved for the
+/// last third of the pings.
+fn pond() -> Survey {
+    let (mut bytes, mut spans) = (Vec::new(), Vec::new());
+    for ping in 0..600_usize {
+        let far_m = if ping < 400 { 20.0 } else { 10.0 };
+        let bed_m = bed_m(ping);
+        let mut sides = [None, None];
+        for side in Side::BOTH {
+            sides[side as usize] = Some(span(bytes.len(), 400, far_m));
+            for sample in 0..400 {
+                let range_m = (sample as f32 + 0.5) / 400.0 * far_m;
+                let target = side == Side::Starboard && (200..206).contains(&ping);
+                bytes.push(match range_m {
+                    range_m if range_m < 0.3 => 230,
+                    range_m if range_m < bed_m => 12,
+                    range_m if target && (9.0..9.6).contains(&range_m) => 255,
+                    range_m if target && (9.6..12.0).contains(&range_m) => 5,
+                    _ => {
+                        let ripples = (range_m * 2.0 + ping as f32 * 0.05).sin() * 14.0;
+                        (150.0 * (bed_m / range_m).sqrt() + ripples) as u8
+                    }
+                });
+            }
+        }
+        spans.push(sides);
+    }
+    survey_of(bytes, spans.into_iter())
+}
+
+fn bed_m(ping: usize) -> f32 {
+    4.0 + 1.5 * (ping as f32 * 0.015).sin()
+}
+
+/// First returns on the bed of [`pond`]: a gap on port, canopy on starboard.
+fn pond_returns(survey: &Survey) -> FirstReturns {
+    let picks = |side: Side| -> Vec<Pick> {
+        let pick = |(ping, recorded): (usize, &SidePing)| {
+            let span = recorded.side(side).expect("both sides are recorded");
+            let pick = Pick {
+                sample: span.sample_at(f64::from(bed_m(ping))) as f32,
+                confidence: 0.9,
+                canopy: side == Side::Starboard && (80..180).contains(&ping),
+            };
+            if side == Side::Port && (250..300).contains(&ping) {
+                Pick::NONE
+            } else {
+                pick
+            }
+        };
+        survey.side_scan.iter().enumerate().map(pick).collect()
+    };
+    FirstReturns {
+        port: picks(Side::Port),
+        starboard: picks(Side::Starboard),
+        warnings: Vec::new(),
+    }
+}
+
+fn pond_app() -> App {
+    let survey = pond();
+    let returns = pond_returns(&survey);
+    let mut app = app_with(survey);
+    app.preview = Some(Arc::new(returns));
+    app
+}
+
+fn wheel(window: &mut Harness<'_, Window>, at: Pos2, delta: Vec2, modifiers: Modifiers) {
+    window.hover_at(at);
+    window.event_modifiers(
+        Event::MouseWheel {
+            unit: MouseWheelUnit::Point,
+            delta,
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers,
+        },
+        modifiers,
+    );
+    // egui spreads a turn of the wheel over some frames.
+    window.run_steps(30);
+    window.event_modifiers(Event::PointerGone, Modifiers::NONE);
+    window.run_steps(1);
+}
+
+fn visible(window: &Harness<'_, Window>) -> std::ops::Range<usize> {
+    window.state().app.visible.clone()
 }
 
 #[test]
-fn the_view_says_what_it_shows() {
-    let mut harness = window(app_with(even_bottom(3000)), [400.0, 300.0]);
-    settle(&mut harness);
-    harness.get_by_label("Waterfall, pings 0 to 767 of 3000, first return not yet found");
-    assert_eq!(harness.state().app.visible, 0..768);
-    harness.state_mut().view.show_pings(1000..1600);
-    settle(&mut harness);
-    harness.get_by_label_contains("pings 1000 to 1599 of 3000");
+fn the_waterfall_says_what_it_shows() {
+    let mut window = window(app_with(even_bottom(3000)), [400.0, 300.0]);
+    settle(&mut window);
+    assert_eq!(
+        name(&window),
+        "Waterfall, pings 0 to 799 of 3000, first return not yet found"
+    );
+    window.state_mut().waterfall.show_pings(1000..1600);
+    window.state_mut().app.options.waterfall.first_return = false;
+    settle(&mut window);
+    assert_eq!(
+        name(&window),
+        "Waterfall, pings 1000 to 1599 of 3000, first return hidden"
+    );
+    assert_eq!(visible(&window), 1000..1600);
 }
 
 #[test]
-fn look_at_the_real_river() {
+fn without_a_survey_or_a_picture_it_says_why() {
+    let mut empty = window(App::new(Jobs::Inline), [400.0, 300.0]);
+    settle(&mut empty);
+    assert!(name(&empty).contains("open a survey"), "{}", name(&empty));
+
+    let mut absent = survey_of(Vec::new(), std::iter::empty());
+    absent.side_scan_state = SideScanState::Absent;
+    let mut absent = window(app_with(absent), [400.0, 300.0]);
+    settle(&mut absent);
+    assert!(name(&absent).contains("no side-scan"), "{}", name(&absent));
+
+    let mut noise = even_bottom(100);
+    noise.side_scan_state = SideScanState::Noise { range_m: 1.5 };
+    let mut noise = window(app_with(noise), [400.0, 300.0]);
+    settle(&mut noise);
+    let said = name(&noise);
+    assert!(
+        said.contains("no side-scan: range stuck at ±1.5 m"),
+        "{said}"
+    );
+}
+
+#[test]
+fn wheel_drag_and_double_click_move_the_picture() {
+    let mut window = window(app_with(even_bottom(1200)), [400.0, 300.0]);
+    settle(&mut window);
+    assert_eq!(visible(&window), 0..1200);
+    // A quarter along: the ping there stays while the wheel enlarges.
+    wheel(
+        &mut window,
+        pos2(100.0, 150.0),
+        vec2(0.0, 200.0),
+        Modifiers::NONE,
+    );
+    let near = visible(&window);
+    assert!(near.len() < 700, "{near:?}");
+    let under_pointer = near.start as f64 + near.len() as f64 / 4.0;
+    assert!((under_pointer - 300.0).abs() < 3.0, "{near:?}");
+    // Shift: along the track, no enlargement.
+    wheel(
+        &mut window,
+        pos2(100.0, 150.0),
+        vec2(0.0, -100.0),
+        Modifiers::SHIFT,
+    );
+    let along = visible(&window);
+    assert!(along.start > near.start + 50, "{near:?} {along:?}");
+    assert!(along.len().abs_diff(near.len()) <= 1);
+    // Dragged 60 points to the right, it shows earlier pings.
+    window.drag_at(pos2(200.0, 150.0));
+    window.run_steps(1);
+    window.hover_at(pos2(230.0, 150.0));
+    window.run_steps(1);
+    window.hover_at(pos2(260.0, 150.0));
+    window.run_steps(1);
+    window.drop_at(pos2(260.0, 150.0));
+    window.run_steps(1);
+    let dragged = visible(&window);
+    let moved = along.start - dragged.start;
+    let expected = 60.0 * along.len() as f64 / 400.0;
+    assert!(
+        (moved as f64 - expected).abs() <= 2.0,
+        "{moved} pings, not {expected}"
+    );
+    for _ in 0..2 {
+        window.drag_at(pos2(200.0, 150.0));
+        window.drop_at(pos2(200.0, 150.0));
+        window.run_steps(1);
+    }
+    window.run_steps(1);
+    assert_eq!(visible(&window), 0..1200, "a double-click shows everything");
+}
+
+#[test]
+fn keys_zoom_about_the_middle_and_fit() {
+    let mut window = window(app_with(even_bottom(1000)), [400.0, 300.0]);
+    settle(&mut window);
+    window.state_mut().waterfall.request(ViewRequest::ZoomIn);
+    assert!(
+        !window.state().waterfall.is_settled(),
+        "a wish is still to be carried out"
+    );
+    settle(&mut window);
+    assert_eq!(visible(&window), 100..900);
+    window.state_mut().waterfall.request(ViewRequest::Fit);
+    settle(&mut window);
+    assert_eq!(visible(&window), 0..1000);
+}
+
+#[test]
+fn hover_and_click_name_ping_side_and_sample() {
+    for orientation in [Orientation::Horizontal, Orientation::Vertical] {
+        let mut app = app_with(even_bottom(400));
+        app.options.waterfall.orientation = orientation;
+        let mut window = window(app, [400.0, 400.0]);
+        settle(&mut window);
+        // 100.5 points along: ping 100. 5 m of 20 to port: a quarter of half the window, sample 100 of 400.
+        let at = match orientation {
+            Orientation::Horizontal => pos2(100.5, 150.0),
+            Orientation::Vertical => pos2(150.0, 100.5),
+        };
+        window.hover_at(at);
+        window.run_steps(1);
+        let mark = window
+            .state()
+            .app
+            .hover
+            .expect("the pointer is over a ping");
+        assert_eq!((mark.ping, mark.side), (100, Some(Side::Port)));
+        assert!(
+            (mark.sample.expect("a sample") - 100.0).abs() < 1.5,
+            "{mark:?}"
+        );
+        window.drag_at(at);
+        window.drop_at(at);
+        window.run_steps(1);
+        assert_eq!(window.state().app.selection, Some(mark));
+        window.event(Event::PointerGone);
+        window.run_steps(1);
+        assert_eq!(window.state().app.hover, None);
+    }
+}
+
+#[test]
+fn the_menu_calibrates_and_reveals_where_it_was_opened() {
+    let mut window = window(app_with(even_bottom(1000)), [400.0, 300.0]);
+    settle(&mut window);
+    for (label, index) in [("Calibrate here", 0), ("Show in map and 3D", 1)] {
+        let at = pos2(200.5, 200.0);
+        window.hover_at(at);
+        for pressed in [true, false] {
+            window.event(Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Secondary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            window.run_steps(2);
+        }
+        window.get_by_label(label).click();
+        window.run_steps(2);
+        let pushed = &window.state().pushed;
+        let found = pushed.iter().find(|command| match command {
+            Command::CalibrateAt(pings) => index == 0 && (pings.start, pings.end) == (451, 552),
+            Command::Reveal(mark) => index == 1 && mark.ping == 501,
+            _ => false,
+        });
+        assert!(found.is_some(), "{label}: {pushed:?}");
+    }
+}
+
+#[test]
+fn a_revealed_ping_comes_into_view() {
+    let mut window = window(app_with(even_bottom(5000)), [400.0, 300.0]);
+    settle(&mut window);
+    assert!(!visible(&window).contains(&4000));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Reveal(Mark::ping(4000)));
+    settle(&mut window);
+    assert!(visible(&window).contains(&4000));
+    let before = visible(&window);
+    window
+        .state_mut()
+        .app
+        .apply(Command::Reveal(Mark::ping(3950)));
+    settle(&mut window);
+    assert_eq!(visible(&window), before, "what is in view does not jump");
+}
+
+#[test]
+fn a_bright_sample_survives_in_the_overview() {
+    // One sample in 20 000 pings of even bottom, of which 50 share a pixel column.
+    let mut bytes: Vec<u8> = vec![60; 1200];
+    bytes[400 + 200] = 255;
+    let even = [Some(span(0, 400, 20.0)), Some(span(0, 400, 20.0))];
+    let marked = [even[0], Some(span(400, 400, 20.0))];
+    let spans = (0..20_000).map(|ping| if ping == 10_025 { marked } else { even });
+    let mut app = app_with(survey_of(bytes, spans));
+    app.options.waterfall.range_lines = false;
+    app.options.waterfall.colour_map = bathyscope::app::ColourMap::Grey;
+    let mut window = window(app, [400.0, 300.0]);
+    window.state_mut().waterfall.request(ViewRequest::Fit);
+    settle(&mut window);
+    assert_eq!(visible(&window), 0..20_000);
+    let picture = window.render().expect("a picture");
+    // 10 m to starboard: three quarters down.
+    let column = |x: u32| (220..230).map(|y| picture.get_pixel(x, y).0[0]).max();
+    assert!(
+        column(200) > column(190).map(|level| level + 30),
+        "{:?}",
+        column(200)
+    );
+}
+
+#[test]
+fn the_first_return_lies_where_its_pick_is() {
+    let mut window = window(pond_app(), [600.0, 300.0]);
+    settle(&mut window);
+    let picture = window.render().expect("a picture");
+    for ping in [40_usize, 330, 520] {
+        let offset = bed_m(ping) / 20.0 * 150.0;
+        let pixel = |y: f32| picture.get_pixel(ping as u32, y.round() as u32).0;
+        let [r, g, b, _] = pixel(150.0 - offset - 0.5);
+        assert!(b > r && b > g, "port is blue at ping {ping}: {r} {g} {b}");
+        let [r, g, b, _] = pixel(150.0 + offset - 0.5);
+        assert!(
+            r > 180 && g < 110 && b < 110,
+            "starboard is red at ping {ping}: {r} {g} {b}"
+        );
+    }
+}
+
+#[test]
+fn the_profile_says_its_values() {
+    let mut app = pond_app();
+    app.selection = Some(Mark::ping(100));
+    let mut window = window(app, [300.0, 180.0]);
+    window.state_mut().shows_profile = true;
+    window.run_steps(2);
+    let bed_m = bed_m(100);
+    assert_eq!(
+        name(&window),
+        format!(
+            "Profile of ping 100: port first return {bed_m:.2} m, starboard first return {bed_m:.2} m, threshold 0.30, \
+             recorded depth 4.00 m"
+        )
+    );
+    window
+        .state_mut()
+        .app
+        .apply(Command::Hover(Some(Mark::ping(270))));
+    window.run_steps(2);
+    assert!(
+        name(&window).contains("ping 270: port first return none"),
+        "{}",
+        name(&window)
+    );
+}
+
+#[test]
+fn the_threshold_line_can_be_dragged() {
+    let mut app = app_with(even_bottom(10));
+    app.selection = Some(Mark::ping(5));
+    let mut window = window(app, [300.0, 180.0]);
+    window.state_mut().shows_profile = true;
+    window.run_steps(2);
+    // The plot is 148 points high between 16 above and 16 below.
+    let level_y = |level: f32| 180.0 - 16.0 - level * 148.0;
+    window.drag_at(pos2(60.0, level_y(0.30)));
+    window.run_steps(1);
+    window.hover_at(pos2(60.0, level_y(0.45)));
+    window.run_steps(1);
+    window.hover_at(pos2(60.0, level_y(0.60)));
+    window.run_steps(1);
+    window.drop_at(pos2(60.0, level_y(0.60)));
+    window.run_steps(2);
+    let changes: Vec<(f32, bool)> = window
+        .state()
+        .pushed
+        .iter()
+        .filter_map(|command| match command {
+            Command::Change { settings, live, .. } => {
+                Some((settings.first_return.threshold, *live))
+            }
+            _ => None,
+        })
+        .collect();
+    assert!(changes.contains(&(0.45, true)), "{changes:?}");
+    assert_eq!(changes.last(), Some(&(0.60, false)), "{changes:?}");
+    assert_eq!(window.state().app.undo_label(), Some("threshold"));
+}
+
+#[test]
+fn looks_as_it_did_along_the_screen() {
+    let mut app = pond_app();
+    app.selection = Some(Mark {
+        side: Some(Side::Starboard),
+        sample: Some(186.0),
+        ..Mark::ping(202)
+    });
+    let mut window = window(app, [400.0, 240.0]);
+    settle(&mut window);
+    window.snapshot("waterfall_horizontal");
+}
+
+#[test]
+fn looks_as_it_did_down_the_screen_and_near() {
+    let mut app = pond_app();
+    app.options.waterfall.orientation = Orientation::Vertical;
+    app.options.waterfall.colour_map = bathyscope::app::ColourMap::Viridis;
+    app.options.waterfall.depth_line = true;
+    let mut window = window(app, [240.0, 300.0]);
+    window.state_mut().waterfall.show_pings(385..415);
+    settle(&mut window);
+    window.snapshot("waterfall_vertical_near");
+}
+
+#[test]
+fn the_profile_looks_as_it_did() {
+    let mut app = pond_app();
+    app.selection = Some(Mark::ping(100));
+    let mut window = window(app, [300.0, 180.0]);
+    window.state_mut().shows_profile = true;
+    // The scale of the whole picture is measured on a worker.
+    for _ in 0..20 {
+        std::thread::sleep(Duration::from_millis(5));
+        window.run_steps(1);
+    }
+    window.snapshot("profile");
+}
+
+#[test]
+fn the_real_river_is_drawn_whole() {
     let Some(data) = support::real_data() else {
         return;
     };
-    let Ok(folder) = std::env::var("BATHYSCOPE_LOOK") else {
-        return;
+    let path = data.join("humminbird-glen-canyon/Rec00001.DAT");
+    let progress = bathyscope::progress::Progress::new();
+    let survey = bathyscope::formats::open(&path, &progress).expect("the river opens");
+    let mut window = window(app_with(survey), [1200.0, 500.0]);
+    settle(&mut window);
+    assert!(name(&window).starts_with("Waterfall, pings 0 to 3452 of 3453"));
+    let picture = window.render().expect("a picture");
+    // Copper everywhere but in the labels: the far third of both sides is drawn, not left as canvas.
+    let drawn = |y: u32| {
+        let copper = |x: &u32| {
+            let [r, _, b, _] = picture.get_pixel(*x, y).0;
+            r > b
+        };
+        (150..1150).filter(copper).count()
     };
-    let mut app = App::new(Jobs::Inline);
-    app.apply(Command::Open(
-        data.join("humminbird-glen-canyon/Rec00001.DAT"),
-    ));
-    while !app.is_idle() || app.products.is_none() {
-        app.poll();
-    }
-    let mut harness = window(app, [1200.0, 500.0]);
-    let save = |harness: &mut Harness<'_, Window>, name: &str| {
-        settle(harness);
-        let picture = harness.render().expect("a picture");
-        picture
-            .save(format!("{folder}/{name}.png"))
-            .expect("a file");
-    };
-    save(&mut harness, "river");
-    harness.state_mut().view.show_pings(1000..1300);
-    harness.hover_at(egui::pos2(420.0, 330.0));
-    save(&mut harness, "river-near");
-    harness.state_mut().view.show_pings(1000..1060);
-    harness.state_mut().app.options.waterfall.depth_line = true;
-    save(&mut harness, "river-nearer");
-    harness.state_mut().app.options.waterfall.orientation = Orientation::Vertical;
-    harness.state_mut().view.request(ViewRequest::Fit);
-    harness.set_size(egui::vec2(500.0, 900.0));
-    save(&mut harness, "river-down");
-    harness.state_mut().shows_profile = true;
-    harness.state_mut().app.hover = None;
-    harness
-        .state_mut()
-        .app
-        .apply(Command::Select(Some(Mark::ping(1800))));
-    harness.remove_cursor();
-    harness.set_size(egui::vec2(316.0, 196.0));
-    save(&mut harness, "profile-small");
-    harness.set_size(egui::vec2(700.0, 340.0));
-    save(&mut harness, "profile");
+    assert!(
+        drawn(40) > 950 && drawn(440) > 950,
+        "{} {}",
+        drawn(40),
+        drawn(440)
+    );
 }

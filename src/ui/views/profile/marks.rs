@@ -5,14 +5,7 @@ use super::plot::Plot;
 use crate::app::ViewOptions;
 use crate::survey::Side;
 use crate::ui::theme;
-use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2};
-
-/// Slant range of a side's first return by the recorder's scale, metres.
-pub(super) fn pick_range_m(shown: &Shown<'_>, side: Side) -> Option<f64> {
-    let pick = shown.picks[side as usize]?;
-    let range_m = shown.recorded.side(side)?.range_m(f64::from(pick.sample));
-    range_m.is_finite().then_some(range_m)
-}
+use egui::{Align2, FontId, Painter, Rect, Shape, Stroke, pos2, vec2};
 
 /// The stretch around the transducer that is ignored.
 pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, options: &ViewOptions) {
@@ -48,35 +41,38 @@ fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) 
         6.0,
         3.0,
     ));
-    let font = FontId::proportional(10.0);
-    let at = pos2(plot.area.right() - 2.0, y - 1.0);
-    painter.text(
-        at,
-        Align2::RIGHT_BOTTOM,
+    let galley = painter.layout_no_wrap(
         format!("threshold {level:.2}"),
-        font,
+        FontId::proportional(10.0),
         colour,
     );
+    // Above the line, or below it where the plot ends; on a ground, since the curve runs through.
+    let above = y - galley.size().y > plot.area.top();
+    let anchor = if above {
+        Align2::RIGHT_BOTTOM
+    } else {
+        Align2::RIGHT_TOP
+    };
+    let text = anchor.anchor_size(pos2(plot.area.right() - 2.0, y), galley.size());
+    let ground = theme::canvas_colour(options).gamma_multiply(0.75);
+    painter.rect_filled(text.expand2(vec2(2.0, 0.0)), 2.0, ground);
+    painter.galley(text.min, galley, colour);
 }
 
 fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: &ViewOptions) {
-    let Some(range_m) = pick_range_m(shown, side) else {
+    let Some(found) = shown.picks[side as usize] else {
         return;
     };
     let across_m = match side {
-        Side::Port => -range_m,
-        Side::Starboard => range_m,
+        Side::Port => -found.recorded_m,
+        Side::Starboard => found.recorded_m,
     };
     let colour = theme::side_colour(options, side);
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;
     }
-    let canopy = shown.picks[side as usize].is_some_and(|pick| pick.canopy);
-    let label = if canopy {
-        format!("{range_m:.2} m canopy")
-    } else {
-        format!("{range_m:.2} m")
-    };
+    let canopy = if found.pick.canopy { " canopy" } else { "" };
+    let label = format!("{:.2} m{canopy}", found.range_m);
     let anchor = match side {
         Side::Port => Align2::RIGHT_BOTTOM,
         Side::Starboard => Align2::LEFT_BOTTOM,

@@ -9,13 +9,11 @@ mod scale;
 use crate::app::{Command, Mark};
 use crate::first_return::Pick;
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, place, theme};
 use egui::{Rect, Response, Sense, vec2};
 use plot::Plot;
 use scale::ScaleJob;
 
-/// Height where the surroundings leave it open, points.
-const HEIGHT: f32 = 200.0;
 /// Least height that is still readable, points.
 const LEAST_HEIGHT: f32 = 140.0;
 /// Distance at which the pointer grips the threshold line, points.
@@ -46,21 +44,28 @@ struct Shown<'a> {
     survey: &'a Survey,
     ping: usize,
     recorded: &'a SidePing,
-    picks: [Option<Pick>; 2],
+    picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
+}
+
+/// A first return.
+#[derive(Clone, Copy)]
+struct Found {
+    pick: Pick,
+    /// Slant range by the recorder's scale, which is that of the range axis, metres.
+    recorded_m: f64,
+    /// Slant range by the calibration in force, metres.
+    range_m: f64,
 }
 
 impl ProfileView {
     /// Draws the profile of the hovered ping, or else the selected one.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
-        let height = if available.y < 10_000.0 {
-            available.y
-        } else {
-            HEIGHT
-        };
-        let size = vec2(available.x, height.max(LEAST_HEIGHT));
+        // No taller than wide: a curve that is stretched upward hides how little most echoes differ.
+        let height = available.y.min(available.x).max(LEAST_HEIGHT);
+        let size = vec2(available.x, height);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
@@ -171,15 +176,26 @@ impl ProfileView {
 
 fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'_>) -> Option<Shown<'a>> {
     let recorded = survey.side_scan.get(ping)?;
-    let pick = |side| {
+    let found = |side| {
         let pick = context.app.returns()?.side(side).get(ping).copied()?;
-        pick.is_some().then_some(pick)
+        let recorded_m = recorded.side(side)?.range_m(f64::from(pick.sample));
+        let mark = Mark {
+            side: Some(side),
+            sample: Some(pick.sample),
+            ..Mark::ping(ping)
+        };
+        let range_m = place::range_m(context.app, mark).unwrap_or(recorded_m);
+        recorded_m.is_finite().then_some(Found {
+            pick,
+            recorded_m,
+            range_m,
+        })
     };
     Some(Shown {
         survey,
         ping,
         recorded,
-        picks: Side::BOTH.map(pick),
+        picks: Side::BOTH.map(found),
         threshold: context.app.settings.first_return.threshold,
         dead_zone_m: context.app.settings.first_return.dead_zone_m,
     })
@@ -231,8 +247,8 @@ fn empty(painter: &egui::Painter, rect: Rect, response: &Response, text: &str) {
 
 fn accessible_name(shown: &Shown<'_>) -> String {
     let found = Side::BOTH.map(|side| {
-        let range = marks::pick_range_m(shown, side);
-        let range = range.map_or("none".to_owned(), |range_m| format!("{range_m:.2} m"));
+        let found = shown.picks[side as usize];
+        let range = found.map_or("none".to_owned(), |found| format!("{:.2} m", found.range_m));
         format!("{} first return {range}", side.name())
     });
     let depth = if shown.recorded.depth_m.is_finite() {

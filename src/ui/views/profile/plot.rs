@@ -90,15 +90,9 @@ pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
         write(pos2(x, area.bottom() + 3.0), Align2::CENTER_TOP, label);
     }
     painter.vline(area.center().x, area.y_range(), faint);
-    let top = area.top() - 2.0;
-    write(
-        pos2(area.left(), top),
-        Align2::LEFT_BOTTOM,
-        "port".to_owned(),
-    );
-    write(
-        pos2(area.right(), top),
-        Align2::RIGHT_BOTTOM,
-        "starboard".to_owned(),
-    );
+    let top = area.top() + 2.0;
+    let port = pos2(area.left() + 4.0, top);
+    write(port, Align2::LEFT_TOP, "port".to_owned());
+    let starboard = pos2(area.right() - 4.0, top);
+    write(starboard, Align2::RIGHT_TOP, "starboard".to_owned());
 }

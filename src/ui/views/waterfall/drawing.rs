@@ -1,6 +1,6 @@
 //! What is drawn of one survey: the worker that makes it, what has arrived, what still has to go to the GPU.
 
-use super::camera::Lens;
+use super::lens::Lens;
 use super::tiles::TileSet;
 use crate::first_return::FirstReturns;
 use crate::render::waterfall::{Quad, TileTexture};

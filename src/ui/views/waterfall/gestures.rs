@@ -1,6 +1,7 @@
 //! What wheel, drag and keys do to the camera.
 
-use super::camera::{Camera, Extent, Lens, Size};
+use super::camera::{Camera, Extent, Size};
+use super::lens::Lens;
 use crate::app::Orientation;
 use crate::ui::ViewRequest;
 use egui::{Key, PointerButton};

@@ -1,7 +1,7 @@
 //! First return and recorded depth over the picture.
 
-use super::camera::{Lens, Place, across_m};
 use super::drawing::Drawing;
+use super::lens::{Lens, Place, across_m};
 use crate::app::Orientation;
 use crate::first_return::FirstReturns;
 use crate::survey::{Side, Survey};

@@ -1,7 +1,7 @@
 //! Places that are marked on the picture: cross-hairs, flat stretches, and what the picture cannot be trusted for.
 
-use super::camera::{Lens, Place, across_m};
 use super::labels;
+use super::lens::{Lens, Place, across_m};
 use crate::app::{App, Mark};
 use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;

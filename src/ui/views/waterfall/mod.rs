@@ -4,8 +4,10 @@ mod camera;
 mod drawing;
 mod gestures;
 mod labels;
+mod lens;
 mod lines;
 mod marks;
+mod overlay;
 mod picture;
 mod pointer;
 mod scales;
@@ -14,12 +16,13 @@ mod tiles;
 use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
 use crate::render::colour_map;
 use crate::render::waterfall::{Look, WaterfallPicture};
-use crate::survey::{Side, Survey};
+use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, theme};
 use crate::waterfall::RangeAxis;
-use camera::{Camera, Extent, Lens, Size};
+use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use egui::{Sense, emath::GuiRounding as _};
+use lens::Lens;
 use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
@@ -76,7 +79,19 @@ impl WaterfallView {
         let lens = self.aim(ui, &response, &axis, context);
         self.draw_picture(&painter, &lens, context);
         let over = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
-        self.draw_overlay(&painter, &lens, &survey, &axis, context);
+        overlay::draw(
+            &painter,
+            &lens,
+            &overlay::Shown {
+                app: context.app,
+                survey: &survey,
+                drawing: self.drawing.as_ref(),
+                far_m: axis.far_m,
+                // The pointer's own mark reaches the state only after this frame.
+                hover: self.was_over.or(context.app.hover),
+                has_gpu: context.render_state.is_some(),
+            },
+        );
         if let Some((at, place)) = response.hover_pos().zip(over) {
             pointer::read_out(&painter, &lens, context.app, at, place);
         }
@@ -170,51 +185,6 @@ impl WaterfallView {
         }
     }
 
-    /// Everything on top of the picture.
-    fn draw_overlay(
-        &self,
-        painter: &egui::Painter,
-        lens: &Lens,
-        survey: &Survey,
-        axis: &RangeAxis,
-        context: &ViewContext<'_>,
-    ) {
-        let (app, options) = (context.app, &context.app.options);
-        let ink = theme::picture_ink(options);
-        if options.waterfall.range_lines {
-            scales::range_lines(painter, lens, axis.far_m, ink);
-        }
-        marks::flat_spots(painter, lens, app);
-        if let Some(drawing) = &self.drawing {
-            if options.waterfall.depth_line {
-                let pen = lines::Pen {
-                    colour: theme::depth_line_colour(),
-                    width: 1.0,
-                };
-                lines::depth(painter, lens, survey, drawing, pen);
-            }
-            if let Some(returns) = app.returns().filter(|_| options.waterfall.first_return) {
-                for side in Side::BOTH {
-                    let pen = lines::Pen {
-                        colour: theme::side_colour(options, side),
-                        width: 1.5,
-                    };
-                    lines::first_return(painter, lens, survey, drawing, returns, side, pen);
-                }
-            }
-        }
-        scales::ticks(painter, lens, survey, ink);
-        if let Some(mark) = &app.selection {
-            marks::cross_hair(painter, lens, survey, mark, theme::selection_colour());
-        }
-        if let Some(mark) = &app.hover {
-            marks::cross_hair(painter, lens, survey, mark, theme::hover_colour());
-        }
-        if let Some(warning) = marks::warning(survey) {
-            marks::banner(painter, lens.rect, &warning);
-        }
-    }
-
     fn draw_picture(&mut self, painter: &egui::Painter, lens: &Lens, context: &ViewContext<'_>) {
         let (Some(drawing), Some(render_state)) = (&mut self.drawing, context.render_state) else {
             self.settled = true;
@@ -285,8 +255,9 @@ fn accessible_name(visible: &Range<usize>, survey: &Survey, context: &ViewContex
         (None, true) => "first return not yet found",
         (Some(_), true) => "first return shown",
     };
+    let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
     format!(
-        "Waterfall, pings {} to {} of {}, {first_return}",
+        "Waterfall, pings {} to {} of {}, {first_return}{warning}",
         visible.start,
         visible.end.saturating_sub(1),
         survey.side_scan.len()

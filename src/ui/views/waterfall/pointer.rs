@@ -1,7 +1,7 @@
 //! What is under the pointer: the read-out, hover and selection, and the menu.
 
-use super::camera::{Lens, Place};
 use super::labels;
+use super::lens::{Lens, Place};
 use crate::app::{App, Command, Mark};
 use crate::survey::Survey;
 use crate::ui::{ViewContext, place, text};
@@ -104,7 +104,7 @@ fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
         "ping {}  {}\nrange {:.2} m {}",
         mark.ping,
         text::clock(survey.start_unix_s, ping.time_s),
-        at.across_m.abs(),
+        place::range_m(app, mark).unwrap_or(at.across_m.abs()),
         side.name()
     );
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)

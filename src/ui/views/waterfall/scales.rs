@@ -1,7 +1,7 @@
 //! Range lines across the picture, and ticks of ping and time along it.
 
-use super::camera::{Lens, Place, across_m};
 use super::labels;
+use super::lens::{Lens, Place, across_m};
 use crate::app::Orientation;
 use crate::survey::{Side, Survey};
 use crate::ui::text;
@@ -11,6 +11,9 @@ use egui::{Align2, Color32, Painter, Stroke, vec2};
 const LINE_POINTS: f64 = 45.0;
 /// Screen points between ticks along the track, at least.
 const TICK_POINTS: f64 = 130.0;
+
+/// Half the height of a label, points.
+const LABEL_POINTS: f32 = 9.0;
 
 /// Lines of equal slant range on both sides, labelled where the picture begins.
 pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color32) {
@@ -30,8 +33,15 @@ pub(super) fn range_lines(painter: &Painter, lens: &Lens, far_m: f64, ink: Color
                 Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
                 Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
             };
-            let label = text::metres(range_m, step_m);
-            labels::text(painter, ends[0] + shift, anchor, &label);
+            // Half a label at the edge of the picture helps nobody.
+            if lens
+                .rect
+                .shrink(LABEL_POINTS)
+                .contains(ends[0] + shift * 3.0)
+            {
+                let label = text::metres(range_m, step_m);
+                labels::text(painter, ends[0] + shift, anchor, &label);
+            }
         }
     }
 }

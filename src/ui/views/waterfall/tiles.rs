@@ -1,6 +1,6 @@
 //! Which tiles are in view, which of them are there, and what is drawn instead of those that are not.
 
-use super::camera::{Lens, across_m};
+use super::lens::{Lens, across_m};
 use crate::app::Orientation;
 use crate::render::waterfall::{Quad, TileTexture};
 use crate::survey::Side;

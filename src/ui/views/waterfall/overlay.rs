@@ -1,0 +1,74 @@
+//! Everything on top of the picture, in the order in which it is laid over it.
+
+use super::drawing::Drawing;
+use super::lens::Lens;
+use super::{lines, marks, scales};
+use crate::app::{App, Mark};
+use crate::survey::{Side, Survey};
+use crate::ui::theme;
+use egui::Painter;
+
+/// Width of the first return, points.
+const FIRST_RETURN_WIDTH: f32 = 1.5;
+
+/// What is laid over the picture.
+pub(super) struct Shown<'a> {
+    pub app: &'a App,
+    pub survey: &'a Survey,
+    pub drawing: Option<&'a Drawing>,
+    /// Farthest slant range of the picture, metres.
+    pub far_m: f64,
+    pub hover: Option<Mark>,
+    pub has_gpu: bool,
+}
+
+/// Draws it.
+pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
+    let options = &shown.app.options;
+    let ink = theme::picture_ink(options);
+    if options.waterfall.range_lines {
+        scales::range_lines(painter, lens, shown.far_m, ink);
+    }
+    marks::flat_spots(painter, lens, shown.app);
+    if let Some(drawing) = shown.drawing {
+        draw_lines(painter, lens, shown, drawing);
+    }
+    scales::ticks(painter, lens, shown.survey, ink);
+    let marked = [
+        (shown.app.selection, theme::selection_colour()),
+        (shown.hover, theme::hover_colour()),
+    ];
+    for (mark, colour) in marked {
+        if let Some(mark) = mark {
+            marks::cross_hair(painter, lens, shown.survey, &mark, colour);
+        }
+    }
+    if let Some(warning) = marks::warning(shown.survey) {
+        marks::banner(painter, lens.rect, &warning);
+    } else if !shown.has_gpu {
+        let text = "no picture: there is no graphics adapter that can draw it";
+        marks::banner(painter, lens.rect, text);
+    }
+}
+
+fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {
+    let options = &shown.app.options;
+    if options.waterfall.depth_line {
+        let pen = lines::Pen {
+            colour: theme::depth_line_colour(),
+            width: 1.0,
+        };
+        lines::depth(painter, lens, shown.survey, drawing, pen);
+    }
+    let returns = shown.app.returns();
+    let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {
+        return;
+    };
+    for side in Side::BOTH {
+        let pen = lines::Pen {
+            colour: theme::side_colour(options, side),
+            width: FIRST_RETURN_WIDTH,
+        };
+        lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
+    }
+}
