@@ -61,10 +61,10 @@ actions! {
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
     Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";
-    PreviousPing, "Previous ping", Some("ArrowLeft"), "Selects the ping before.";
-    NextPing, "Next ping", Some("ArrowRight"), "Selects the ping after.";
-    Back25, "Back 25 pings", Some("Shift+ArrowLeft"), "Selects the ping 25 earlier.";
-    Forward25, "Forward 25 pings", Some("Shift+ArrowRight"), "Selects the ping 25 later.";
+    PreviousPing, "Previous ping", Some("Left"), "Selects the ping before.";
+    NextPing, "Next ping", Some("Right"), "Selects the ping after.";
+    Back25, "Back 25 pings", Some("Shift+Left"), "Selects the ping 25 earlier.";
+    Forward25, "Forward 25 pings", Some("Shift+Right"), "Selects the ping 25 later.";
     FirstPing, "First ping", Some("Home"), "Selects the first ping.";
     LastPing, "Last ping", Some("End"), "Selects the last ping.";
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";

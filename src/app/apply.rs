@@ -23,6 +23,7 @@ impl App {
             Command::Select(mark) => self.selection = mark,
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
+            Command::Tell(text) => self.tell(text, true),
             Command::Dismiss(index) => {
                 if index < self.notices.len() {
                     self.notices.remove(index);

@@ -45,6 +45,8 @@ pub enum Command {
     Layout(LayoutPreset),
     /// Write all products into a folder.
     Export(PathBuf),
+    /// Tell the analyst a sentence.
+    Tell(String),
     /// Forget a notice.
     Dismiss(usize),
 }

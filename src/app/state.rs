@@ -70,6 +70,8 @@ pub enum Jobs {
 pub struct App {
     /// The open survey.
     pub survey: Option<Arc<Survey>>,
+    /// Shallowest and deepest sounding of the open survey, metres.
+    pub depth_span_m: Option<[f32; 2]>,
     /// Grows with each survey opened; views drop what they cached when it changes.
     pub survey_serial: u64,
     /// The settings that the analyst wants.
@@ -112,6 +114,7 @@ impl App {
         };
         Self {
             survey: None,
+            depth_span_m: None,
             survey_serial: 0,
             settings: Settings::default(),
             products: None,

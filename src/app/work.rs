@@ -64,6 +64,10 @@ impl App {
             self.recent.insert(0, path);
             self.recent.truncate(10);
         }
+        let depths = survey.soundings.iter().map(|sounding| sounding.depth_m);
+        self.depth_span_m = depths
+            .map(|depth_m| [depth_m, depth_m])
+            .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         self.survey = Some(Arc::new(survey));
         self.survey_serial += 1;
         self.products = None;
@@ -126,10 +130,6 @@ impl App {
     /// Writes all products into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
-            self.tell(
-                "there is no result to export yet; open a log first".to_owned(),
-                true,
-            );
             return;
         };
         let (survey, products, into) = (survey.clone(), products.clone(), folder.clone());

@@ -25,7 +25,24 @@ struct Waiting {
 #[derive(Default)]
 pub(super) struct Dialogs {
     waiting: Option<Waiting>,
-    field: Option<(Purpose, String)>,
+    field: Option<Field>,
+}
+
+/// The path field: what for, what was typed, and whether it stands in for the system's dialog.
+struct Field {
+    purpose: Purpose,
+    path: String,
+    instead: bool,
+}
+
+impl Field {
+    fn new(purpose: Purpose, instead: bool) -> Option<Self> {
+        Some(Self {
+            purpose,
+            path: String::new(),
+            instead,
+        })
+    }
 }
 
 impl Dialogs {
@@ -41,7 +58,7 @@ impl Dialogs {
 
     /// Shows the path field.
     pub fn ask_for_path(&mut self) {
-        self.field = Some((Purpose::OpenLog, String::new()));
+        self.field = Field::new(Purpose::OpenLog, false);
     }
 
     fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
@@ -50,7 +67,7 @@ impl Dialogs {
         }
         match jobs {
             // Tests and pictures never reach the system's dialog: it would wait for somebody.
-            Jobs::Inline => self.field = Some((purpose, String::new())),
+            Jobs::Inline => self.field = Field::new(purpose, false),
             Jobs::Threads(_) => {
                 self.waiting = Some(Waiting {
                     purpose,
@@ -75,16 +92,17 @@ impl Dialogs {
         self.waiting = None;
         match chosen {
             Some(path) => commands.push(command(purpose, path)),
-            None if since.elapsed() < TOO_FAST => self.field = Some((purpose, String::new())),
+            None if since.elapsed() < TOO_FAST => self.field = Field::new(purpose, true),
             None => {}
         }
     }
 
     /// Draws the path field while it is open.
     pub fn ui(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
-        let Some((purpose, mut path)) = self.field.take() else {
+        let Some(mut field) = self.field.take() else {
             return;
         };
+        let (purpose, path) = (field.purpose, &mut field.path);
         let (title, name, verb) = match purpose {
             Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
@@ -92,12 +110,15 @@ impl Dialogs {
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
             ui.set_width(480.0);
             ui.heading(title);
+            if field.instead {
+                ui.label("The system's file dialog is not available here.");
+            }
             let label = ui.label(name);
-            let field = egui::TextEdit::singleline(&mut path).desired_width(f32::INFINITY);
-            let field = ui.add(field).labelled_by(label.id);
-            let enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let line = egui::TextEdit::singleline(path).desired_width(f32::INFINITY);
+            let line = ui.add(line).labelled_by(label.id);
+            let enter = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if path.is_empty() && !enter {
-                field.request_focus();
+                line.request_focus();
             }
             ui.add_space(6.0);
             ui.horizontal(|ui| {
@@ -110,9 +131,9 @@ impl Dialogs {
         });
         let (go, cancel) = modal.inner;
         if go {
-            context.push(command(purpose, PathBuf::from(path.trim())));
+            context.push(command(purpose, PathBuf::from(field.path.trim())));
         } else if !cancel && !modal.should_close() {
-            self.field = Some((purpose, path));
+            self.field = Some(field);
         }
     }
 }

@@ -27,8 +27,15 @@ pub fn open_window(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }
-        // One survey is open at a time; of several paths the last would win, so only the first is opened.
+        let count = paths.len();
         if let Some(path) = paths.into_iter().next() {
+            if count > 1 {
+                let text = format!(
+                    "{count} logs were named and one is open at a time: {}",
+                    path.display()
+                );
+                shell.app.apply(Command::Tell(text));
+            }
             shell.app.apply(Command::Open(path));
         } else if demo {
             shell.app.apply(Command::OpenDemo);

@@ -6,6 +6,9 @@ use crate::survey::Side;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
+/// A job that takes longer than this is shown.
+const PATIENCE_S: f64 = 0.4;
+
 /// Draws the line.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_centered(|ui| {
@@ -62,12 +65,17 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
 }
 
 fn rest(ui: &mut Ui, context: &ViewContext<'_>) {
-    let frame_s = ui.input(|input| input.stable_dt).max(1e-3);
-    ui.label(
-        RichText::new(format!("{:.0} fps", 1.0 / frame_s))
-            .weak()
-            .small(),
-    );
+    // The rate of the last frames that followed each other; an idle window draws none.
+    let rate = egui::Id::unique("frame rate");
+    let frame_s = ui.input(|input| input.stable_dt);
+    if frame_s < 0.1 {
+        ui.data_mut(|data| data.insert_temp(rate, 1.0 / frame_s.max(1e-3)));
+    }
+    if let Some(fps) = ui.data(|data| data.get_temp::<f32>(rate)) {
+        let shown = RichText::new(format!("{fps:.0} fps")).weak().small();
+        ui.label(shown)
+            .on_hover_text("Frames a second when they last followed each other.");
+    }
     let map = context.app.options.waterfall.colour_map.name();
     ui.label(RichText::new(map).weak().small());
 }
@@ -83,9 +91,17 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             share.map(|share| ("exporting".to_owned(), share))
         }
     };
+    let since = egui::Id::unique("job since");
+    let now = ui.input(|input| input.time);
     let Some((what, share)) = job else {
+        ui.data_mut(|data| data.remove::<f64>(since));
         return;
     };
+    // Short jobs come and go without a flicker.
+    let started = ui.data_mut(|data| *data.get_temp_mut_or(since, now));
+    if now - started < PATIENCE_S {
+        return;
+    }
     let stop = ui.small_button("Cancel");
     if stop
         .accessible_name(Action::Cancel.label())

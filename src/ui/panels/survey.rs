@@ -76,7 +76,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         ui,
         "Soundings",
         "Depths of the recorder's own bottom lock; repeated ones are left out.",
-        soundings(survey),
+        soundings(context, survey),
     );
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
         fact(
@@ -103,18 +103,14 @@ fn time_span(survey: &Survey) -> Option<(f64, f64)> {
     }
 }
 
-fn soundings(survey: &Survey) -> String {
-    let depths = survey.soundings.iter().map(|sounding| sounding.depth_m);
-    let (low, high) = depths.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), depth| {
-        (low.min(depth), high.max(depth))
-    });
-    if low > high {
-        return "none".to_owned();
+fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
+    match context.app.depth_span_m {
+        None => "none".to_owned(),
+        Some([low, high]) => format!(
+            "{} · {low:.1} to {high:.1} m",
+            text::count(survey.soundings.len())
+        ),
     }
-    format!(
-        "{} · {low:.1} to {high:.1} m",
-        text::count(survey.soundings.len())
-    )
 }
 
 /// Format and size; every channel of the log on hover.

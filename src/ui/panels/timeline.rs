@@ -92,6 +92,8 @@ type Key = (u64, usize);
 pub struct TimeLine {
     shown: Option<(Key, Option<Strips>)>,
     task: Option<(Key, Task<Option<Strips>>)>,
+    /// The pointer was over the panel in the last frame.
+    was_over: bool,
 }
 
 impl TimeLine {
@@ -163,6 +165,10 @@ impl TimeLine {
         frame.strips(ui, context, strips);
         frame.marks(ui, context, strips);
         frame.pointer(&response, context, strips);
+        if self.was_over && !response.hovered() {
+            context.push(Command::Hover(None));
+        }
+        self.was_over = response.hovered();
     }
 }
 

@@ -18,6 +18,10 @@ impl Shell {
         match action {
             Action::Open => self.dialogs.pick_log(self.app.jobs()),
             Action::OpenPath => self.dialogs.ask_for_path(),
+            Action::Export if self.app.products.is_none() => {
+                let text = "there is no result to export yet; open a log first";
+                self.app.apply(Command::Tell(text.to_owned()));
+            }
             Action::Export => self.dialogs.pick_folder(self.app.jobs()),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),

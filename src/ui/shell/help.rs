@@ -32,6 +32,7 @@ pub fn ui(ctx: &egui::Context, open: &mut bool) {
             ScrollArea::vertical()
                 .auto_shrink([false, true])
                 .show(ui, |ui| {
+                    ui.label(concat!("Bathyscope ", env!("CARGO_PKG_VERSION")));
                     table(
                         ui,
                         "mouse",

@@ -155,7 +155,13 @@ impl Behavior<View> for Panes<'_, '_> {
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> egui::WidgetText {
-        view.title().into()
+        let stale = *view != View::Waterfall && self.context.app.stale().is_some();
+        let mark = if stale {
+            " (older than its settings)"
+        } else {
+            ""
+        };
+        format!("{}{mark}", view.title()).into()
     }
 
     fn on_tab_button(

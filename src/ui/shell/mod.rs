@@ -143,6 +143,9 @@ impl Shell {
         for command in commands {
             self.carry_out(&ctx, command);
         }
+        if !self.app.is_idle() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
     }
 
     fn draw(
@@ -222,7 +225,9 @@ fn details(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView
     panels::selection::ui(ui, context);
     let title = egui::RichText::new("PROFILE").size(12.0).strong();
     ui.add(egui::Label::new(title).selectable(false));
-    profile.ui(ui, context);
+    // Taller, the curve would be all spikes.
+    let size = egui::vec2(ui.available_width(), ui.available_height().min(420.0));
+    ui.allocate_ui(size, |ui| profile.ui(ui, context));
 }
 
 impl eframe::App for Shell {

@@ -116,8 +116,12 @@ fn items(context: &ViewContext<'_>) -> Vec<Item> {
     actions.chain(recent).collect()
 }
 
-/// Items whose labels contain the letters of the query in order, best first.
+/// Items whose labels contain the letters of the query in order, best first; all of them in the table's order while
+/// nothing was typed.
 fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
+    if query.trim().is_empty() {
+        return items;
+    }
     let mut found: Vec<(i32, Item)> = items
         .into_iter()
         .filter_map(|item| Some((score(&item.label, query)?, item)))

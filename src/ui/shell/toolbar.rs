@@ -1,19 +1,30 @@
 //! The options of a view, at the right end of its title bar.
 
-use crate::app::{Action, ColourMap, Command, View, ViewOptions, WaterfallOptions};
+use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions, WaterfallOptions};
 use crate::ui::ViewContext;
 use egui::Ui;
+use egui::containers::menu::{MenuButton, MenuConfig};
 
-/// Draws the controls from right to left.
+/// Width that the title and all controls of the waterfall need side by side; below it they go into a menu.
+const ROOM: f32 = 460.0;
+
+/// Draws the controls from right to left; nothing while there is nothing to look at.
 pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
+    if context.app.survey.is_none() {
+        return;
+    }
     ui.add_space(6.0);
     ui.spacing_mut().item_spacing.x = 4.0;
     let before = context.app.options.clone();
     let mut options = before.clone();
     match view {
+        View::Waterfall if ui.available_width() < ROOM => {
+            let title = egui::RichText::new("Options").small();
+            menu(title).ui(ui, |ui| waterfall(ui, context, &mut options));
+        }
         View::Waterfall => waterfall(ui, context, &mut options),
-        // These draw their controls themselves.
-        View::Map | View::Cloud => {}
+        View::Map => map(ui, &mut options),
+        View::Cloud => cloud(ui, context, &mut options),
     }
     if options != before {
         context.push(Command::Show(Box::new(options)));
@@ -21,7 +32,8 @@ pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
 }
 
 fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &str) {
-    let button = ui.small_button(label).accessible_name(action.label());
+    let label = egui::RichText::new(label).small();
+    let button = ui.button(label).accessible_name(action.label());
     let hint = action.keys().map_or_else(
         || action.hint().to_owned(),
         |keys| format!("{} ({keys})", action.hint()),
@@ -51,12 +63,7 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         "First return",
         "Draws the first return on both sides (B).",
     );
-    egui::containers::menu::MenuButton::new(egui::RichText::new("Levels").small())
-        .config(
-            egui::containers::menu::MenuConfig::new()
-                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside),
-        )
-        .ui(ui, |ui| levels(ui, shown));
+    menu(egui::RichText::new("Levels").small()).ui(ui, |ui| levels(ui, shown));
     egui::ComboBox::from_id_salt("colour map")
         .width(92.0)
         .selected_text(egui::RichText::new(shown.colour_map.name()).small())
@@ -68,6 +75,12 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         .response
         .accessible_name("Colour map")
         .on_hover_text("Colours of echo strength.");
+}
+
+/// A menu that stays open while its sliders are dragged.
+fn menu(title: egui::RichText) -> MenuButton<'static> {
+    let stays = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new(title).config(stays)
 }
 
 /// Brightness, contrast and gamma.
@@ -93,4 +106,50 @@ pub fn levels(ui: &mut Ui, options: &mut WaterfallOptions) {
     if ui.button("Reset").clicked() {
         options.reset_levels();
     }
+}
+
+fn map(ui: &mut Ui, options: &mut ViewOptions) {
+    let shown = &mut options.map;
+    switch(
+        ui,
+        &mut shown.flat_spots,
+        "Flat stretches",
+        "The ranked stretches to calibrate on.",
+    );
+    switch(
+        ui,
+        &mut shown.track,
+        "Track",
+        "The boat's track, coloured by depth.",
+    );
+    switch(
+        ui,
+        &mut shown.depth_map,
+        "Depth map",
+        "Depths between the soundings, interpolated.",
+    );
+}
+
+fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
+    button(ui, context, Action::SideView, "Side");
+    button(ui, context, Action::TopView, "Top");
+    let shown = &mut options.cloud;
+    switch(
+        ui,
+        &mut shown.outlier_preview,
+        "Outliers",
+        "Shows the points that the filter removes in a third colour (O).",
+    );
+    let mut by_depth = shown.colour == CloudColour::Depth;
+    switch(
+        ui,
+        &mut by_depth,
+        "By depth",
+        "Colours the points by depth instead of by side.",
+    );
+    shown.colour = if by_depth {
+        CloudColour::Depth
+    } else {
+        CloudColour::Source
+    };
 }
