@@ -1,6 +1,6 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
-use crate::support::demo_log;
+use crate::support::{demo_log, snapshot_options};
 use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::pipeline::Preset;
 use bathyscope::ui::Shell;
@@ -336,4 +336,108 @@ fn products_are_written_where_the_path_field_says() {
     window.run();
     assert!(into.join("report.json").is_file());
     assert!(window.query_by_label_contains("Wrote ").is_some());
+}
+
+#[derive(Default)]
+struct Store(std::collections::HashMap<String, String>);
+
+impl eframe::Storage for Store {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn settings_options_and_arrangement_come_back_but_no_flat_spot() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::L);
+    press(&mut window, Modifiers::NONE, Key::CloseBracket);
+    window
+        .state_mut()
+        .app
+        .apply(Command::Select(Some(Mark::ping(400))));
+    press(&mut window, Modifiers::NONE, Key::C);
+    let mut store = Store::default();
+    eframe::App::save(window.state_mut(), &mut store);
+
+    let mut next = Shell::new(App::new(Jobs::Inline));
+    next.restore(&store);
+    assert_eq!(next.app.options.theme, ThemeChoice::Light);
+    assert_eq!(next.app.settings.first_return.threshold, 0.31);
+    assert_eq!(next.app.settings.calibration.pings, None);
+
+    for text in store.0.values_mut() {
+        text.truncate(text.len() / 2);
+    }
+    let mut fresh = Shell::new(App::new(Jobs::Inline));
+    fresh.restore(&store);
+    assert_eq!(
+        fresh.app.options.theme,
+        ThemeChoice::Dark,
+        "half a file is no file"
+    );
+}
+
+/// A window with a GPU: lavapipe where there is no other.
+fn drawn_window(size: [f32; 2]) -> Window {
+    let mut window = Harness::builder()
+        .with_size(size)
+        .with_max_steps(24)
+        .with_options(snapshot_options())
+        .with_render_cursor(false)
+        .wgpu()
+        .build_eframe(|cc| {
+            assert!(cc.wgpu_render_state.is_some(), "the views need a GPU");
+            Shell::new(App::new(Jobs::Inline))
+        });
+    window.run();
+    window
+}
+
+/// Draws frames until tiles and layers have arrived.
+fn settle(window: &mut Window) {
+    for _ in 0..200 {
+        window.step();
+        window.render().expect("a picture");
+        if window.state().is_settled() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    window.run();
+    assert!(window.state().is_settled());
+}
+
+#[test]
+fn the_whole_window_looks_as_it_did() {
+    let mut window = drawn_window([1024.0, 680.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    window
+        .state_mut()
+        .app
+        .apply(Command::Reveal(Mark::ping(400)));
+    settle(&mut window);
+    window.snapshot("window");
+}
+
+#[test]
+fn the_empty_window_and_the_palette_look_as_they_did() {
+    let mut window = drawn_window([900.0, 600.0]);
+    window.snapshot("window_empty");
+    press(&mut window, Modifiers::NONE, Key::L);
+    press(&mut window, Modifiers::COMMAND, Key::P);
+    window.get_by_label("Command").type_text("preset");
+    window.run();
+    window.snapshot("window_palette_light");
 }
