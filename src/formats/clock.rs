@@ -1,4 +1,4 @@
-//! Finds records whose time is damaged: frames are written in time order, give or take the delays inside a recorder.
+//! Times that can be believed: records are written in time order, give or take the delays inside a recorder.
 
 use std::collections::VecDeque;
 
@@ -7,10 +7,13 @@ const SLACK_S: f64 = 2.0;
 /// The first and the last frame have one neighbour only; a pause next to them may be this long, seconds.
 const END_SLACK_S: f64 = 60.0;
 
-/// Looks two records ahead: a record whose time fits neither neighbour, while they fit each other, is damaged.
+/// Looks two records ahead. A record whose time fits neither neighbour, while they fit each other, is damaged. Where the
+/// time is set back for good (the unit was restarted while it recorded), it goes on from where it was, so that the pings
+/// of both parts do not end up between each other.
 #[derive(Debug)]
 pub(super) struct Clock<T> {
     before_s: Option<f64>,
+    set_back_s: f64,
     waiting: VecDeque<(f64, T)>,
 }
 
@@ -18,7 +21,12 @@ pub(super) struct Clock<T> {
 #[derive(Debug, PartialEq)]
 pub(super) enum Verdict<T> {
     /// Its time fits.
-    Sound(T),
+    Sound {
+        /// The record.
+        record: T,
+        /// Its time, seconds; later than recorded after a restart.
+        time_s: f64,
+    },
     /// Its time cannot be.
     Damaged(T),
 }
@@ -27,6 +35,7 @@ impl<T> Default for Clock<T> {
     fn default() -> Self {
         Self {
             before_s: None,
+            set_back_s: 0.0,
             waiting: VecDeque::with_capacity(3),
         }
     }
@@ -36,30 +45,50 @@ impl<T> Clock<T> {
     /// Takes the next record in file order; gives the verdict on the one two before it.
     pub(super) fn push(&mut self, time_s: f64, record: T) -> Option<Verdict<T>> {
         self.waiting.push_back((time_s, record));
-        (self.waiting.len() > 2).then(|| self.finish()).flatten()
+        (self.waiting.len() > 2).then(|| self.next()).flatten()
     }
 
     /// The verdict on the oldest record that still waits; call it until there is none.
-    pub(super) fn finish(&mut self) -> Option<Verdict<T>> {
+    pub(super) fn next(&mut self) -> Option<Verdict<T>> {
         let (time_s, record) = self.waiting.pop_front()?;
         let ahead = |index: usize| self.waiting.get(index).map(|(time_s, _)| *time_s);
-        if fits(self.before_s, time_s, ahead(0), ahead(1)) {
-            self.before_s = Some(time_s);
-            Some(Verdict::Sound(record))
-        } else {
-            Some(Verdict::Damaged(record))
+        if !fits(self.before_s, time_s, ahead(0), ahead(1)) {
+            return Some(Verdict::Damaged(record));
         }
+        if let Some(before_s) = self.before_s
+            && is_set_back(before_s, time_s)
+        {
+            self.set_back_s += before_s - time_s;
+        }
+        self.before_s = Some(time_s);
+        Some(Verdict::Sound {
+            record,
+            time_s: time_s + self.set_back_s,
+        })
     }
+
+    /// By how much the time was set back in all, seconds.
+    pub(super) fn set_back_s(&self) -> f64 {
+        self.set_back_s
+    }
+}
+
+fn is_set_back(earlier_s: f64, later_s: f64) -> bool {
+    later_s < earlier_s - SLACK_S
+}
+
+fn follows(earlier_s: f64, later_s: f64, longest_pause_s: f64) -> bool {
+    !is_set_back(earlier_s, later_s) && later_s <= earlier_s + longest_pause_s
 }
 
 /// Whether a time can stand between the last sound one and the next two.
 fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option<f64>) -> bool {
-    let follows = |earlier_s: f64, later_s: f64, pause_s: f64| {
-        (-SLACK_S..=pause_s).contains(&(later_s - earlier_s))
-    };
     match (before_s, next_s) {
-        // The time was set back for good (the recorder was restarted): both sides are believed.
-        (Some(before_s), Some(next_s)) if before_s > next_s + SLACK_S => true,
+        (Some(before_s), Some(next_s)) if is_set_back(before_s, next_s) => {
+            // For good, if the one after agrees: then this may belong to either side. Else the next is damaged.
+            after_s.is_none_or(|after_s| is_set_back(before_s, after_s))
+                || follows(before_s, time_s, END_SLACK_S)
+        }
         (Some(before_s), Some(next_s)) => {
             follows(before_s, time_s, f64::INFINITY) && follows(time_s, next_s, f64::INFINITY)
         }
@@ -77,37 +106,51 @@ fn fits(before_s: Option<f64>, time_s: f64, next_s: Option<f64>, after_s: Option
 mod tests {
     use super::*;
 
-    fn damaged(times_s: &[f64]) -> Vec<usize> {
+    /// Times that were believed, and indices of the damaged records.
+    fn judge(times_s: &[f64]) -> (Vec<f64>, Vec<usize>) {
         let mut clock = Clock::default();
         let mut verdicts: Vec<Verdict<usize>> = Vec::new();
         for (index, &time_s) in times_s.iter().enumerate() {
             verdicts.extend(clock.push(time_s, index));
         }
-        verdicts.extend(std::iter::from_fn(|| clock.finish()));
-        assert_eq!(verdicts.len(), times_s.len());
-        verdicts
-            .into_iter()
-            .filter_map(|verdict| match verdict {
-                Verdict::Damaged(index) => Some(index),
-                Verdict::Sound(_) => None,
-            })
-            .collect()
+        verdicts.extend(std::iter::from_fn(|| clock.next()));
+        let (mut sound_s, mut damaged) = (Vec::new(), Vec::new());
+        for verdict in verdicts {
+            match verdict {
+                Verdict::Sound { time_s, .. } => sound_s.push(time_s),
+                Verdict::Damaged(index) => damaged.push(index),
+            }
+        }
+        assert_eq!(sound_s.len() + damaged.len(), times_s.len());
+        (sound_s, damaged)
     }
 
     #[test]
-    fn one_wrong_time_is_found_wherever_it_is() {
-        assert_eq!(damaged(&[1317.7, 1318.0, 0.0, 1318.2, 1318.3]), [2]);
-        assert_eq!(damaged(&[0.0, 1318.0, 1318.2]), [0]);
-        assert_eq!(damaged(&[4e6, 0.1, 0.2]), [0]);
-        assert_eq!(damaged(&[1318.0, 0.0, 1318.2]), [1]);
-        assert_eq!(damaged(&[1318.0, 1318.2, 0.0]), [2]);
-        assert_eq!(damaged(&[1.0, 1.1, 4e6, 1.2]), [2]);
+    fn wrong_times_are_found_wherever_they_are() {
+        for (times_s, damaged) in [
+            (&[1317.7, 1318.0, 0.0, 1318.2, 1318.3][..], &[2][..]),
+            (&[0.0, 1318.0, 1318.2], &[0]),
+            (&[4e6, 0.1, 0.2], &[0]),
+            (&[1318.0, 0.0, 1318.2], &[1]),
+            (&[1318.0, 1318.2, 0.0], &[2]),
+            (&[1.0, 1.1, 4e6, 1.2], &[2]),
+            (&[9.0, 9.1, 0.0, 0.0, 9.2, 9.3], &[2, 3]),
+        ] {
+            assert_eq!(judge(times_s).1, damaged, "{times_s:?}");
+        }
     }
 
     #[test]
-    fn pauses_restarts_and_small_disorder_are_sound() {
-        assert!(damaged(&[-0.454, 0.06, -0.06, 0.45]).is_empty());
-        assert!(damaged(&[1.0, 1.1, 700.0, 700.1]).is_empty());
-        assert!(damaged(&[700.0, 700.1, 0.0, 0.1, 0.2]).is_empty());
+    fn pauses_and_small_disorder_are_sound() {
+        for times_s in [&[-0.454, 0.06, -0.06, 0.45][..], &[1.0, 1.1, 700.0, 700.1]] {
+            assert_eq!(judge(times_s), (times_s.to_vec(), vec![]));
+        }
+    }
+
+    #[test]
+    fn after_a_restart_time_goes_on() {
+        let (sound_s, damaged) = judge(&[700.0, 700.5, 0.0, 0.5, 1.0, 1.5]);
+        assert_eq!(sound_s, [700.0, 700.5, 700.5, 701.0, 701.5, 702.0]);
+        assert!(damaged.is_empty());
     }
 }

@@ -3,8 +3,10 @@
 mod assemble;
 mod clock;
 mod collected;
+mod depths;
 mod foreign;
 pub mod humminbird;
+mod join;
 pub mod lowrance;
 mod map;
 mod report;
@@ -109,18 +111,22 @@ pub fn open_files(
 
 fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     progress.check()?;
-    let not_recognised = || OpenError::NotRecognised {
+    let not_recognised = |looked_for| OpenError::NotRecognised {
         path: path.to_owned(),
-        looked_for: LOOKED_FOR,
+        looked_for,
     };
     if shelf.is_folder(path) {
-        let recording = humminbird::find_in_folder(shelf, path).ok_or_else(not_recognised)?;
+        let recording =
+            humminbird::find_in_folder(shelf, path).ok_or_else(|| not_recognised(LOOKED_FOR))?;
         return humminbird::read(recording, progress);
     }
     let bytes = shelf.read(path).map_err(|source| OpenError::Io {
         path: path.to_owned(),
         source,
     })?;
+    if bytes.is_empty() {
+        return Err(not_recognised("the file is empty"));
+    }
     let opened = Opened {
         path: path.to_owned(),
         bytes,
@@ -140,5 +146,5 @@ fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, Op
             what: advice.to_owned(),
         });
     }
-    Err(not_recognised())
+    Err(not_recognised(LOOKED_FOR))
 }

@@ -55,6 +55,15 @@ impl Report {
         self.add(Kind::Log, None, text.into());
     }
 
+    /// Says that the recorder's clock was set back by so many seconds, if it was.
+    pub(super) fn set_back(&self, seconds: f64) {
+        if seconds > 0.0 {
+            self.log(format!(
+                "the recorder's clock was set back by {seconds:.1} s in the middle; times go on from where they were"
+            ));
+        }
+    }
+
     fn add(&self, kind: Kind, place: Option<(usize, u64)>, text: String) {
         let Collection { warnings, counts } = &mut *self.shared.borrow_mut();
         let seen = match counts.iter_mut().find(|(known, _)| *known == kind) {

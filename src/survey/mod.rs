@@ -122,7 +122,8 @@ impl SidePing {
     }
 }
 
-/// One depth that the recorder's own bottom lock gave. Pings that repeat it are dropped by the reader.
+/// One depth that the recorder's own bottom lock gave, per ping of the channel that it runs on (the traditional sonar
+/// where there is one). The copies that other channels carry are left out by the reader.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sounding {
     /// Seconds after the log's time zero.

@@ -45,14 +45,18 @@ impl Reader {
 
     /// Takes the pings that still wait for a verdict.
     pub(super) fn finish(&mut self, log: &mut Collected) {
-        while let Some(verdict) = self.clock.finish() {
+        while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
+        log.report.set_back(self.clock.set_back_s());
     }
 
     fn settle(&self, log: &mut Collected, verdict: Verdict<(usize, PingHeader)>) {
         match verdict {
-            Verdict::Sound((offset, ping)) => self.keep(log, offset, &ping),
+            Verdict::Sound {
+                record: (offset, ping),
+                time_s,
+            } => self.keep(log, offset, &ping, time_s),
             Verdict::Damaged((offset, ping)) => {
                 let text = format!(
                     "a ping's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
@@ -63,9 +67,8 @@ impl Reader {
         }
     }
 
-    fn keep(&self, log: &mut Collected, offset: usize, ping: &PingHeader) {
+    fn keep(&self, log: &mut Collected, offset: usize, ping: &PingHeader, time_s: f64) {
         let kind = self.channel_kind(ping);
-        let time_s = time_s(ping);
         let span = self.span(offset, ping);
         let is_side = matches!(kind, ChannelKind::Port | ChannelKind::Starboard);
         let number = self.file as u16;

@@ -29,9 +29,10 @@ impl Reader {
 
     /// Takes the frames that still wait for a verdict.
     pub(super) fn finish(&mut self, log: &mut Collected) {
-        while let Some(verdict) = self.clock.finish() {
+        while let Some(verdict) = self.clock.next() {
             self.settle(log, verdict);
         }
+        log.report.set_back(self.clock.set_back_s());
         if self.keel_ft != 0.0 {
             log.report.log(format!(
                 "the unit added a keel offset of {:.2} m to the depths it shows; it was taken off again",
@@ -42,7 +43,7 @@ impl Reader {
 
     fn settle(&mut self, log: &mut Collected, verdict: Verdict<Frame>) {
         match verdict {
-            Verdict::Sound(frame) => self.keep(log, &frame),
+            Verdict::Sound { record, time_s } => self.keep(log, &record, time_s),
             Verdict::Damaged(frame) => {
                 let text = format!(
                     "a frame's time ({:.1} s) fits neither neighbour; its header is damaged and it was dropped",
@@ -53,9 +54,8 @@ impl Reader {
         }
     }
 
-    fn keep(&mut self, log: &mut Collected, frame: &Frame) {
+    fn keep(&mut self, log: &mut Collected, frame: &Frame, time_s: f64) {
         let kind = channel_kind(frame.channel);
-        let time_s = time_s(frame);
         if log.start_unix_s.is_none() && UNIX_S.contains(&frame.clock) {
             log.start_unix_s = Some(f64::from(frame.clock));
         }

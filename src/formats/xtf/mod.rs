@@ -1,8 +1,11 @@
 //! XTF, the exchange format of the survey world.
 
 mod channels;
+mod date;
 mod meaning;
+mod place;
 pub mod raw;
+mod sides;
 mod walk;
 
 use super::{OpenError, Opened, assemble, collected::Collected};

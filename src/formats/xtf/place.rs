@@ -1,0 +1,73 @@
+//! The position of a ping, in degrees or in metres of an unknown projection.
+
+use super::raw::PingHeader;
+use crate::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
+use crate::survey::Fix;
+
+/// Where longitude and latitude are zero: the origin that local coordinates are shown around.
+const NOWHERE: LonLat = LonLat {
+    lon_deg: 0.0,
+    lat_deg: 0.0,
+};
+/// Navigation units of the file header that are degrees.
+const DEGREES: u16 = 3;
+
+/// Turns the positions of a file into degrees.
+#[derive(Debug)]
+pub(super) struct Places {
+    units: Option<u16>,
+    /// First projected position, where positions are in metres.
+    origin: Option<[f64; 2]>,
+}
+
+impl Places {
+    /// `units` as the file header has them; `None` when the header is damaged.
+    pub(super) fn new(units: Option<u16>) -> Self {
+        Self {
+            units,
+            origin: None,
+        }
+    }
+
+    /// Whether positions were metres of an unknown zone.
+    pub(super) fn are_local(&self) -> bool {
+        self.origin.is_some()
+    }
+
+    /// The sonar's fix, or the ship's where the sonar has none.
+    pub(super) fn fix(&mut self, ping: &PingHeader, time_s: f64) -> Option<Fix> {
+        let heading_deg = first_set([ping.sensor_heading_deg, ping.ship_gyro_deg]);
+        let speed_kn = first_set([ping.sensor_speed_kn, ping.ship_speed_kn]);
+        Some(Fix {
+            time_s,
+            position: self.position(ping)?,
+            cog_rad: f32::NAN,
+            compass_rad: heading_deg.map_or(f32::NAN, f32::to_radians),
+            speed_mps: speed_kn.map_or(f32::NAN, |kn| (f64::from(kn) * MPS_PER_KNOT) as f32),
+        })
+    }
+
+    fn position(&mut self, ping: &PingHeader) -> Option<LonLat> {
+        let sensor = [ping.sensor_x, ping.sensor_y];
+        let ship = [ping.ship_x, ping.ship_y];
+        let is_set = |[x, y]: &[f64; 2]| x.is_finite() && y.is_finite() && *x != 0.0 && *y != 0.0;
+        let [x, y] = [sensor, ship].into_iter().find(is_set)?;
+        // Some programs write degrees and say metres.
+        let fits_degrees = x.abs() <= 180.0 && y.abs() <= 90.0;
+        if self.units == Some(DEGREES) || (self.origin.is_none() && fits_degrees) {
+            return Some(LonLat {
+                lon_deg: x,
+                lat_deg: y,
+            });
+        }
+        let [x0, y0] = *self.origin.get_or_insert([x, y]);
+        Some(LocalFrame::new(NOWHERE).to_lon_lat(x - x0, y - y0))
+    }
+}
+
+/// The first value that was recorded: 0 stands for none.
+fn first_set(values: [f32; 2]) -> Option<f32> {
+    values
+        .into_iter()
+        .find(|value| value.is_finite() && *value != 0.0)
+}

@@ -1,0 +1,195 @@
+//! Small SL2 and SL3 logs, one for every trap of the formats.
+
+use super::*;
+
+#[test]
+fn composite_frames_are_cut_in_the_middle() {
+    let survey = read(handmade::sl2(&handmade::survey_frames(20)));
+    assert_eq!(survey.side_scan.len(), 20);
+    let data = Frame::new(5, 0).data;
+    let port: Vec<u8> = data[..200].iter().rev().copied().collect();
+    assert_eq!(outward(&survey, 3, Side::Port), port);
+    assert_eq!(outward(&survey, 3, Side::Starboard), data[200..]);
+    let span = survey.side_scan[3].port.unwrap();
+    assert!((span.far_m - 60.0 * 0.3048).abs() < 1e-5 && span.near_m == 0.0);
+}
+
+#[test]
+fn sl3_data_begins_where_frame_size_less_packet_says() {
+    for header in [168, 180] {
+        let mut frames = handmade::survey_frames(10);
+        frames.insert(4, Frame::new(8, 90));
+        let survey = read(handmade::sl3(&frames, header));
+        assert_eq!(survey.side_scan.len(), 10);
+        assert_eq!(
+            outward(&survey, 9, Side::Starboard),
+            Frame::new(5, 0).data[200..]
+        );
+        assert_eq!(counts(&survey)[2], (ChannelKind::Other(8), 1));
+    }
+}
+
+#[test]
+fn separate_sides_are_joined_by_time_not_by_number() {
+    // Starboard began two pings later: frame numbers differ, times do not.
+    let mut frames: Vec<Frame> = (0..50)
+        .flat_map(|ping| {
+            let port = Frame::new(3, ping * 50);
+            let starboard = (ping >= 2).then(|| Frame::new(4, ping * 50 + 4));
+            [Some(port), starboard].into_iter().flatten()
+        })
+        .collect();
+    frames.remove(40);
+    let survey = read(handmade::sl2(&frames));
+    assert_eq!(survey.side_scan.len(), 50);
+    let both = survey
+        .side_scan
+        .iter()
+        .filter(|ping| ping.port.is_some() && ping.starboard.is_some())
+        .count();
+    assert_eq!(both, 47);
+    assert_eq!(outward(&survey, 10, Side::Port), Frame::new(3, 0).data);
+}
+
+#[test]
+fn one_side_alone_is_a_survey_too() {
+    let frames: Vec<Frame> = (0..9).map(|ping| Frame::new(4, ping * 50)).collect();
+    let survey = read(handmade::sl2(&frames));
+    assert_eq!(survey.side_scan.len(), 9);
+    assert_eq!(survey.side_scan_state, SideScanState::Usable);
+    assert!(
+        survey
+            .side_scan
+            .iter()
+            .all(|ping| ping.port.is_none() && ping.starboard.is_some())
+    );
+}
+
+#[test]
+fn range_is_a_matter_of_each_ping() {
+    let mut frames = handmade::survey_frames(4);
+    frames[7].range_ft = (-100.0, 100.0);
+    let survey = read(handmade::sl2(&frames));
+    let far_m: Vec<f32> = survey
+        .side_scan
+        .iter()
+        .map(|ping| ping.starboard.unwrap().far_m)
+        .collect();
+    assert!((far_m[2] - 18.288).abs() < 1e-4 && (far_m[3] - 30.48).abs() < 1e-4);
+    assert_eq!(survey.channels[1].range_m, Some((0.0, 30.48)));
+}
+
+#[test]
+fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
+    let mut frames = handmade::survey_frames(100);
+    for (index, frame) in frames.iter_mut().enumerate() {
+        let is_primary = frame.channel == 0;
+        frame.depth_ft = if is_primary { 10.0 + index as f32 } else { 0.0 };
+        frame.keel_ft = 2.0;
+    }
+    let survey = read(handmade::sl2(&frames));
+    assert_eq!(survey.soundings.len(), 100);
+    let depth_m = survey.side_scan[30].depth_m;
+    assert!(
+        (depth_m - (10.0 + 60.0 - 2.0) * 0.3048).abs() < 1e-4,
+        "{depth_m}"
+    );
+    assert!(says(&survey, "keel offset"));
+}
+
+#[test]
+fn unix_time_only_where_it_is_one() {
+    for (clock, expected) in [
+        (1_600_000_000, Some(1.6e9)),
+        (u32::MAX, None),
+        (1_317_703, None),
+    ] {
+        let mut frames = handmade::survey_frames(5);
+        frames[0].clock = clock;
+        assert_eq!(read(handmade::sl2(&frames)).start_unix_s, expected);
+    }
+}
+
+#[test]
+fn a_lost_byte_costs_one_frame() {
+    let mut bytes = handmade::sl2(&handmade::survey_frames(60));
+    bytes.remove(8 + 544 * 51 + 300);
+    let survey = read(bytes);
+    assert_eq!(survey.side_scan.len(), 60 - 1);
+    assert!(says(&survey, "the next begins after 543"));
+}
+
+#[test]
+fn a_frame_size_of_zero_costs_one_frame() {
+    let mut bytes = handmade::sl2(&handmade::survey_frames(60));
+    let frame = 8 + 544 * 51;
+    bytes[frame + 28..frame + 30].fill(0);
+    let survey = read(bytes);
+    assert_eq!(survey.side_scan.len(), 60 - 1);
+    assert!(
+        survey
+            .warnings
+            .iter()
+            .any(|warning| warning.place == Some((0, frame as u64)))
+    );
+}
+
+#[test]
+fn many_gaps_become_few_warnings() {
+    let mut bytes = handmade::sl2(&handmade::survey_frames(500));
+    for frame in (0..500).map(|index| 8 + 1088 * index) {
+        bytes[frame] ^= 0xFF;
+    }
+    let survey = read(bytes);
+    assert_eq!(survey.side_scan.len(), 500);
+    assert!(survey.warnings.len() < 40 && says(&survey, "480 more gaps"));
+}
+
+#[test]
+fn after_a_restart_the_pings_stay_in_file_order() {
+    let mut frames = handmade::survey_frames(100);
+    for frame in &mut frames {
+        frame.time_ms += 900_000;
+    }
+    frames.extend(handmade::survey_frames(50));
+    let survey = read(handmade::sl2(&frames));
+    assert_eq!(survey.side_scan.len(), 150);
+    let offsets: Vec<u64> = survey
+        .side_scan
+        .iter()
+        .map(|ping| ping.port.unwrap().offset)
+        .collect();
+    assert!(offsets.is_sorted());
+    assert!(survey.side_scan.is_sorted_by(|a, b| a.time_s <= b.time_s));
+    assert!(says(&survey, "set back"));
+}
+
+#[test]
+fn noise_is_named_even_with_a_good_header() {
+    let mut frames = handmade::survey_frames(30);
+    frames
+        .iter_mut()
+        .filter(|frame| frame.channel == 5)
+        .for_each(|frame| frame.range_ft = (-5.0, 5.0));
+    let survey = read(handmade::sl2(&frames));
+    assert!(matches!(
+        survey.side_scan_state,
+        SideScanState::Noise { .. }
+    ));
+    assert!(!survey.has_side_scan());
+}
+
+#[test]
+fn a_fix_thrown_far_away_is_dropped() {
+    let mut frames = handmade::survey_frames(30);
+    frames[1].xy_m = (-9_000_000, 17);
+    let survey = read(handmade::sl2(&frames));
+    assert!(
+        survey
+            .track
+            .fixes
+            .iter()
+            .all(|fix| fix.position.lat_deg > 20.0)
+    );
+    assert!(says(&survey, "kilometres"));
+}

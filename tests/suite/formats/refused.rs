@@ -1,0 +1,52 @@
+//! What is not opened, and in which words.
+
+use super::*;
+
+fn refuse(bytes: &[u8]) -> OpenError {
+    formats::open_bytes("log.sl2", bytes.to_vec(), &Progress::new()).unwrap_err()
+}
+
+#[test]
+fn not_a_log_broken_and_unsupported_are_different_sentences() {
+    for text in [
+        &b""[..],
+        b"a",
+        b"BND5 and some more",
+        &[0; 5000],
+        b"{\"type\": \"FeatureCollection\"}",
+    ] {
+        let error = refuse(text);
+        assert!(matches!(error, OpenError::NotRecognised { .. }), "{error}");
+    }
+    let broken = refuse(&handmade::sl2(&handmade::survey_frames(1))[..100]);
+    assert!(matches!(broken, OpenError::Broken { .. }), "{broken}");
+    let slg = refuse(&[1, 0, 0, 0, 0xB2, 7, 0, 0, 1, 2, 3, 4]);
+    assert!(matches!(slg, OpenError::Unsupported { .. }), "{slg}");
+    assert!(slg.to_string().contains("record sl2 or sl3"), "{slg}");
+    // A game's save file and a database carry the same suffixes.
+    for known in [&b"BND4...."[..], b"SQLite format 3\0", b"PK\x03\x04"] {
+        assert!(matches!(refuse(known), OpenError::Unsupported { .. }));
+    }
+}
+
+#[test]
+fn a_suffix_proves_nothing() {
+    let bytes = handmade::sl3(&handmade::survey_frames(5), 168);
+    let survey = formats::open_bytes("log.sl2", bytes, &Progress::new()).unwrap();
+    assert!(survey.source.format.starts_with("Lowrance SL3"));
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = formats::open(Path::new("no-such.sl2"), &Progress::new()).unwrap_err();
+    assert!(matches!(&error, OpenError::Io { .. }) && error.to_string().contains("no-such.sl2"));
+}
+
+#[test]
+fn cancel_is_heard() {
+    let progress = Progress::new();
+    progress.cancel();
+    let bytes = handmade::sl2(&handmade::survey_frames(5));
+    let error = formats::open_bytes("log.sl2", bytes, &progress).unwrap_err();
+    assert!(matches!(error, OpenError::Cancelled(_)));
+}

@@ -1,0 +1,25 @@
+//! Small XTF files: both sample widths, both kinds of positions.
+
+use super::*;
+
+#[test]
+fn eight_and_sixteen_bits_show_the_same_picture() {
+    let narrow = read(handmade::xtf(20, 1, 3, (-73.6, 42.7), 0.0));
+    assert_eq!(outward(&narrow, 4, Side::Starboard)[..3], [0, 1, 2]);
+    assert_eq!(outward(&narrow, 4, Side::Port)[..3], [199, 198, 197]);
+    // 12 bits are in use (199 * 20 = 3980): four are dropped.
+    let wide = read(handmade::xtf(20, 2, 3, (-73.6, 42.7), 0.0));
+    let expected: Vec<u8> = (0..200).map(|sample| (sample * 20 / 16) as u8).collect();
+    assert_eq!(outward(&wide, 4, Side::Starboard), expected);
+}
+
+#[test]
+fn altitude_is_depth_and_metres_are_local() {
+    let survey = read(handmade::xtf(20, 1, 0, (412_000.0, 4_730_000.0), 7.5));
+    assert_eq!(survey.soundings.len(), 20);
+    assert_eq!(survey.side_scan[3].depth_m, 7.5);
+    assert!(says(&survey, "unknown zone"));
+    let [_, north_m] = survey.track.frame.to_enu(survey.track.fixes[19].position);
+    assert!((north_m - 19.0 * 0.5).abs() < 0.01, "{north_m}");
+    assert!((survey.side_scan[19].time_s - 1.9).abs() < 1e-6);
+}
