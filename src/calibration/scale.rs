@@ -6,7 +6,7 @@ use crate::first_return::{FirstReturns, Pick};
 use crate::survey::{Side, Survey};
 use std::ops::Range;
 
-/// A pick whose p / d differs from the log's median by more than this factor is no bottom: the search ran into its limit,
+/// A pick whose r / d differs from the log's median by more than this factor is no bottom: the search ran into its limit,
 /// or stopped at the edge of the dead zone.
 const RATIO_LIMIT: f64 = 1.6;
 
@@ -29,15 +29,17 @@ impl Usable {
     }
 }
 
-/// The picks of the log that may calibrate, in ping order: no canopy, not at the search limit, not at the dead zone.
+/// The picks of the log that may calibrate, in ping order: no canopy, not at the search limit, not at the dead zone, and
+/// not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     let mut picks: Vec<Usable> = (0..survey.side_scan.len())
         .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
         .filter_map(|(ping, side)| usable_pick(survey, ping, side, returns.side(side).get(ping)?))
         .collect();
-    let typical = median(&mut picks.iter().map(Usable::px_per_m).collect::<Vec<_>>());
+    let ranges_per_depth = |pick: &Usable| pick.range_m / pick.depth_m;
+    let typical = median(&mut picks.iter().map(ranges_per_depth).collect::<Vec<_>>());
     picks.retain(|pick| {
-        let ratio = pick.px_per_m() / typical;
+        let ratio = ranges_per_depth(pick) / typical;
         (1.0 / RATIO_LIMIT..=RATIO_LIMIT).contains(&ratio)
     });
     picks

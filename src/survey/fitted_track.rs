@@ -20,6 +20,9 @@ const REST_SPEED_MPS: f64 = 0.2;
 const NARROWING: [f64; 2] = [1.0, 0.5];
 /// A curve that the places miss by more than this share of their resolution does not follow the boat.
 const MISFIT: f64 = 0.5;
+/// A boat at rest whose rounded position toggles between neighbours seems to travel up to twice their distance in a
+/// window: only more than this many times the resolution of the fixes is motion.
+const MOVED: f64 = 2.6;
 /// Fix intervals that receivers are known to use, seconds, longest first.
 const KNOWN_INTERVALS_S: [f64; 6] = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1];
 
@@ -94,7 +97,7 @@ impl FittedTrack {
                     east_m: fit.position[0],
                     north_m: fit.position[1],
                     velocity: fit.velocity,
-                    moving: speed >= REST_SPEED_MPS && travelled_m >= 1.5 * self.resolution_m,
+                    moving: speed >= REST_SPEED_MPS && travelled_m >= MOVED * self.resolution_m,
                 }
             }
             None => self.between(time_s),

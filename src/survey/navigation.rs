@@ -75,7 +75,8 @@ pub struct Navigation {
     pub projection: Projection,
     /// Pings without a heading.
     pub zero_heading: usize,
-    /// Pings at which the boat moves (faster than 0.2 m/s by the fitted track).
+    /// Pings at which the boat moves: faster than 0.2 m/s by the fitted track, and by more than its rounded fixes can
+    /// resolve (0.4 m/s over the default window of a recorder that rounds to a metre).
     pub moving: usize,
 }
 

@@ -1,7 +1,10 @@
 //! The cloud: the outlier filter against Open3D's table, a brute-force count and kiddo.
 
-use bathyscope::cloud::outliers;
+use crate::truth::KnownSurvey;
+use bathyscope::cloud::{Residuals, outliers};
+use bathyscope::pipeline::{self, Settings};
 use bathyscope::progress::Progress;
+use bathyscope::simulation::Scene;
 use proptest::prelude::*;
 
 fn keep(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<bool> {
@@ -137,5 +140,30 @@ proptest! {
         if !points.is_empty() {
             prop_assert_eq!(&kept, &by_kd_tree(&points, radius_m, min_neighbors));
         }
+    }
+}
+
+/// The floors of the recommended preset on simulated ponds with all artefacts; the accuracy bench has twenty of each.
+#[test]
+fn recommended_depths_hold_their_floors_on_simulated_ponds() {
+    for (kind, scene, p95_m) in [
+        ("gentle", Scene::gentle(), 0.06),
+        ("steep", Scene::steep(), 0.15),
+        ("rough", Scene::rough(), 0.15),
+    ] {
+        let pond = KnownSurvey::new(&scene, 11);
+        let run = |settings: &Settings| {
+            pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ()).expect("products")
+        };
+        let mut errors = pond.depth_errors_m(&run(&Settings::default()));
+        let depths = Residuals::of(&mut errors).expect("side-scan points");
+        assert!(
+            depths.n * 10 > pond.survey.side_scan.len() * 17,
+            "{kind}: {depths:?}"
+        );
+        assert!(
+            depths.mean_m.abs() <= 0.01 && depths.p95_m <= p95_m,
+            "{kind}: {depths:?}"
+        );
     }
 }

@@ -2,6 +2,7 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod calibration;
 mod cli;
 mod cloud;
 mod damage;
@@ -10,9 +11,11 @@ mod first_return;
 mod formats;
 mod golden;
 mod handmade;
+mod navigation;
 mod real_window;
 mod simulation;
 mod space;
 mod support;
+mod truth;
 mod waterfall;
 mod window;

@@ -1,0 +1,250 @@
+//! Scales and offsets on surveys whose truth is known, and on the river.
+
+use crate::support::real_data;
+use crate::truth::KnownSurvey;
+use bathyscope::calibration::{Calibration, PingRange, ScaleMode, calibrate, flat_spots};
+use bathyscope::cloud::PointSource;
+use bathyscope::first_return::{FirstReturns, Pick};
+use bathyscope::formats;
+use bathyscope::geo::LonLat;
+use bathyscope::pipeline::{self, Preset, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Artefacts, Scene};
+use bathyscope::survey::{Projection, Side, navigate};
+
+/// A survey whose range does not change.
+fn pond(scene: Scene, seed: u64) -> KnownSurvey {
+    let artefacts = Artefacts {
+        range_change: 1.0,
+        weed_m: 0.0,
+        ..Artefacts::default()
+    };
+    KnownSurvey::new(&Scene { artefacts, ..scene }, seed)
+}
+
+/// What a perfect detector finds, but `early_m` early.
+fn true_returns(pond: &KnownSurvey, early_m: f64) -> FirstReturns {
+    let picks = |side: Side| {
+        let pings = pond.truth.pings.iter();
+        pings
+            .map(|ping| Pick {
+                sample: ((ping.side(side).first_return_m - early_m) / ping.metres_per_sample)
+                    as f32,
+                confidence: 1.0,
+                canopy: false,
+            })
+            .collect()
+    };
+    FirstReturns {
+        port: picks(Side::Port),
+        starboard: picks(Side::Starboard),
+        warnings: Vec::new(),
+    }
+}
+
+fn calibrated(pond: &KnownSurvey, returns: &FirstReturns, settings: &Settings) -> Calibration {
+    let progress = Progress::new();
+    let navigation =
+        navigate(&pond.survey, &settings.heading, Projection::Enu, &progress).expect("a track");
+    let spots = flat_spots(&pond.survey, &navigation, 5, &progress).expect("spots");
+    calibrate(
+        &pond.survey,
+        &navigation,
+        returns,
+        &spots,
+        &settings.calibration,
+        &progress,
+    )
+    .expect("scales")
+}
+
+#[test]
+fn the_flattest_stretch_lies_on_the_terrace() {
+    let scene = Scene::steep();
+    let terrace = scene.bed.terrace.clone().expect("a terrace");
+    for seed in 0..3 {
+        let pond = pond(scene.clone(), seed);
+        let progress = Progress::new();
+        let navigation = navigate(
+            &pond.survey,
+            &Default::default(),
+            Projection::Enu,
+            &progress,
+        )
+        .expect("a track");
+        let spots = flat_spots(&pond.survey, &navigation, 6, &progress).expect("spots");
+        assert!(spots.len() >= 3);
+        for (index, spot) in spots.iter().enumerate() {
+            let apart = |other: &bathyscope::calibration::FlatSpot| {
+                other.pings.end <= spot.pings.start || spot.pings.end <= other.pings.start
+            };
+            assert!(spots[..index].iter().all(apart), "{spots:?}");
+        }
+        let [x, y] = pond.truth.frame.to_enu(LonLat {
+            lon_deg: scene.longitude_deg,
+            lat_deg: scene.latitude_deg,
+        });
+        let middle = (spots[0].pings.start + spots[0].pings.end) / 2;
+        let at = &pond.truth.pings[middle];
+        let (east_m, north_m) = (
+            at.east_m - x - terrace.east_m,
+            at.north_m - y - terrace.north_m,
+        );
+        assert!(
+            east_m.abs() < terrace.length_m / 2.0 + 3.0
+                && north_m.abs() < terrace.width_m / 2.0 + 3.0,
+            "seed {seed}: {east_m} {north_m} from the middle of the terrace, {:?}",
+            spots[0]
+        );
+        assert!((spots[0].depth_m - terrace.depth_m).abs() < 0.1);
+    }
+}
+
+#[test]
+fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() {
+    let pond = pond(Scene::gentle(), 1);
+    let mut returns = true_returns(&pond, 0.0);
+    for (index, pick) in returns
+        .port
+        .iter_mut()
+        .chain(&mut returns.starboard)
+        .enumerate()
+    {
+        if index % 3 == 0 {
+            pick.sample = 800.0;
+        }
+    }
+    let calibration = calibrated(&pond, &returns, &Settings::preset(Preset::Published));
+    assert_eq!(calibration.mode, ScaleMode::FlatSpot);
+    let ppd = calibration.ppd.expect("a scale");
+    let truth = 1.0 / pond.truth.pings[0].metres_per_sample;
+    assert!(
+        (ppd.px_per_m / truth - 1.0).abs() < 0.006,
+        "{ppd:?}, truth {truth}"
+    );
+    let spread = ppd.spread_px_per_m / truth;
+    assert!(
+        (0.003..0.03).contains(&spread),
+        "3 cm of depth noise in 2.5 m is 1.2 %: {spread}"
+    );
+    assert!(
+        calibration.warnings.is_empty(),
+        "{:?}",
+        calibration.warnings
+    );
+}
+
+#[test]
+fn the_lead_of_the_pulse_is_found_on_slopes_too() {
+    for (scene, early_m) in [
+        (Scene::gentle(), 0.05),
+        (Scene::steep(), 0.05),
+        (Scene::steep(), -0.1),
+    ] {
+        let pond = pond(scene, 2);
+        let calibration = calibrated(&pond, &true_returns(&pond, early_m), &Settings::default());
+        assert!(
+            (calibration.offset_m + early_m).abs() < 0.006,
+            "{early_m}: {}",
+            calibration.offset_m
+        );
+        let fit = calibration.fit.expect("a fit");
+        assert!((fit.k - 1.0).abs() < 0.05, "{fit:?}");
+    }
+}
+
+#[test]
+fn scales_that_disagree_are_told() {
+    let pond = KnownSurvey::new(&Scene::gentle(), 3);
+    let mut returns = true_returns(&pond, 0.0);
+    let calibration = calibrated(&pond, &returns, &Settings::preset(Preset::Published));
+    let text = calibration.warnings.join(" ");
+    assert!(text.contains("range changes"), "{text}");
+    for pick in returns.port.iter_mut().chain(&mut returns.starboard) {
+        pick.sample *= 1.1;
+    }
+    let chosen = Settings::default()
+        .with_assignment("calibration.pings=20..120")
+        .expect("a setting");
+    let calibration = calibrated(&pond, &returns, &chosen);
+    assert_eq!(calibration.flat_spot.map(|spot| spot.pings), Some(20..120));
+    let text = calibration.warnings.join(" ");
+    assert!(text.contains("more than their spread"), "{text}");
+}
+
+#[test]
+fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
+    for seed in 0..3 {
+        let pond = pond(Scene::gentle(), seed);
+        let settings = Settings::preset(Preset::Published);
+        let products = pipeline::run(&pond.survey, &settings, None, &Progress::new(), |_| ())
+            .expect("products");
+        let spot = products.calibration.flat_spot.clone().expect("a flat spot");
+        // Every ping of the spot, heading or not, whose pick may calibrate: what is left is the formula alone.
+        let mut ratios: Vec<f64> = Vec::new();
+        for side in Side::BOTH {
+            for ping in spot.pings.clone() {
+                let pick = products.returns.side(side)[ping];
+                if pick.canopy {
+                    continue;
+                }
+                let range_m = bathyscope::cloud::slant_range_m(
+                    &pond.survey,
+                    &products.calibration,
+                    ping,
+                    side,
+                    pick.sample,
+                );
+                let foot = bathyscope::cloud::fixed_foot(
+                    settings.cloud.geometry,
+                    range_m,
+                    settings.cloud.alpha2_deg,
+                );
+                ratios.push(foot.depth_m / f64::from(pond.survey.side_scan[ping].depth_m) - 1.0);
+            }
+        }
+        ratios.sort_by(f64::total_cmp);
+        let percent = 100.0 * ratios[ratios.len() / 2];
+        assert!((percent + 3.87).abs() < 0.05, "seed {seed}: {percent} %");
+        assert!(
+            products
+                .cloud
+                .points
+                .iter()
+                .any(|point| point.source == PointSource::Port)
+        );
+    }
+}
+
+#[test]
+fn a_chosen_range_of_pings_is_written_as_a_setting() {
+    let range = PingRange::try_from("400..600".to_owned()).expect("a range");
+    assert_eq!((range.start, range.end), (400, 600));
+    for text in ["600..400", "4", "a..b", "-1..5"] {
+        assert!(PingRange::try_from(text.to_owned()).is_err(), "{text}");
+    }
+}
+
+#[test]
+fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom() {
+    let Some(data) = real_data() else { return };
+    let progress = Progress::new();
+    let survey = formats::open(&data.join("humminbird-glen-canyon/Rec00001.DAT"), &progress)
+        .expect("the river");
+    let products =
+        pipeline::run(&survey, &Settings::default(), None, &progress, |_| ()).expect("products");
+    assert_eq!(products.navigation.zero_heading, 0);
+    // Boulders stand on the first half of the river's bed; the sand after them is smooth.
+    let sand = products.cloud.points.iter().zip(products.kept.iter());
+    let sand: Vec<bool> = sand
+        .map(|(point, kept)| *kept && (1700..2300).contains(&point.ping))
+        .collect();
+    let agreement = |kept: &[bool]| {
+        bathyscope::cloud::residuals(&survey, &products.navigation, &products.cloud, kept)
+            .expect("residuals")
+    };
+    let (all, sand) = (agreement(&products.kept), agreement(&sand));
+    println!("river: all {all:?}, sand {sand:?}");
+    assert!(all.n > 4000 && all.median_m.abs() < 0.35, "{all:?}");
+    assert!(sand.n > 1000 && sand.median_m.abs() < 0.1, "{sand:?}");
+}
