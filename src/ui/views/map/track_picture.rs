@@ -11,7 +11,7 @@ use egui::{Align2, Painter};
 use std::sync::Arc;
 
 /// Most segments drawn in a frame: beyond, a coarser level is taken.
-const MOST_SEGMENTS: u32 = 60_000;
+const MOST_SEGMENTS: u32 = 5_000;
 /// Width of the track and of the dark line under it, points.
 const WIDTHS: [f32; 2] = [3.0, 4.6];
 /// Opacity of the line under the track.
