@@ -15,8 +15,8 @@ pub struct LineSpan {
     pub min_m: f32,
     /// Metres; minus infinity when the stretch has no value.
     pub max_m: f32,
-    /// All picks of the stretch are flagged as canopy.
-    pub canopy: bool,
+    /// All values of the stretch are doubtful: picks flagged as canopy, depths without bottom lock.
+    pub doubtful: bool,
 }
 
 impl LineSpan {
@@ -24,18 +24,18 @@ impl LineSpan {
     pub const GAP: LineSpan = LineSpan {
         min_m: f32::INFINITY,
         max_m: f32::NEG_INFINITY,
-        canopy: true,
+        doubtful: true,
     };
 
     /// One value, a gap when it is not finite.
-    fn value(range_m: f32, canopy: bool) -> Self {
+    fn value(range_m: f32, doubtful: bool) -> Self {
         if !range_m.is_finite() {
             return Self::GAP;
         }
         Self {
             min_m: range_m,
             max_m: range_m,
-            canopy,
+            doubtful,
         }
     }
 
@@ -56,7 +56,7 @@ impl LineSpan {
         Self {
             min_m: self.min_m.min(other.min_m),
             max_m: self.max_m.max(other.max_m),
-            canopy: self.canopy && other.canopy,
+            doubtful: self.doubtful && other.doubtful,
         }
     }
 }
@@ -171,8 +171,9 @@ fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> 
 }
 
 fn depth_at(survey: &Survey, ping: usize) -> LineSpan {
-    let depth_m = survey.side_scan.get(ping).map(|ping| ping.depth_m);
-    depth_m.map_or(LineSpan::GAP, |depth_m| LineSpan::value(depth_m, false))
+    survey.side_scan.get(ping).map_or(LineSpan::GAP, |ping| {
+        LineSpan::value(ping.depth_m, !ping.depth_locked)
+    })
 }
 
 #[cfg(test)]
@@ -206,7 +207,7 @@ mod tests {
         let span = |min_m, max_m| LineSpan {
             min_m,
             max_m,
-            canopy: false,
+            doubtful: false,
         };
         assert_eq!(span(5.0, 6.0).reaching(&span(1.0, 2.0)), [2.0, 6.0]);
         assert_eq!(span(1.0, 2.0).reaching(&span(5.0, 6.0)), [1.0, 5.0]);

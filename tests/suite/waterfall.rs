@@ -396,6 +396,8 @@ fn the_menu_calibrates_and_reveals_where_it_was_opened() {
             });
             window.run_steps(2);
         }
+        // The menu finds its size and then its place.
+        window.run_steps(5);
         window.get_by_label(label).click();
         window.run_steps(2);
         let pushed = &window.state().pushed;

@@ -104,6 +104,15 @@ impl Camera {
         }
     }
 
+    /// Makes a metre along the track as long as one across, with a ping in the middle.
+    pub fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
+        self.along = Axis {
+            centre: ping,
+            per_point: self.across.per_point / metres_per_ping,
+            fitted: false,
+        };
+    }
+
     /// Enlarges about a place, `offset` points from the middle.
     pub fn zoom(&mut self, factor: Size, offset: Size) {
         if factor.along != 1.0 {
@@ -227,5 +236,16 @@ mod tests {
         let camera = Camera::start(&extent, size(Orientation::Horizontal));
         let lens = Lens::new(camera, rect(), Orientation::Horizontal);
         assert_eq!(lens.visible(1_000_000), 0..1600);
+    }
+
+    #[test]
+    fn equal_scales_make_a_metre_a_metre() {
+        let orientation = Orientation::Horizontal;
+        let mut camera = Camera::start(&EXTENT, size(orientation));
+        camera.equal_scales(0.1, 1204.5);
+        camera.settle(&EXTENT, size(orientation));
+        let lens = Lens::new(camera, rect(), orientation);
+        assert!((lens.pings_per_point() * 0.1 - lens.metres_per_point()).abs() < 1e-12);
+        assert!((lens.to_place(rect().center()).ping - 1204.5).abs() < 1e-6);
     }
 }

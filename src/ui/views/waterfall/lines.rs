@@ -21,8 +21,8 @@ pub(super) struct Pen {
 }
 
 impl Pen {
-    fn of(self, canopy: bool) -> Color32 {
-        if canopy {
+    fn of(self, doubtful: bool) -> Color32 {
+        if doubtful {
             self.colour.lerp_to_gamma(Color32::WHITE, 0.45)
         } else {
             self.colour
@@ -48,7 +48,8 @@ pub(super) fn first_return(
     draw(painter, lens, survey, step, side, pen);
 }
 
-/// The recorded depth, as the slant range at which a flat bottom would first be heard.
+/// The recorded depth, as the slant range at which a flat bottom would first be heard; dashed and paler where the recorder
+/// had lost the bottom.
 pub(super) fn depth(painter: &Painter, lens: &Lens, survey: &Survey, drawing: &Drawing, pen: Pen) {
     let step = LineStep::Depth(drawing.depth.as_ref());
     for side in Side::BOTH {
@@ -108,7 +109,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
     let half = f64::from(1_u32 << columns.halvings) / lens.pings_per_point() / 2.0;
     let mut before = LineSpan::GAP;
     for (index, span) in columns.spans.iter().enumerate() {
-        let is_dash_gap = span.canopy && (columns.first + index) % 7 >= 4;
+        let is_dash_gap = span.doubtful && (columns.first + index) % 7 >= 4;
         if !span.is_gap() && !is_dash_gap {
             let [low, high] = span.reaching(&before);
             let [low, high] = [low, high].map(|range_m| columns.place(index, range_m));
@@ -119,7 +120,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
                 Orientation::Horizontal => bar.expand2(vec2(half as f32, across)),
                 Orientation::Vertical => bar.expand2(vec2(across, half as f32)),
             };
-            mesh.add_colored_rect(bar, pen.of(span.canopy));
+            mesh.add_colored_rect(bar, pen.of(span.doubtful));
         }
         before = *span;
     }
@@ -128,7 +129,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
 
 /// A stretch of a line without gaps and of one kind.
 struct Run {
-    canopy: bool,
+    doubtful: bool,
     points: Vec<Pos2>,
 }
 
@@ -143,10 +144,10 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
         let point = lens.to_screen(columns.place(index, span.min_m));
         let last = runs.last_mut().filter(|_| !is_broken);
         let joint = last.as_ref().and_then(|run| run.points.last().copied());
-        match last.filter(|run| run.canopy == span.canopy) {
+        match last.filter(|run| run.doubtful == span.doubtful) {
             Some(run) => run.points.push(point),
             None => runs.push(Run {
-                canopy: span.canopy,
+                doubtful: span.doubtful,
                 points: joint.into_iter().chain([point]).collect(),
             }),
         }
@@ -156,9 +157,9 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
 }
 
 fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
-    let colour = pen.of(run.canopy);
+    let colour = pen.of(run.doubtful);
     let stroke = Stroke::new(pen.width, colour);
-    match (run.points.as_slice(), run.canopy) {
+    match (run.points.as_slice(), run.doubtful) {
         ([single], _) => {
             painter.circle_filled(*single, pen.width, colour);
         }

@@ -64,6 +64,10 @@ impl WaterfallView {
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
         self.follow_survey(ui.ctx(), context);
+        if rect.width() < 1.0 || rect.height() < 1.0 {
+            self.settled = true;
+            return;
+        }
         let survey = context.app.survey.clone();
         let axis = self.drawing.as_ref().and_then(Drawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
@@ -78,7 +82,13 @@ impl WaterfallView {
         };
         let lens = self.aim(ui, &response, &axis, context);
         self.draw_picture(&painter, &lens, context);
-        let over = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
+        let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
+        if let Some(ping) = followed.equal_scales_at
+            && let Some(metres) = pointer::metres_per_ping(context.app, &survey, ping)
+            && let Some(camera) = &mut self.camera
+        {
+            camera.equal_scales(metres, ping as f64 + 0.5);
+        }
         overlay::draw(
             &painter,
             &lens,
@@ -92,7 +102,7 @@ impl WaterfallView {
                 has_gpu: context.render_state.is_some(),
             },
         );
-        if let Some((at, place)) = response.hover_pos().zip(over) {
+        if let Some((at, place)) = response.hover_pos().zip(followed.place) {
             pointer::read_out(&painter, &lens, context.app, at, place);
         }
         let visible = lens.visible(survey.side_scan.len());
@@ -153,7 +163,7 @@ impl WaterfallView {
         };
         let orientation = context.app.options.waterfall.orientation;
         let rect = response.rect;
-        let size = Size::of(rect.size().max(egui::Vec2::splat(1.0)), orientation);
+        let size = Size::of(rect.size(), orientation);
         let mut camera = *self
             .camera
             .get_or_insert_with(|| Camera::start(&extent, size));

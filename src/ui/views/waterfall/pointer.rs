@@ -29,14 +29,22 @@ pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
     })
 }
 
-/// Pushes hover, selection and the menu's wishes. Returns what the pointer is over.
+/// What [`follow`] found.
+pub(super) struct Followed {
+    /// What the pointer is over.
+    pub place: Option<Place>,
+    /// Equal scales along and across were asked for at this ping.
+    pub equal_scales_at: Option<usize>,
+}
+
+/// Pushes hover, selection and the menu's wishes.
 pub(super) fn follow(
     response: &Response,
     lens: &Lens,
     survey: &Survey,
     was_over: &mut Option<Mark>,
     context: &mut ViewContext<'_>,
-) -> Option<Place> {
+) -> Followed {
     let pointer = response.hover_pos().filter(|at| lens.rect.contains(*at));
     let place = pointer.map(|at| lens.to_place(at));
     let mark = place.and_then(|place| mark_at(survey, place));
@@ -48,12 +56,15 @@ pub(super) fn follow(
     if clicked && let Some(at) = response.interact_pointer_pos() {
         context.push(Command::Select(mark_at(survey, lens.to_place(at))));
     }
-    menu(response, context);
-    place
+    Followed {
+        place,
+        equal_scales_at: menu(response, context),
+    }
 }
 
 /// Acts on the selection, which the click that opened the menu made.
-fn menu(response: &Response, context: &mut ViewContext<'_>) {
+fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
+    let mut equal_scales_at = None;
     response.context_menu(|ui| {
         let Some(mark) = context.app.selection else {
             ui.label("no ping here");
@@ -69,7 +80,36 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) {
             context.push(Command::Reveal(mark));
             ui.close();
         }
+        ui.separator();
+        let hint = "A metre along the track as long as a metre across, by the boat's speed here.";
+        if ui.button("Equal scales").on_hover_text(hint).clicked() {
+            equal_scales_at = Some(mark.ping);
+            ui.close();
+        }
+        let mut options = context.app.options.clone();
+        let shown = &mut options.waterfall;
+        let changed = ui
+            .checkbox(&mut shown.first_return, "First return")
+            .changed()
+            | ui.checkbox(&mut shown.depth_line, "Recorded depth")
+                .changed()
+            | ui.checkbox(&mut shown.range_lines, "Range lines").changed();
+        if changed {
+            context.push(Command::Show(Box::new(options)));
+        }
     });
+    equal_scales_at
+}
+
+/// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
+pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
+    let speed_mps = app.products.as_ref()?.navigation.pings.get(ping)?.speed_mps;
+    let first = ping.saturating_sub(50);
+    let last = (ping + 50).min(survey.side_scan.len().checked_sub(1)?);
+    let time_s = |ping: usize| survey.side_scan.get(ping).map(|ping| ping.time_s);
+    let interval_s = (time_s(last)? - time_s(first)?) / (last - first) as f64;
+    let metres = speed_mps * interval_s;
+    (metres.is_finite() && metres > 0.0).then_some(metres)
 }
 
 /// The read-out beside the pointer, on the side where there is room.
