@@ -1,7 +1,7 @@
 //! The plain threshold, fast enough to follow a slider over any length of log.
 //!
 //! The first sample that reaches a level is always one that exceeds all samples before it. Those running maxima are few
-//! (about fifteen of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
+//! (six to ten of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
 
 use super::normalise::{BLOCK, dead_samples};
 use super::{FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, words};
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 /// Answers where a threshold is first reached, for any threshold, without looking at the picture again.
 ///
-/// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum: some 9 MB for
+/// Made once for a survey, a sample mode and a dead zone. About 3 bytes for each running maximum: some 6 MB for
 /// 100 000 pings. Samples beyond the 65 535th of a side are not searched.
 #[derive(Clone, Debug)]
 pub struct ThresholdIndex {

@@ -32,7 +32,8 @@ struct Tuning {
     window_cells: usize,
     /// Farthest that the line moves from ping to ping without a leap, metres.
     move_m: f64,
-    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell.
+    /// Score that a metre of such a move costs, but no more than `move_cost_per_cell` a cell. Little: a bottom that slopes
+    /// 20 degrees along the track moves 5 cm at every ping, and must not be left for it.
     move_cost_per_m: f64,
     /// See `move_cost_per_m`.
     move_cost_per_cell: f64,
@@ -47,10 +48,10 @@ struct Tuning {
 const TUNING: Tuning = Tuning {
     window_m: 0.20,
     window_cells: 10,
-    move_m: 0.052,
-    move_cost_per_m: 117.0,
-    move_cost_per_cell: 1.0,
-    leap_cost: 10.0,
+    move_m: 0.08,
+    move_cost_per_m: 35.0,
+    move_cost_per_cell: 0.3,
+    leap_cost: 7.0,
     depth_cost: 1.0,
     depth_window: (0.65, 1.12),
 };

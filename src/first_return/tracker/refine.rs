@@ -22,6 +22,8 @@ const PROFILE_PINGS: f32 = 6.0;
 const WINDOW_M: f64 = 0.137;
 /// Distance from the smoothed line that is searched, metres.
 const SEARCH_M: f64 = 0.2;
+/// The second search moves at most this many cells from row to row, at this cost each.
+const MOVE: (usize, f32) = (4, 0.5);
 /// Where beyond the edge the plateau of the bottom lies, and before it the water, metres.
 const PLATEAU_M: (f64, f64) = (0.05, 0.14);
 const WATER_M: (f64, f64) = (0.07, 0.17);
@@ -86,9 +88,9 @@ impl Refiner {
             short_steps(self.smoothed.row(row), window, self.scores.row_mut(row));
         }
         let motion = Motion {
-            limit: 4,
-            cost: 0.5,
-            leap: 1e3,
+            limit: MOVE.0,
+            cost: MOVE.1,
+            leap: f32::INFINITY,
         };
         let found = self.paths.line(&self.scores, &motion);
         let placed = found

@@ -12,6 +12,9 @@ pub(super) fn cell(samples: SampleMode) -> usize {
     }
 }
 
+/// Cells that are searched, nearest first. Recorders write some 3000; a damaged header must not ask for gigabytes.
+const MOST_CELLS: usize = 16_384;
+
 /// Rows of equal width; cells that were not recorded are zero.
 #[derive(Default)]
 pub(super) struct Rows {
@@ -34,9 +37,8 @@ impl Rows {
     ) {
         let mode = normalisation.samples;
         let lengths = chunk.pings.iter().map(|&ping| {
-            survey
-                .samples(ping as usize, side)
-                .map_or(0, |samples| samples.len() / cell(mode))
+            let samples = survey.samples(ping as usize, side);
+            samples.map_or(0, |samples| (samples.len() / cell(mode)).min(MOST_CELLS))
         });
         self.recorded.clear();
         self.recorded.extend(lengths);

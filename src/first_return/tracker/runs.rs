@@ -91,3 +91,68 @@ fn same_scale(a: &SideSpan, b: &SideSpan) -> bool {
     let (one, other) = (a.metres_per_sample(), b.metres_per_sample());
     (one - other).abs() <= 0.002 * one && f64::from((a.near_m - b.near_m).abs()) < one
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{Encoding, Order, SidePing, SideScanState, Source, Track};
+
+    fn survey(times_and_ranges: impl Iterator<Item = (f64, f32)>) -> Survey {
+        let ping = |(time_s, far_m)| SidePing {
+            time_s,
+            depth_m: f32::NAN,
+            port: Some(SideSpan {
+                file: 0,
+                encoding: Encoding::U8,
+                order: Order::NearToFar,
+                offset: 0,
+                count: 100,
+                near_m: 0.0,
+                far_m,
+            }),
+            starboard: None,
+        };
+        Survey {
+            source: Source {
+                files: Vec::new(),
+                format: String::new(),
+                byte_count: 0,
+            },
+            start_unix_s: None,
+            channels: Vec::new(),
+            side_scan: times_and_ranges.map(ping).collect(),
+            side_scan_state: SideScanState::Usable,
+            soundings: Vec::new(),
+            track: Track::new(Vec::new()),
+            warnings: Vec::new(),
+            bytes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn line_breaks_at_time_gaps_and_range_changes() {
+        let survey = survey((0..300).map(|ping| {
+            let gap_s = if ping < 100 { 0.0 } else { 10.0 };
+            (
+                gap_s + 0.05 * f64::from(ping),
+                if ping < 200 { 12.0 } else { 15.0 },
+            )
+        }));
+        let chunks = chunks(&survey, Side::Port, &(0..300));
+        let starts: Vec<u32> = chunks.iter().map(|chunk| chunk.pings[0]).collect();
+        assert_eq!(starts, [0, 100, 200]);
+        assert!(chunks.iter().all(|chunk| chunk.kept == (0..100)));
+        assert!(super::chunks(&survey, Side::Starboard, &(0..300)).is_empty());
+    }
+
+    #[test]
+    fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_what_is_wanted() {
+        let survey = survey((0..2000).map(|ping| (0.05 * f64::from(ping), 12.0)));
+        let all = chunks(&survey, Side::Port, &(0..2000));
+        let kept: Vec<u32> = all.iter().flat_map(Chunk::kept_pings).copied().collect();
+        assert!(kept.into_iter().eq(0..2000));
+        let some = chunks(&survey, Side::Port, &(700..701));
+        assert_eq!(some.len(), 1);
+        assert!(all.iter().any(|chunk| chunk.pings == some[0].pings));
+    }
+}

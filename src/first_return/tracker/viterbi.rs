@@ -139,3 +139,59 @@ fn maximum(values: &[f32]) -> f32 {
         .copied()
         .fold(f32::NEG_INFINITY, larger)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a path gathers.
+    fn gathered(scores: &Grid, path: &[usize], motion: &Motion) -> f32 {
+        let cost = |from: usize, to: usize| {
+            let cells = from.abs_diff(to);
+            let walk = motion.cost * cells as f32;
+            if cells <= motion.limit && walk < motion.leap {
+                walk
+            } else {
+                motion.leap
+            }
+        };
+        let on_rows = path
+            .iter()
+            .enumerate()
+            .map(|(row, &at)| scores.row(row)[at]);
+        let moves = path.windows(2).map(|pair| cost(pair[0], pair[1]));
+        on_rows.sum::<f32>() - moves.sum::<f32>()
+    }
+
+    #[test]
+    fn line_is_the_best_of_all_paths() {
+        let (rows, width) = (5, 7);
+        let mut seed = 1_u32;
+        for round in 0..40 {
+            let mut scores = Grid::default();
+            scores.reset(rows, width, 0.0);
+            for row in 0..rows {
+                for score in scores.row_mut(row) {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    *score = (seed >> 20) as f32 / 512.0;
+                }
+            }
+            let motion = Motion {
+                limit: 1 + round % 4,
+                cost: 0.7,
+                leap: if round % 3 == 0 { f32::INFINITY } else { 2.5 },
+            };
+            let line = Paths::default().line(&scores, &motion);
+            let best = (0..width.pow(rows as u32))
+                .map(|number| {
+                    let path: Vec<usize> = (0..rows)
+                        .map(|row| number / width.pow(row as u32) % width)
+                        .collect();
+                    gathered(&scores, &path, &motion)
+                })
+                .fold(f32::NEG_INFINITY, f32::max);
+            let found = gathered(&scores, &line, &motion);
+            assert!((found - best).abs() < 1e-4, "{found} against {best}");
+        }
+    }
+}
