@@ -101,6 +101,7 @@ mod tests {
         let ping = |(time_s, far_m)| SidePing {
             time_s,
             depth_m: f32::NAN,
+            depth_locked: false,
             port: Some(SideSpan {
                 file: 0,
                 encoding: Encoding::U8,
