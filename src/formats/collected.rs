@@ -147,7 +147,12 @@ impl Collected {
 
 /// Whether a span can hold a picture: it has samples, and a range that a sonar can have.
 pub(super) fn is_sound(span: &SideSpan) -> bool {
-    span.count > 0 && span.near_m >= 0.0 && span.far_m > span.near_m && span.far_m < FARTHEST_M
+    span.count > 0 && is_range(span.near_m, span.far_m)
+}
+
+/// Whether a sonar can have this range.
+pub(super) fn is_range(near_m: f32, far_m: f32) -> bool {
+    near_m >= 0.0 && far_m > near_m && far_m < FARTHEST_M
 }
 
 fn widen<T: PartialOrd + Copy>(span: Option<(T, T)>, by: (T, T)) -> (T, T) {

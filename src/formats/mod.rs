@@ -111,26 +111,28 @@ pub fn open_files(
 
 fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     progress.check()?;
-    let not_recognised = |looked_for| OpenError::NotRecognised {
-        path: path.to_owned(),
-        looked_for,
-    };
     if shelf.is_folder(path) {
-        let recording =
-            humminbird::find_in_folder(shelf, path).ok_or_else(|| not_recognised(LOOKED_FOR))?;
-        return humminbird::read(recording, progress);
+        return match humminbird::find_in_folder(shelf, path) {
+            Some(recording) => humminbird::read(recording, progress),
+            None => Err(not_recognised(path, LOOKED_FOR)),
+        };
     }
     let bytes = shelf.read(path).map_err(|source| OpenError::Io {
         path: path.to_owned(),
         source,
     })?;
-    if bytes.is_empty() {
-        return Err(not_recognised("the file is empty"));
+    let path = path.to_owned();
+    read_by_content(shelf, Opened { path, bytes }, progress)
+}
+
+fn read_by_content(
+    shelf: &Shelf,
+    opened: Opened,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    if opened.bytes.is_empty() {
+        return Err(not_recognised(&opened.path, "the file is empty"));
     }
-    let opened = Opened {
-        path: path.to_owned(),
-        bytes,
-    };
     if let Some(kind) = lowrance::sniff(&opened.bytes) {
         return lowrance::read(opened, kind, progress);
     }
@@ -146,5 +148,12 @@ fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, Op
             what: advice.to_owned(),
         });
     }
-    Err(not_recognised(LOOKED_FOR))
+    Err(not_recognised(&opened.path, LOOKED_FOR))
+}
+
+fn not_recognised(path: &Path, looked_for: &'static str) -> OpenError {
+    OpenError::NotRecognised {
+        path: path.to_owned(),
+        looked_for,
+    }
 }

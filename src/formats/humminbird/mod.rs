@@ -26,7 +26,13 @@ pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, 
     }
     let mut log = collect(&recording, format);
     log.start_unix_s = dat.and_then(|dat| dat.start_unix_s).map(f64::from);
-    progress.start(log.source.byte_count);
+    progress.start(
+        recording
+            .sons
+            .iter()
+            .map(|son| son.bytes.len() as u64)
+            .sum(),
+    );
     let first_son = log.bytes.len() - recording.sons.len();
     for (index, opened) in recording.sons.iter().enumerate() {
         read_son(opened, first_son + index, dat, &mut log, progress)?;
@@ -91,6 +97,12 @@ fn read_son(
 }
 
 fn remark(recording: &Recording, log: &mut Collected) {
+    if recording.others > 0 {
+        log.report.log(format!(
+            "the folder holds other recordings ({}); open their DAT files one by one",
+            recording.others
+        ));
+    }
     let unknown = "the start time is unknown and fresh water is assumed";
     match &recording.dat {
         None => log

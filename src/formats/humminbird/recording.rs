@@ -14,6 +14,8 @@ pub(in crate::formats) struct Recording {
     pub(super) dat: Option<(Opened, Option<Dat>)>,
     /// The SON files that hold pings.
     pub(super) sons: Vec<Opened>,
+    /// Further recordings in the folder that was opened.
+    pub(super) others: usize,
 }
 
 /// Recognises a DAT or a SON file by its content; a damaged DAT by the SON files that belong to it.
@@ -37,6 +39,7 @@ fn around_son(shelf: &Shelf, opened: &Opened) -> Recording {
             opened: path.clone(),
             dat: None,
             sons: vec![opened.clone()],
+            others: 0,
         })
 }
 
@@ -53,6 +56,7 @@ fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
             opened: path.clone(),
             dat: Some((opened.clone(), Some(dat))),
             sons: Vec::new(),
+            others: 0,
         })
     })
 }
@@ -60,11 +64,13 @@ fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
 /// The recording in a folder: its own SON files, or those of the first DAT in it.
 pub(in crate::formats) fn find_in_folder(shelf: &Shelf, folder: &Path) -> Option<Recording> {
     gather(shelf, folder, folder, dat_of(shelf, folder)).or_else(|| {
-        shelf
-            .children(folder)
+        let mut dats = shelf.children(folder);
+        dats.retain(|child| has_extension(child, "dat"));
+        let others = dats.len().saturating_sub(1);
+        let first = dats
             .into_iter()
-            .filter(|child| has_extension(child, "dat"))
-            .find_map(|dat| gather(shelf, folder, &dat.with_extension(""), Some(dat)))
+            .find_map(|dat| gather(shelf, folder, &dat.with_extension(""), Some(dat)))?;
+        Some(Recording { others, ..first })
     })
 }
 
@@ -103,6 +109,7 @@ fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> 
         opened: opened.to_owned(),
         dat,
         sons,
+        others: 0,
     })
 }
 

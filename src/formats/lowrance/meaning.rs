@@ -1,11 +1,12 @@
 //! From frames to pings, depths and fixes in SI units.
 
 use super::frame::Frame;
+use super::sides;
 use crate::formats::clock::{Clock, Verdict};
-use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
+use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::Kind;
 use crate::geo::{self, LonLat, METRES_PER_FOOT, MPS_PER_KNOT};
-use crate::survey::{ChannelKind, Encoding, Fix, Order, SidePing, SideSpan};
+use crate::survey::{ChannelKind, Fix};
 
 /// Unix seconds below this (year 2000) are a counter, not a time; above the other (2100), damage.
 const UNIX_S: std::ops::Range<u32> = 946_684_800..4_102_444_800;
@@ -65,8 +66,8 @@ impl Reader {
         }
         let counted = Counted {
             time_s,
-            samples: samples_a_side(kind, frame),
-            range_m: range_m(kind, frame),
+            samples: sides::samples_a_side(kind, frame),
+            range_m: sides::range_m(kind, frame),
         };
         log.count(frame.channel, counted);
         let is_sonar = !matches!(kind, ChannelKind::Other(_));
@@ -81,7 +82,7 @@ impl Reader {
         if frame.x_m != 0 && frame.y_m != 0 {
             log.add_fix(fix(frame, time_s, self.position(frame)));
         }
-        keep_side_scan(log, kind, frame, time_s);
+        sides::keep(log, kind, frame, time_s);
     }
 
     fn position(&mut self, frame: &Frame) -> LonLat {
@@ -93,113 +94,6 @@ impl Reader {
         self.place = Some((recorded, degrees));
         degrees
     }
-}
-
-fn samples_a_side(kind: ChannelKind, frame: &Frame) -> usize {
-    match kind {
-        ChannelKind::Composite => frame.data_len / 2,
-        _ => frame.data_len,
-    }
-}
-
-fn keep_side_scan(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {
-    let half = |span| HalfPing { time_s, span };
-    match kind {
-        ChannelKind::Composite => {
-            let [port, starboard] = composite_spans(frame).map(|span| Some(span).filter(is_sound));
-            if port.is_some() || starboard.is_some() {
-                log.composite.push(SidePing {
-                    depth_locked: false,
-                    time_s,
-                    depth_m: f32::NAN,
-                    port,
-                    starboard,
-                });
-                return;
-            }
-        }
-        ChannelKind::Port | ChannelKind::Starboard => {
-            let span = single_span(frame);
-            if is_sound(&span) {
-                match kind {
-                    ChannelKind::Port => log.port.push(half(span)),
-                    _ => log.starboard.push(half(span)),
-                }
-                return;
-            }
-        }
-        _ => return,
-    }
-    let text = format!(
-        "a side-scan frame has {} samples over {} to {} ft, which is no picture; it was dropped",
-        frame.data_len, frame.min_range_ft, frame.max_range_ft
-    );
-    log.report.at(Kind::Value, 0, frame.offset, text);
-}
-
-/// Both halves of a composite frame: far port, nadir where the range is 0, far starboard.
-fn composite_spans(frame: &Frame) -> [SideSpan; 2] {
-    let (min_m, max_m) = (metres(frame.min_range_ft), metres(frame.max_range_ft));
-    let (port_m, starboard_m) = if min_m < 0.0 {
-        (-min_m, max_m)
-    } else {
-        (max_m, max_m)
-    };
-    let share = if port_m == starboard_m {
-        0.5
-    } else {
-        port_m / (port_m + starboard_m)
-    };
-    let port_count = (frame.data_len as f32 * share) as usize;
-    let span = |order, start: usize, count: usize, far_m| SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
-        order,
-        offset: (frame.data_offset + start) as u64,
-        count: count as u32,
-        near_m: 0.0,
-        far_m,
-    };
-    [
-        span(Order::FarToNear, 0, port_count, port_m),
-        span(
-            Order::NearToFar,
-            port_count,
-            frame.data_len - port_count,
-            starboard_m,
-        ),
-    ]
-}
-
-/// The one side of a left or right frame; its first sample is nearest.
-fn single_span(frame: &Frame) -> SideSpan {
-    let (a, b) = (
-        metres(frame.min_range_ft).abs(),
-        metres(frame.max_range_ft).abs(),
-    );
-    SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
-        order: Order::NearToFar,
-        offset: frame.data_offset as u64,
-        count: frame.data_len as u32,
-        near_m: a.min(b),
-        far_m: a.max(b),
-    }
-}
-
-fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
-    let (near_m, far_m) = match kind {
-        ChannelKind::Composite => (0.0, metres(frame.max_range_ft)),
-        ChannelKind::Port | ChannelKind::Starboard => {
-            let span = single_span(frame);
-            (span.near_m, span.far_m)
-        }
-        // The raw products carry other numbers in these fields.
-        ChannelKind::Other(_) => return None,
-        _ => (metres(frame.min_range_ft), metres(frame.max_range_ft)),
-    };
-    (near_m.is_finite() && far_m.is_finite()).then_some((near_m, far_m))
 }
 
 fn fix(frame: &Frame, time_s: f64, position: LonLat) -> Fix {
@@ -249,6 +143,6 @@ fn time_s(frame: &Frame) -> f64 {
     f64::from(frame.time_ms) / 1000.0
 }
 
-fn metres(feet: f32) -> f32 {
+pub(super) fn metres(feet: f32) -> f32 {
     (f64::from(feet) * METRES_PER_FOOT) as f32
 }

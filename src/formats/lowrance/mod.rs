@@ -2,12 +2,13 @@
 
 pub mod frame;
 mod meaning;
+mod sides;
 pub mod sl2;
 pub mod sl3;
 mod walk;
 
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use frame::{Found, Layout};
 
@@ -80,37 +81,45 @@ pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Su
         });
     };
     let format = format_name(layout, version);
-    let path = opened.path.clone();
-    let bytes = opened.bytes.clone();
-    let mut log = Collected::new(opened.source(format.clone()), vec![opened.bytes]);
+    let source = opened.source(format.clone());
+    let mut log = Collected::new(source, vec![opened.bytes.clone()]);
     if version.is_none() {
         log.report
             .log("the file header is damaged; the format was told from the frames");
     }
-    progress.start(bytes.len() as u64);
-    let mut reader = meaning::Reader::default();
-    let report = log.report.clone();
-    walk::Walk {
-        bytes: &bytes,
-        layout,
-        report: &report,
-        progress,
-    }
-    .run(FILE_HEADER.min(bytes.len()), |frame| {
-        reader.take(&mut log, frame)
-    })?;
-    reader.finish(&mut log);
+    read_frames(&opened.bytes, layout, &mut log, progress)?;
     if log.channels.is_empty() {
+        let len = opened.bytes.len();
         return Err(OpenError::Broken {
-            path,
+            path: opened.path,
             format,
             what: format!(
-                "no whole frame in its {} bytes; copy the file from the unit's card again",
-                bytes.len()
+                "no whole frame in its {len} bytes; copy the file from the unit's card again"
             ),
         });
     }
     Ok(assemble::assemble(log))
+}
+
+fn read_frames(
+    bytes: &[u8],
+    layout: Layout,
+    log: &mut Collected,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    progress.start(bytes.len() as u64);
+    let start = FILE_HEADER.min(bytes.len());
+    progress.advance(start as u64);
+    let mut reader = meaning::Reader::default();
+    let walk = walk::Walk {
+        bytes,
+        layout,
+        report: &log.report.clone(),
+        progress,
+    };
+    walk.run(start, |frame| reader.take(log, frame))?;
+    reader.finish(log);
+    Ok(())
 }
 
 fn format_name(layout: Layout, version: Option<u16>) -> String {

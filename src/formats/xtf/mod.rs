@@ -64,7 +64,7 @@ pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<
         report.log("the file header is damaged; channels and units were told from the pings");
     }
     let mut reader = meaning::Reader::new(&bytes, found.header);
-    progress.start(bytes.len() as u64);
+    progress.start(bytes.len().saturating_sub(found.first_packet) as u64);
     walk::Walk {
         bytes: &bytes,
         report: &report,

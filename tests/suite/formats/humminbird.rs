@@ -62,3 +62,21 @@ fn a_lost_port_ping_leaves_its_starboard_half() {
         1
     );
 }
+
+#[test]
+fn a_folder_of_recordings_opens_the_first_and_names_the_rest() {
+    let mut files: Vec<(PathBuf, Vec<u8>)> = handmade::humminbird(20, false, false)
+        .into_iter()
+        .map(|(path, bytes)| (Path::new("RECORD").join(path), bytes))
+        .collect();
+    files.push((PathBuf::from("RECORD/Rec00008.DAT"), handmade::dat(false)));
+    let folder = tempfile::tempdir().expect("a folder");
+    for (path, bytes) in &files {
+        let path = folder.path().join(path);
+        std::fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        std::fs::write(path, bytes).expect("a file");
+    }
+    let survey = formats::open(&folder.path().join("RECORD"), &Progress::new()).unwrap();
+    assert_eq!(survey.side_scan.len(), 20);
+    assert!(says(&survey, "other recordings (1)"));
+}

@@ -98,6 +98,19 @@ fn depth_comes_from_the_nearest_sounding_less_the_keel_offset() {
 }
 
 #[test]
+fn depth_comes_from_another_channel_where_the_primary_has_none() {
+    let mut frames: Vec<Frame> = (0..60)
+        .flat_map(|ping| [0, 2, 5].map(|channel| Frame::new(channel, ping * 50)))
+        .collect();
+    for frame in &mut frames {
+        frame.depth_ft = if frame.channel == 2 { 8.0 } else { 0.0 };
+    }
+    let survey = read(handmade::sl2(&frames));
+    assert_eq!(survey.soundings.len(), 60);
+    assert!((survey.side_scan[9].depth_m - 8.0 * 0.3048).abs() < 1e-5);
+}
+
+#[test]
 fn unix_time_only_where_it_is_one() {
     for (clock, expected) in [
         (1_600_000_000, Some(1.6e9)),

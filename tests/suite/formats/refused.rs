@@ -43,6 +43,23 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+fn progress_ends_at_the_end() {
+    let progress = Progress::new();
+    let bytes = handmade::sl2(&handmade::survey_frames(50));
+    formats::open_bytes("log.sl2", bytes, &progress).unwrap();
+    assert_eq!(progress.fraction(), 1.0);
+    formats::open_files(handmade::humminbird(40, false, false), &progress).unwrap();
+    assert_eq!(progress.fraction(), 1.0);
+    formats::open_bytes(
+        "log.xtf",
+        handmade::xtf(9, 1, 3, (1.0, 2.0), 0.0),
+        &progress,
+    )
+    .unwrap();
+    assert_eq!(progress.fraction(), 1.0);
+}
+
+#[test]
 fn cancel_is_heard() {
     let progress = Progress::new();
     progress.cancel();

@@ -1,0 +1,95 @@
+//! The sides of a side-scan frame: both in one (channel 5), or one alone (channels 3 and 4).
+
+use super::frame::Frame;
+use super::meaning::metres;
+use crate::formats::collected::{Collected, HalfPing, is_range, is_sound};
+use crate::formats::report::Kind;
+use crate::survey::{ChannelKind, Encoding, Order, SidePing, SideSpan};
+use std::ops::Range;
+
+/// Keeps the sides of a frame that can hold a picture; says so where there is none.
+pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {
+    let spans = match kind {
+        ChannelKind::Composite => composite(frame),
+        ChannelKind::Port => [Some(alone(frame)), None],
+        ChannelKind::Starboard => [None, Some(alone(frame))],
+        _ => return,
+    };
+    let half = |span| HalfPing { time_s, span };
+    match (kind, spans.map(|span| span.filter(is_sound))) {
+        (_, [None, None]) => {
+            let text = format!(
+                "a side-scan frame has {} samples over {} to {} ft, which is no picture; it was dropped",
+                frame.data_len, frame.min_range_ft, frame.max_range_ft
+            );
+            log.report.at(Kind::Value, 0, frame.offset, text);
+        }
+        (ChannelKind::Composite, [port, starboard]) => log.composite.push(SidePing {
+            time_s,
+            depth_m: f32::NAN,
+            depth_locked: false,
+            port,
+            starboard,
+        }),
+        (_, [port, starboard]) => {
+            log.port.extend(port.map(half));
+            log.starboard.extend(starboard.map(half));
+        }
+    }
+}
+
+/// Samples of one side.
+pub(super) fn samples_a_side(kind: ChannelKind, frame: &Frame) -> usize {
+    match kind {
+        ChannelKind::Composite => frame.data_len / 2,
+        _ => frame.data_len,
+    }
+}
+
+/// Near and far limit of the range, where the frame states one that can be.
+pub(super) fn range_m(kind: ChannelKind, frame: &Frame) -> Option<(f32, f32)> {
+    let (near_m, far_m) = match kind {
+        ChannelKind::Composite => (0.0, metres(frame.max_range_ft)),
+        ChannelKind::Port | ChannelKind::Starboard => {
+            let span = alone(frame);
+            (span.near_m, span.far_m)
+        }
+        // The raw products carry other numbers in these fields.
+        ChannelKind::Other(_) => return None,
+        _ => (metres(frame.min_range_ft), metres(frame.max_range_ft)),
+    };
+    is_range(near_m, far_m).then_some((near_m, far_m))
+}
+
+/// Both halves of a composite frame: far port, nadir where the range is 0, far starboard.
+fn composite(frame: &Frame) -> [Option<SideSpan>; 2] {
+    let (min_m, starboard_m) = (metres(frame.min_range_ft), metres(frame.max_range_ft));
+    let port_m = if min_m < 0.0 { -min_m } else { starboard_m };
+    let share = (port_m / (port_m + starboard_m)).clamp(0.0, 1.0);
+    let middle = (frame.data_len as f32 * share) as usize;
+    let port = span(frame, 0..middle, Order::FarToNear, (0.0, port_m));
+    let rest = middle..frame.data_len;
+    let starboard = span(frame, rest, Order::NearToFar, (0.0, starboard_m));
+    [Some(port), Some(starboard)]
+}
+
+/// The one side of a left or right frame; its first sample is nearest.
+fn alone(frame: &Frame) -> SideSpan {
+    let a_m = metres(frame.min_range_ft).abs();
+    let b_m = metres(frame.max_range_ft).abs();
+    let all = 0..frame.data_len;
+    span(frame, all, Order::NearToFar, (a_m.min(b_m), a_m.max(b_m)))
+}
+
+/// Some of a frame's samples, with their near and far limit in metres.
+fn span(frame: &Frame, samples: Range<usize>, order: Order, range_m: (f32, f32)) -> SideSpan {
+    SideSpan {
+        file: 0,
+        encoding: Encoding::U8,
+        order,
+        offset: (frame.data_offset + samples.start) as u64,
+        count: samples.len() as u32,
+        near_m: range_m.0,
+        far_m: range_m.1,
+    }
+}
