@@ -2,6 +2,7 @@
 
 mod bottom_lock;
 mod fitted_track;
+mod local_fit;
 mod navigation;
 mod samples;
 mod track;

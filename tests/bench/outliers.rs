@@ -115,7 +115,7 @@ fn surface(count: usize) -> Vec<[f64; 3]> {
 fn track(count: usize) -> Vec<[f64; 3]> {
     let length_m = count as f64 * 2.0 * RADIUS_M / MEAN_NEIGHBORS;
     let mut random = Random(3);
-    let mut point = |index: usize| {
+    let point = |index: usize| {
         let along_m = length_m * index as f64 / count as f64;
         [
             0.6 * along_m + random.next(),
@@ -123,7 +123,7 @@ fn track(count: usize) -> Vec<[f64; 3]> {
             -3.0 + 0.001 * along_m + 0.1 * random.next(),
         ]
     };
-    (0..count).map(|index| point(index)).collect()
+    (0..count).map(point).collect()
 }
 
 /// SplitMix64: the same clouds in every run.

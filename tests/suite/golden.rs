@@ -18,8 +18,10 @@ fn assert_close(got: f64, expected: f64, tolerance: f64, what: &str) {
     );
 }
 
-/// lon, lat, EPSG:3857 x, y, Lowrance x, y.
-const MERCATORS: [(&str, f64, f64, [f64; 2], Option<[f64; 2]>); 6] = [
+/// Name, lon, lat, EPSG:3857 x and y, Lowrance x and y.
+type Mercator = (&'static str, f64, f64, [f64; 2], Option<[f64; 2]>);
+
+const MERCATORS: [Mercator; 6] = [
     (
         "Citra",
         -82.110,
