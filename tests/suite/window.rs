@@ -70,7 +70,7 @@ fn the_demo_is_one_click_away_and_its_summary_is_told() {
     assert!(app(&window).products.is_some());
     let pings = survey.side_scan.len();
     assert!(pings > 1000);
-    assert!(window.query_by_label_contains("pings · 2:0").is_some());
+    assert!(window.query_by_label_contains("pings · 1:5").is_some());
     assert!(window.query_by_label("First return section").is_some());
 }
 
