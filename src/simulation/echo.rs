@@ -41,6 +41,8 @@ pub struct Listener<'a> {
     pub world: &'a World,
     pub beam: &'a Beam,
     pub pose: Pose,
+    /// The pose's unit vector (east, north) forward.
+    pub forward: [f64; 2],
     pub side: Side,
     /// Roll towards this side, radians: the beam looks that much deeper.
     pub roll_rad: f64,
@@ -94,7 +96,7 @@ impl Listener<'_> {
 
     /// The place `across_m` to this side and `along_m` ahead of the boat.
     fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
-        let [east, north] = self.pose.forward();
+        let [east, north] = self.forward;
         let across_m = match self.side {
             Side::Starboard => across_m,
             Side::Port => -across_m,
@@ -299,6 +301,7 @@ mod tests {
             world: &world,
             beam: &beam,
             pose,
+            forward: pose.forward(),
             side: Side::Starboard,
             roll_rad: 0.0,
             metres_per_sample: 0.01,

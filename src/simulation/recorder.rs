@@ -111,6 +111,7 @@ impl<'a> Receiver<'a> {
             world,
             beam: &self.beam,
             pose,
+            forward: pose.forward(),
             side,
             roll_rad,
             metres_per_sample: self.metres_per_sample,
