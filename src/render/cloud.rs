@@ -125,3 +125,23 @@ impl CloudRenderer {
         queue.submit([encoder.finish()]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::target::tests::layout;
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_shader_reads_the_view_as_it_is_written() {
+        let (size, offsets) = layout(include_str!("../../shaders/cloud.wgsl"), "View");
+        assert_eq!(size as usize, size_of::<ViewUniform>());
+        let ours = [
+            offset_of!(ViewUniform, clip_from_world),
+            offset_of!(ViewUniform, size_px),
+            offset_of!(ViewUniform, radius_px),
+            offset_of!(ViewUniform, padding),
+        ];
+        assert_eq!(offsets, ours.map(|offset| offset as u32));
+    }
+}

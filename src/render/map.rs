@@ -117,3 +117,24 @@ impl LineRenderer {
         queue.submit([encoder.finish()]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::target::tests::layout;
+    use super::*;
+    use std::mem::offset_of;
+
+    #[test]
+    fn the_shader_reads_the_line_as_it_is_written() {
+        let (size, offsets) = layout(include_str!("../../shaders/track.wgsl"), "Line");
+        assert_eq!(size as usize, size_of::<LineUniform>());
+        let ours = [
+            offset_of!(LineUniform, px_from_world),
+            offset_of!(LineUniform, size_px),
+            offset_of!(LineUniform, half_width_px),
+            offset_of!(LineUniform, plain),
+            offset_of!(LineUniform, colour),
+        ];
+        assert_eq!(offsets, ours.map(|offset| offset as u32));
+    }
+}

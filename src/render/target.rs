@@ -188,3 +188,21 @@ pub(super) fn uniform(
     });
     (buffer, group)
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use wgpu::naga::{self, TypeInner};
+
+    /// Size in bytes and byte offsets of the members of a struct of a shader.
+    pub fn layout(shader: &str, name: &str) -> (u32, Vec<u32>) {
+        let module = naga::front::wgsl::parse_str(shader).expect("a valid shader");
+        let of_name = |inner: &naga::Type| inner.name.as_deref() == Some(name);
+        let found = module.types.iter().find(|(_, inner)| of_name(inner));
+        match &found.expect("a struct of this name").1.inner {
+            TypeInner::Struct { members, span } => {
+                (*span, members.iter().map(|member| member.offset).collect())
+            }
+            other => panic!("{name} is {other:?}"),
+        }
+    }
+}

@@ -20,18 +20,22 @@ pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
     range.is_finite().then_some(range)
 }
 
-/// WGS84 position of a mark: of the point, of the place beside the track on a flat bottom, or of the boat.
+/// WGS84 position of a mark.
 pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
-    let survey = app.survey.as_ref()?;
+    let track = &app.survey.as_ref()?.track;
+    let navigation = &app.products.as_ref()?.navigation;
+    let [east_m, north_m] = east_north(app, mark)?;
+    Some(navigation.to_lon_lat(track, east_m, north_m))
+}
+
+/// Metres east and north of a mark: of the point, of the place beside the track on a flat bottom, or of the boat.
+pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     let products = app.products.as_ref()?;
-    let navigation = &products.navigation;
-    if let Some(point) = mark
-        .point
-        .and_then(|point| products.cloud.points.get(point))
-    {
-        return Some(navigation.to_lon_lat(&survey.track, point.east_m, point.north_m));
+    let points = &products.cloud.points;
+    if let Some(point) = mark.point.and_then(|point| points.get(point)) {
+        return Some([point.east_m, point.north_m]);
     }
-    let boat = navigation.pings.get(mark.ping)?;
+    let boat = products.navigation.pings.get(mark.ping)?;
     let ground_m = ground_range_m(app, mark).unwrap_or(0.0);
     // Starboard is a quarter turn clockwise from the heading.
     let across = match mark.side {
@@ -45,8 +49,7 @@ pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
         (0.0, 0.0)
     };
     let (east_m, north_m) = (boat.east_m + across * cos, boat.north_m - across * sin);
-    (east_m.is_finite() && north_m.is_finite())
-        .then(|| navigation.to_lon_lat(&survey.track, east_m, north_m))
+    (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
 /// Distance from the track on a flat bottom at the recorded depth, metres.

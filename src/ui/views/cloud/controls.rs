@@ -1,8 +1,9 @@
 //! The buttons on the cloud, its vertical exaggeration and its legend.
 
 use super::scene::CloudScene;
-use crate::app::{CloudColour, Command, ViewOptions};
-use crate::survey::Side;
+use crate::app::{App, CloudColour, Command, ViewOptions};
+use crate::pipeline::Products;
+use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme};
@@ -56,8 +57,50 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
         .on_hover_text("Vertical exaggeration: elevations are drawn this many times too tall.");
 }
 
+/// The point under the pointer, in words, beside the button above.
+pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Products) {
+    let index = app.hover.and_then(|mark| mark.point);
+    let Some(point) = index.and_then(|index| products.cloud.points.get(index)) else {
+        return;
+    };
+    let kept = index.and_then(|index| products.kept.get(index));
+    let outlier = if kept == Some(&false) {
+        ", an outlier"
+    } else {
+        ""
+    };
+    let text = format!(
+        "{}, ping {}: {:.2} m deep, E {:.1} m  N {:.1} m{outlier}",
+        point.source.name(),
+        point.ping,
+        -point.z_m,
+        point.east_m,
+        point.north_m,
+    );
+    let at = rect.left_top() + vec2(50.0, 9.0);
+    let colour = theme::canvas_text_colour(&app.options);
+    legend::plate(painter, &app.options, at, Align2::LEFT_TOP, &text, colour);
+}
+
+/// Why there are no points beside the track, when there are none.
+fn lack(survey: &Survey) -> Option<String> {
+    match survey.side_scan_state {
+        SideScanState::Usable => None,
+        SideScanState::Absent => Some("no side-scan in this log: soundings only".to_owned()),
+        SideScanState::Noise { range_m } => Some(format!(
+            "no side-scan: range ±{range_m:.1} m, noise; soundings only"
+        )),
+    }
+}
+
 /// What the colours mean, and how many points there are of each.
-pub fn paint_legend(painter: &Painter, rect: Rect, options: &ViewOptions, scene: &CloudScene) {
+pub fn paint_legend(
+    painter: &Painter,
+    rect: Rect,
+    options: &ViewOptions,
+    survey: &Survey,
+    scene: &CloudScene,
+) {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
     for (text, colour) in lines(options, scene) {
         let plate = legend::plate(
@@ -70,6 +113,10 @@ pub fn paint_legend(painter: &Painter, rect: Rect, options: &ViewOptions, scene:
         );
         painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
         at.y = plate.bottom() + 1.0;
+    }
+    if let Some(text) = lack(survey) {
+        let warning = theme::outlier_colour();
+        legend::plate(painter, options, at, Align2::LEFT_TOP, &text, warning);
     }
     if options.cloud.colour == CloudColour::Depth
         && let Some(range_m) = scene.range_m

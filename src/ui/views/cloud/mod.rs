@@ -73,11 +73,11 @@ impl CloudView {
         rect: Rect,
         response: &Response,
     ) -> String {
-        if context.app.survey.is_none() {
+        let Some(survey) = context.app.survey.clone() else {
             let text = "The 3D point cloud of a survey appears here.";
             empty::offer_to_open(ui, context, rect, text);
             return "3D point cloud, empty".to_owned();
-        }
+        };
         let Some(products) = context.app.products.clone() else {
             empty::say(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
@@ -113,7 +113,8 @@ impl CloudView {
         self.picture.show(&painter, rect, state, &scene, draw);
         axes.labels(&painter);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
-        controls::paint_legend(&painter, rect, options, &scene);
+        controls::paint_legend(&painter, rect, options, &survey, &scene);
+        controls::paint_read_out(&painter, rect, context.app, &products);
         self.pointer
             .handle(context, response, &products, &scene, (&axes, camera));
         controls::show(ui, context, rect, &mut self.wish);

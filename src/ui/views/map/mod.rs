@@ -12,7 +12,7 @@ use super::background::{Background, Same};
 use super::empty;
 use crate::pipeline::Products;
 use crate::survey::{Navigation, Survey};
-use crate::ui::{ViewContext, ViewRequest, text, theme};
+use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
 use layers::{DepthLayer, TrackLayer};
 use std::sync::Arc;
@@ -94,7 +94,7 @@ impl MapView {
             }
             return "Map, no positions".to_owned();
         };
-        let transform = self.navigate(ui, context, rect, response, &products, &track);
+        let transform = self.navigate(ui, context, rect, response, &track);
         let scene = overlay::Scene {
             rect,
             transform,
@@ -146,7 +146,6 @@ impl MapView {
         context: &ViewContext<'_>,
         rect: Rect,
         response: &Response,
-        products: &Products,
         track: &TrackLayer,
     ) -> MapTransform {
         let whole = || MapTransform::fit(track.bounds, rect);
@@ -162,7 +161,7 @@ impl MapView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            if let Some(place) = overlay::place_of(products, &reveal.mark) {
+            if let Some(place) = place::east_north(context.app, reveal.mark) {
                 transform.reveal(rect, place);
             }
         }

@@ -5,8 +5,8 @@ use super::transform::MapTransform;
 use crate::app::{App, Mark, ViewOptions};
 use crate::pipeline::Products;
 use crate::survey::Survey;
-use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
+use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use std::sync::Arc;
 
@@ -30,18 +30,6 @@ impl Scene<'_> {
     fn text_colour(&self) -> Color32 {
         theme::canvas_text_colour(self.options)
     }
-}
-
-/// East and north of a mark: its point of the cloud, or else its ping.
-pub fn place_of(products: &Products, mark: &Mark) -> Option<[f64; 2]> {
-    let point = mark
-        .point
-        .and_then(|index| products.cloud.points.get(index));
-    if let Some(point) = point {
-        return Some([point.east_m, point.north_m]);
-    }
-    let ping = products.navigation.pings.get(mark.ping)?;
-    (ping.east_m.is_finite() && ping.north_m.is_finite()).then_some([ping.east_m, ping.north_m])
 }
 
 /// Lines every round number of metres, named along the lower and the left edge.
@@ -157,28 +145,47 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) {
     );
 }
 
-/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair.
+/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; a place beside the track is joined
+/// to its boat.
 pub fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
-    if let Some(mark) = &app.selection
-        && let Some(place) = place_of(scene.products, mark)
-    {
-        let at = scene.at(place);
+    if let Some(mark) = app.selection {
         let stroke = Stroke::new(2.0, theme::selection_colour());
-        painter.circle_stroke(at, 7.0, stroke);
-        let heading = scene.products.navigation.pings.get(mark.ping);
-        if let Some(ping) = heading.filter(|ping| ping.heading_rad.is_finite()) {
-            let (sin, cos) = ping.heading_rad.sin_cos();
-            let ahead = vec2(sin as f32, -cos as f32);
-            painter.line_segment([at + 7.0 * ahead, at + 18.0 * ahead], stroke);
+        if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
+            painter.circle_stroke(at, 7.0, stroke);
+        }
+        heading_tick(painter, scene, mark.ping, stroke);
+    }
+    if let Some(mark) = app.hover {
+        let stroke = Stroke::new(1.0, theme::hover_colour().gamma_multiply(0.8));
+        if let Some(at) = mark_at(painter, scene, app, mark, stroke) {
+            painter.vline(at.x, scene.rect.y_range(), stroke);
+            painter.hline(scene.rect.x_range(), at.y, stroke);
+            painter.circle_stroke(at, 4.0, stroke);
         }
     }
-    if let Some(mark) = &app.hover
-        && let Some(place) = place_of(scene.products, mark)
-    {
-        let at = scene.at(place);
-        let stroke = Stroke::new(1.0, theme::hover_colour().gamma_multiply(0.8));
-        painter.vline(at.x, scene.rect.y_range(), stroke);
-        painter.hline(scene.rect.x_range(), at.y, stroke);
-        painter.circle_stroke(at, 4.0, stroke);
+}
+
+/// Where a mark is on the screen, after drawing the line to it from its boat.
+fn mark_at(
+    painter: &Painter,
+    scene: &Scene<'_>,
+    app: &App,
+    mark: Mark,
+    stroke: Stroke,
+) -> Option<Pos2> {
+    let at = scene.at(place::east_north(app, mark)?);
+    if let Some(boat) = place::east_north(app, Mark::ping(mark.ping)) {
+        painter.line_segment([scene.at(boat), at], stroke);
+    }
+    Some(at)
+}
+
+fn heading_tick(painter: &Painter, scene: &Scene<'_>, ping: usize, stroke: Stroke) {
+    let boat = scene.products.navigation.pings.get(ping);
+    if let Some(boat) = boat.filter(|boat| (boat.heading_rad + boat.east_m).is_finite()) {
+        let at = scene.at([boat.east_m, boat.north_m]);
+        let (sin, cos) = boat.heading_rad.sin_cos();
+        let ahead = vec2(sin as f32, -cos as f32);
+        painter.line_segment([at + 7.0 * ahead, at + 18.0 * ahead], stroke);
     }
 }

@@ -33,14 +33,14 @@ impl MapTransform {
     }
 
     /// Where a place is on the screen.
-    pub fn to_screen(&self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
+    pub fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
         let right = (east_m - self.centre_m[0]) / self.metres_per_point;
         let up = (north_m - self.centre_m[1]) / self.metres_per_point;
         rect.center() + Vec2::new(right as f32, -up as f32)
     }
 
     /// Inverse of [`MapTransform::to_screen`].
-    pub fn to_ground(&self, rect: Rect, at: Pos2) -> [f64; 2] {
+    pub fn to_ground(self, rect: Rect, at: Pos2) -> [f64; 2] {
         let off = at - rect.center();
         [
             self.centre_m[0] + f64::from(off.x) * self.metres_per_point,
