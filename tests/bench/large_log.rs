@@ -1,10 +1,11 @@
-//! A large, valid SL2: the demo survey's frames over and over, with offsets and times made consistent.
+//! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over and over, each with its own
+//! offset and a time that goes on.
 
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
-
-const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
 
 /// Frame fields that change from copy to copy (offsets of the SL2 frame header).
 const OWN_OFFSET: usize = 0;
@@ -13,10 +14,12 @@ const MILLISECONDS: usize = 140;
 
 /// Writes at least `bytes` bytes and returns how many.
 pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
-    let frames = frames();
+    let survey = simulate(&Scene::default(), 1, &Progress::new()).map_err(io::Error::other)?;
+    let log = survey.sl2_bytes();
+    let frames = frames(&log);
     let last = frames.last().map_or(0, |frame| milliseconds(frame));
     let mut out = BufWriter::new(File::create(path)?);
-    out.write_all(&DEMO[..8])?;
+    out.write_all(&log[..8])?;
     let (mut offset, mut lap) = (8_usize, 0);
     while offset < bytes {
         for frame in &frames {
@@ -38,8 +41,8 @@ fn milliseconds(frame: &[u8]) -> i32 {
     i32::from_le_bytes(frame[MILLISECONDS..][..4].try_into().expect("four bytes"))
 }
 
-fn frames() -> Vec<&'static [u8]> {
-    let mut rest = &DEMO[8..];
+fn frames(log: &[u8]) -> Vec<&[u8]> {
+    let mut rest = &log[8..];
     let mut frames = Vec::new();
     while rest.len() > FRAME_SIZE + 2 {
         let size = usize::from(u16::from_le_bytes([rest[FRAME_SIZE], rest[FRAME_SIZE + 1]]));

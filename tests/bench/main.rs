@@ -8,6 +8,7 @@ mod decode;
 mod first_return;
 mod large_log;
 mod map;
+mod memory;
 mod outliers;
 mod waterfall;
 
@@ -15,6 +16,7 @@ mod waterfall;
 const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
     ("first_return", first_return::run),
+    ("memory", memory::run),
     ("outliers", outliers::run),
     ("waterfall", waterfall::run),
     ("map", map::run),
