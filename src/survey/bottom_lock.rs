@@ -18,7 +18,8 @@ const JUMPS: usize = 4;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
 
-/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, and on single glitches.
+/// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the end of a log that ends
+/// in one, and on single glitches.
 pub fn mark_bottom_lock(soundings: &mut [Sounding]) {
     for sounding in &mut *soundings {
         sounding.locked = true;
@@ -30,12 +31,14 @@ pub fn mark_bottom_lock(soundings: &mut [Sounding]) {
         .filter(|&index| is_jump(soundings, index))
         .collect();
     let together = |a: &usize, b: &usize| soundings[*b].time_s - soundings[*a].time_s < TOGETHER_S;
-    let losses: Vec<(usize, usize)> = jumps
+    let end = soundings.len().saturating_sub(1);
+    let until = |last: usize| if together(&last, &end) { end } else { last };
+    let losses: Vec<_> = jumps
         .chunk_by(together)
         .filter(|loss| loss.len() >= JUMPS)
-        .map(|loss| (loss[0], loss[loss.len() - 1]))
+        .map(|loss| loss[0]..=until(loss[loss.len() - 1]))
         .collect();
-    let lost = losses.into_iter().flat_map(|(first, last)| first..=last);
+    let lost = losses.into_iter().flatten();
     for index in lost.chain(glitches) {
         soundings[index].locked = false;
     }
@@ -115,6 +118,22 @@ mod tests {
                 .all(|locked| *locked)
         );
         assert!(locked[110..190].iter().all(|locked| !*locked));
+    }
+
+    #[test]
+    fn a_log_that_ends_without_the_bottom_does_not_find_it_in_its_last_second() {
+        let wandering = |i: usize| {
+            if i >= 100 {
+                [1.5, 5.0, 3.0, 6.0][i / 7 % 4]
+            } else {
+                1.5
+            }
+        };
+        assert!(
+            locked((0..160).map(wandering))[110..]
+                .iter()
+                .all(|locked| !*locked)
+        );
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod golden;
 mod handmade;
 mod navigation;
 mod real_window;
+mod river;
 mod simulation;
 mod space;
 mod support;
