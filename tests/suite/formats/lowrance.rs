@@ -124,6 +124,25 @@ fn unix_time_only_where_it_is_one() {
 }
 
 #[test]
+fn the_end_may_be_cut_or_dirty_and_the_last_whole_frame_is_kept() {
+    let whole = handmade::sl2(&handmade::survey_frames(10));
+    let with = |tail: &[u8]| read([&whole, tail].concat());
+    for tail in [&[0_u8, 0][..], &[0xAB; 500], &[0; 5000]] {
+        let survey = with(tail);
+        assert_eq!(survey.side_scan.len(), 10);
+        let place = Some((0, whole.len() as u64));
+        assert!(survey.warnings.iter().any(|warning| warning.place == place));
+    }
+    // The next frame was begun: its header, and then a part of its data.
+    let longer = handmade::sl2(&handmade::survey_frames(11));
+    for begun in [10, 144, 500] {
+        let survey = read(longer[..whole.len() + begun].to_vec());
+        assert_eq!(survey.side_scan.len(), 10);
+        assert!(says(&survey, "cut inside its last frame"));
+    }
+}
+
+#[test]
 fn a_lost_byte_costs_one_frame() {
     let mut bytes = handmade::sl2(&handmade::survey_frames(60));
     bytes.remove(8 + 544 * 51 + 300);
