@@ -1,7 +1,7 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first heard.
 //!
 //! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
-//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth where `depth` believes it.
+//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth.
 
 mod canopy;
 mod normalise;

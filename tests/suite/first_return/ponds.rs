@@ -103,7 +103,9 @@ impl std::fmt::Display for Summary {
     }
 }
 
-const KINDS: [(&str, fn() -> Scene); 3] = [
+type Kind = (&'static str, fn() -> Scene);
+
+const KINDS: [Kind; 3] = [
     ("gentle", Scene::gentle),
     ("steep", Scene::steep),
     ("rough", Scene::rough),
