@@ -290,3 +290,39 @@ fn pipeline(
         cache: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+    use wgpu::naga::{TypeInner, front::wgsl};
+
+    #[test]
+    fn look_is_laid_out_as_in_the_shader() {
+        let source = include_str!("../../shaders/waterfall.wgsl");
+        let module = wgsl::parse_str(source).expect("the shader parses");
+        let look = module
+            .types
+            .iter()
+            .find(|(_, kind)| kind.name.as_deref() == Some("Look"))
+            .map(|(_, kind)| &kind.inner);
+        let Some(TypeInner::Struct { members, span }) = look else {
+            panic!("the shader has no struct Look");
+        };
+        let offsets: Vec<usize> = members
+            .iter()
+            .map(|member| member.offset as usize)
+            .collect();
+        let expected = [
+            offset_of!(Look, brightness),
+            offset_of!(Look, contrast),
+            offset_of!(Look, gamma),
+            offset_of!(Look, highlight),
+            offset_of!(Look, time_is_down),
+            offset_of!(Look, linear_target),
+            offset_of!(Look, padding),
+        ];
+        assert_eq!(offsets, expected);
+        assert_eq!(*span as usize, size_of::<Look>());
+    }
+}

@@ -53,7 +53,7 @@ fn even_steps(bins: &[Range<u32>]) -> Option<(usize, usize)> {
     let (step, mut next) = (first.len(), first.start);
     for bin in bins.iter().filter(|bin| !bin.is_empty()) {
         let is_in_step = bin.start == next && bin.len() <= step;
-        if !is_in_step || (next - first.start) as usize % step != 0 {
+        if !is_in_step || !((next - first.start) as usize).is_multiple_of(step) {
             return None;
         }
         next = bin.end;

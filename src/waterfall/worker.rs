@@ -168,7 +168,7 @@ impl Work {
 
     /// Whether making the tile now gives more than the view has.
     fn can_improve(&self, want: &Want) -> bool {
-        let now = if self.from_samples(want.key) {
+        let now = if self.is_from_samples(want.key) {
             Tile::COMPLETE
         } else {
             self.coarse.completeness()
@@ -177,13 +177,13 @@ impl Work {
     }
 
     /// Near levels always come from the samples; middling ones do until the store is complete.
-    fn from_samples(&self, key: TileKey) -> bool {
+    fn is_from_samples(&self, key: TileKey) -> bool {
         let stored = self.axis.store.is_finer_or_equal(key.level);
         key.level.is_near() && !(stored && self.coarse.is_complete())
     }
 
     fn tile(&self, key: TileKey) -> Tile {
-        if !self.from_samples(key) {
+        if !self.is_from_samples(key) {
             return self.coarse.tile(&self.axis, key);
         }
         let (width, height) = size(&self.axis, key);

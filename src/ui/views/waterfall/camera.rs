@@ -195,7 +195,7 @@ mod tests {
         let mut camera = Camera::start(&EXTENT, size(orientation));
         let pointer = pos2(300.0, 140.0);
         let lens = Lens::new(camera, rect(), orientation);
-        let before = lens.to_place(pointer);
+        let before = lens.place_at(pointer);
         camera.zoom(
             Size {
                 along: 3.0,
@@ -204,7 +204,7 @@ mod tests {
             lens.offset(pointer),
         );
         camera.settle(&EXTENT, size(orientation));
-        let after = Lens::new(camera, rect(), orientation).to_place(pointer);
+        let after = Lens::new(camera, rect(), orientation).place_at(pointer);
         assert!((after.ping - before.ping).abs() < 1e-6);
         assert!((after.across_m - before.across_m).abs() < 1e-9);
     }
@@ -246,6 +246,6 @@ mod tests {
         camera.settle(&EXTENT, size(orientation));
         let lens = Lens::new(camera, rect(), orientation);
         assert!((lens.pings_per_point() * 0.1 - lens.metres_per_point()).abs() < 1e-12);
-        assert!((lens.to_place(rect().center()).ping - 1204.5).abs() < 1e-6);
+        assert!((lens.place_at(rect().center()).ping - 1204.5).abs() < 1e-6);
     }
 }

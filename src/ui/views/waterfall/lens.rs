@@ -83,7 +83,7 @@ impl Lens {
     }
 
     /// Screen position of a place.
-    pub fn to_screen(&self, place: Place) -> Pos2 {
+    pub fn screen_at(&self, place: Place) -> Pos2 {
         let Camera { along, across } = &self.camera;
         let centre = self.rect.center();
         let a = ((place.ping - along.centre) / along.per_point) as f32;
@@ -95,7 +95,7 @@ impl Lens {
     }
 
     /// Place at a screen position.
-    pub fn to_place(&self, position: Pos2) -> Place {
+    pub fn place_at(&self, position: Pos2) -> Place {
         let offset = self.offset(position);
         let Camera { along, across } = &self.camera;
         Place {
@@ -112,13 +112,13 @@ impl Lens {
     /// The line across the picture at a ping.
     pub fn line_at_ping(&self, ping: f64) -> [Pos2; 2] {
         let metres = self.metres();
-        [metres.start, metres.end].map(|across_m| self.to_screen(Place { ping, across_m }))
+        [metres.start, metres.end].map(|across_m| self.screen_at(Place { ping, across_m }))
     }
 
     /// The line along the picture at a signed range.
     pub fn line_at_range(&self, across_m: f64) -> [Pos2; 2] {
         let pings = self.pings();
-        [pings.start, pings.end].map(|ping| self.to_screen(Place { ping, across_m }))
+        [pings.start, pings.end].map(|ping| self.screen_at(Place { ping, across_m }))
     }
 }
 
@@ -148,7 +148,7 @@ mod tests {
                 ping: 1204.5,
                 across_m: -7.25,
             };
-            let back = lens.to_place(lens.to_screen(place));
+            let back = lens.place_at(lens.screen_at(place));
             assert!((back.ping - place.ping).abs() < 0.01, "{back:?}");
             assert!((back.across_m - place.across_m).abs() < 1e-3, "{back:?}");
             assert_eq!(place.side(), Side::Port);
@@ -160,7 +160,7 @@ mod tests {
         let place = |ping, across_m| Place { ping, across_m };
         for orientation in BOTH {
             let lens = lens(orientation);
-            let at = |ping, across_m| lens.to_screen(place(ping, across_m));
+            let at = |ping, across_m| lens.screen_at(place(ping, across_m));
             let later = at(100.0, -5.0) - at(0.0, -5.0);
             let starboard = at(0.0, 5.0) - at(0.0, -5.0);
             let (time, range) = match orientation {

@@ -113,7 +113,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
         if !span.is_gap() && !is_dash_gap {
             let [low, high] = span.reaching(&before);
             let [low, high] = [low, high].map(|range_m| columns.place(index, range_m));
-            let ends = [low, high].map(|place| lens.to_screen(place));
+            let ends = [low, high].map(|place| lens.screen_at(place));
             let bar = Rect::from_points(&ends);
             let across = pen.width / 2.0;
             let bar = match lens.orientation {
@@ -141,7 +141,7 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
             is_broken = true;
             continue;
         }
-        let point = lens.to_screen(columns.place(index, span.min_m));
+        let point = lens.screen_at(columns.place(index, span.min_m));
         let last = runs.last_mut().filter(|_| !is_broken);
         let joint = last.as_ref().and_then(|run| run.points.last().copied());
         match last.filter(|run| run.doubtful == span.doubtful) {

@@ -29,20 +29,24 @@ pub(super) fn cross_hair(
         let across_m = across_m(side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
         painter.line_segment(lens.line_at_range(across_m), Stroke::new(1.0, faint));
-        let at = lens.to_screen(Place { ping, across_m });
+        let at = lens.screen_at(Place { ping, across_m });
         painter.circle_stroke(at, 5.0, Stroke::new(1.5, colour));
     }
 }
 
 /// The stretch that the calibration stands on, shaded; the other ranked flat stretches as bars at the nadir.
 pub(super) fn flat_spots(painter: &Painter, lens: &Lens, app: &App) {
-    let Some(products) = &app.products else {
+    let is_picture = app
+        .survey
+        .as_ref()
+        .is_some_and(|survey| survey.has_side_scan());
+    let Some(products) = app.products.as_ref().filter(|_| is_picture) else {
         return;
     };
     let colour = theme::selection_colour();
     for spot in products.flat_spots.iter() {
         let [a, b] = [spot.pings.start, spot.pings.end].map(|ping| {
-            lens.to_screen(Place {
+            lens.screen_at(Place {
                 ping: ping as f64,
                 across_m: 0.0,
             })

@@ -46,7 +46,7 @@ pub(super) fn follow(
     context: &mut ViewContext<'_>,
 ) -> Followed {
     let pointer = response.hover_pos().filter(|at| lens.rect.contains(*at));
-    let place = pointer.map(|at| lens.to_place(at));
+    let place = pointer.map(|at| lens.place_at(at));
     let mark = place.and_then(|place| mark_at(survey, place));
     if mark != *was_over {
         *was_over = mark;
@@ -54,7 +54,7 @@ pub(super) fn follow(
     }
     let clicked = response.clicked() || response.secondary_clicked();
     if clicked && let Some(at) = response.interact_pointer_pos() {
-        context.push(Command::Select(mark_at(survey, lens.to_place(at))));
+        context.push(Command::Select(mark_at(survey, lens.place_at(at))));
     }
     Followed {
         place,

@@ -56,7 +56,7 @@ pub(super) fn ticks(painter: &Painter, lens: &Lens, survey: &Survey, ink: Color3
             Orientation::Horizontal => (metres.end, vec2(0.0, -6.0), Align2::CENTER_BOTTOM),
             Orientation::Vertical => (metres.start, vec2(6.0, 0.0), Align2::LEFT_CENTER),
         };
-        let at = lens.to_screen(Place {
+        let at = lens.screen_at(Place {
             ping: ping as f64 + 0.5,
             across_m: edge_m,
         });
@@ -66,16 +66,12 @@ pub(super) fn ticks(painter: &Painter, lens: &Lens, survey: &Survey, ink: Color3
         };
         let clock = text::clock(survey.start_unix_s, recorded.time_s);
         let label = format!("{ping}  {}", clock.trim_end_matches(" UTC"));
-        let along = match lens.orientation {
-            Orientation::Horizontal => at.x - lens.rect.left(),
-            Orientation::Vertical => at.y - lens.rect.top(),
-        };
-        // A label that would hang over the beginning stays away.
+        // A label that would hang over an end of the picture stays away.
         let room = match lens.orientation {
-            Orientation::Horizontal => 40.0,
-            Orientation::Vertical => 8.0,
+            Orientation::Horizontal => vec2(-40.0, 0.0),
+            Orientation::Vertical => vec2(0.0, -8.0),
         };
-        if along > room {
+        if lens.rect.expand2(room).contains(at + inward) {
             labels::text(painter, at + inward, anchor, &label);
         }
     }
