@@ -178,9 +178,11 @@ impl Shell {
                 .frame(line)
                 .show(ui, |ui| panels::notices::ui(ui, &mut context));
         }
+        // On a small screen the views keep half of the width.
+        let side_width = (ui.available_width() / 4.0).min(theme::SIDE_PANEL_WIDTH);
         let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
         Panel::left("steps")
-            .default_size(theme::SIDE_PANEL_WIDTH)
+            .default_size(side_width)
             .size_range(240.0..=480.0)
             .frame(side)
             .show(ui, |ui| {
@@ -189,7 +191,7 @@ impl Shell {
                     .show(ui, |ui| panels::steps(ui, &mut context));
             });
         Panel::right("details")
-            .default_size(theme::SIDE_PANEL_WIDTH)
+            .default_size(side_width)
             .size_range(220.0..=560.0)
             .frame(side)
             .show(ui, |ui| details(ui, &mut context, &mut self.views.profile));

@@ -5,8 +5,14 @@ use crate::ui::ViewContext;
 use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
 
-/// Width that the title and all controls of the waterfall need side by side; below it they go into a menu.
-const ROOM: f32 = 460.0;
+/// Width that the title and all controls of a view need side by side; below it they go into a menu.
+fn room(view: View) -> f32 {
+    match view {
+        View::Waterfall => 460.0,
+        View::Map => 310.0,
+        View::Cloud => 330.0,
+    }
+}
 
 /// Draws the controls from right to left; nothing while there is nothing to look at.
 pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
@@ -17,17 +23,23 @@ pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let before = context.app.options.clone();
     let mut options = before.clone();
-    match view {
-        View::Waterfall if ui.available_width() < ROOM => {
-            let title = egui::RichText::new("Options").small();
-            menu(title).ui(ui, |ui| waterfall(ui, context, &mut options));
-        }
-        View::Waterfall => waterfall(ui, context, &mut options),
-        View::Map => map(ui, &mut options),
-        View::Cloud => cloud(ui, context, &mut options),
+    if ui.available_width() < room(view) {
+        let title = egui::RichText::new("Options").small();
+        let title = menu(title).ui(ui, |ui| controls(ui, view, context, &mut options));
+        title.0.accessible_name(format!("{} options", view.title()));
+    } else {
+        controls(ui, view, context, &mut options);
     }
     if options != before {
         context.push(Command::Show(Box::new(options)));
+    }
+}
+
+fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
+    match view {
+        View::Waterfall => waterfall(ui, context, options),
+        View::Map => map(ui, options),
+        View::Cloud => cloud(ui, context, options),
     }
 }
 
