@@ -70,8 +70,10 @@ pub enum Jobs {
 pub struct App {
     /// The open survey.
     pub survey: Option<Arc<Survey>>,
-    /// Shallowest and deepest sounding of the open survey, metres.
+    /// Shallowest and deepest sounding of the open survey that the recorder had the bottom for, metres.
     pub depth_span_m: Option<[f32; 2]>,
+    /// Soundings of the open survey after the recorder had lost the bottom.
+    pub lost_soundings: usize,
     /// Grows with each survey opened; views drop what they cached when it changes.
     pub survey_serial: u64,
     /// The settings that the analyst wants.
@@ -115,6 +117,7 @@ impl App {
         Self {
             survey: None,
             depth_span_m: None,
+            lost_soundings: 0,
             survey_serial: 0,
             settings: Settings::default(),
             products: None,

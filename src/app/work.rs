@@ -64,9 +64,10 @@ impl App {
             self.recent.insert(0, path);
             self.recent.truncate(10);
         }
-        let depths = survey.soundings.iter().map(|sounding| sounding.depth_m);
-        self.depth_span_m = depths
-            .map(|depth_m| [depth_m, depth_m])
+        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
+        self.lost_soundings = survey.soundings.len() - locked().count();
+        self.depth_span_m = locked()
+            .map(|sounding| [sounding.depth_m, sounding.depth_m])
             .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         self.survey = Some(Arc::new(survey));
         self.survey_serial += 1;

@@ -9,7 +9,6 @@ mod parts;
 pub mod products;
 pub mod selection;
 pub mod status;
-mod strip;
 pub mod survey;
 pub mod timeline;
 

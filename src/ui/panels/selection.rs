@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
-use crate::survey::{HeadingSource, Side};
+use crate::survey::{HeadingSource, Side, Survey};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -47,7 +47,15 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         ui,
         "Depth",
         "Depth below the transducer by the recorder's own bottom lock, at the time of this ping.",
-        format!("{} (sonar)", text::measure(f64::from(ping.depth_m), 2, "m")),
+        format!(
+            "{} ({})",
+            text::measure(f64::from(ping.depth_m), 2, "m"),
+            if had_bottom(&survey, ping.time_s) {
+                "sonar"
+            } else {
+                "sonar, bottom lost"
+            }
+        ),
     );
     if let Some(range) = place::range_m(context.app, mark) {
         let side = mark.side.map_or("", Side::name);
@@ -71,6 +79,21 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     {
         context.push(Command::Reveal(mark));
     }
+}
+
+/// Whether the recorder had the bottom at its sounding nearest in time.
+fn had_bottom(survey: &Survey, time_s: f64) -> bool {
+    let soundings = &survey.soundings;
+    let after = soundings.partition_point(|sounding| sounding.time_s < time_s);
+    let near = [after.checked_sub(1), Some(after)];
+    near.into_iter()
+        .filter_map(|index| soundings.get(index?))
+        .min_by(|a, b| {
+            (a.time_s - time_s)
+                .abs()
+                .total_cmp(&(b.time_s - time_s).abs())
+        })
+        .is_none_or(|sounding| sounding.locked)
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {

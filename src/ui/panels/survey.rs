@@ -70,7 +70,10 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         ui,
         "Side-scan",
         "Pings with both sides joined, and the time that they cover.",
-        format!("{} · {length}", text::plural(pings, "ping", "pings")),
+        match pings {
+            0 => "none".to_owned(),
+            _ => format!("{} · {length}", text::plural(pings, "ping", "pings")),
+        },
     );
     fact(
         ui,
@@ -78,6 +81,14 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         "Depths of the recorder's own bottom lock; repeated ones are left out.",
         soundings(context, survey),
     );
+    if context.app.lost_soundings > 0 {
+        fact(
+            ui,
+            "Bottom lost",
+            "Soundings after the recorder had lost the bottom: shown faded, used for nothing.",
+            text::plural(context.app.lost_soundings, "sounding", "soundings"),
+        );
+    }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
         fact(
             ui,
@@ -104,12 +115,11 @@ fn time_span(survey: &Survey) -> Option<(f64, f64)> {
 }
 
 fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
+    let count = text::count(survey.soundings.len());
     match context.app.depth_span_m {
-        None => "none".to_owned(),
-        Some([low, high]) => format!(
-            "{} · {low:.1} to {high:.1} m",
-            text::count(survey.soundings.len())
-        ),
+        _ if survey.soundings.is_empty() => "none".to_owned(),
+        None => format!("{count} · bottom never found"),
+        Some([low, high]) => format!("{count} · {low:.1} to {high:.1} m"),
     }
 }
 

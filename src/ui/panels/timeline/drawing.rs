@@ -1,0 +1,265 @@
+//! How the time line is drawn, and what the pointer does in it.
+
+use super::columns::{Columns, resampled, span};
+use super::strips::Strips;
+use crate::app::{Command, Mark};
+use crate::ui::{ViewContext, text, theme};
+use egui::{Color32, Mesh, Pos2, Rect, Response, Stroke, Ui};
+
+/// Where the parts of the panel lie.
+pub struct Frame {
+    depth: Rect,
+    speed: Rect,
+    all: Rect,
+    axis_y: f32,
+}
+
+impl Frame {
+    const GUTTER: f32 = 104.0;
+    const AXIS: f32 = 14.0;
+
+    /// Divides the panel.
+    pub fn new(outer: Rect) -> Self {
+        let mut all = outer;
+        all.min.x += Self::GUTTER;
+        all.max.x -= 8.0;
+        all.max.y -= Self::AXIS;
+        let (mut depth, mut speed) = all.split_top_bottom_at_fraction(0.64);
+        depth.max.y -= 1.0;
+        speed.min.y += 1.0;
+        Self {
+            depth,
+            speed,
+            all,
+            axis_y: all.max.y,
+        }
+    }
+
+    /// Draws both strips and the axis.
+    pub fn strips(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+        let look = context.app.options.theme;
+        let well = ui.visuals().extreme_bg_color;
+        for rect in [self.depth, self.speed] {
+            ui.painter().rect_filled(rect, 0.0, well);
+        }
+        let high = |columns: &Columns| span(columns).map(|[_, high]| high);
+        let deepest = high(&strips.depth).or_else(|| high(&strips.lost));
+        let fastest = high(&strips.speed);
+        // Depth hangs from the surface, speed stands on its base line.
+        let depth = Band {
+            rect: self.depth,
+            reach: deepest.unwrap_or(0.0) * 1.08,
+            hanging: true,
+        };
+        let speed = Band {
+            rect: self.speed,
+            reach: fastest.unwrap_or(0.0) * 1.1,
+            hanging: false,
+        };
+        let lost = theme::stale_colour(look).gamma_multiply(0.5);
+        depth.draw(ui, &strips.lost, Color32::TRANSPARENT, lost);
+        let colour = theme::depth_strip_colour(look);
+        depth.draw(ui, &strips.depth, colour.gamma_multiply(0.35), colour);
+        let colour = theme::speed_strip_colour(look);
+        speed.draw(ui, &strips.speed, colour.gamma_multiply(0.35), colour);
+        let reach = |high: Option<f32>, unit: &str| match high {
+            Some(high) => format!("to {high:.1} {unit}"),
+            None => text::NONE.to_owned(),
+        };
+        self.gutter(ui, self.depth, "Depth", reach(deepest, "m"));
+        self.gutter(ui, self.speed, "Speed", reach(fastest, "m/s"));
+        self.axis(ui, context, strips);
+    }
+
+    fn gutter(&self, ui: &Ui, strip: Rect, name: &str, reach: String) {
+        let x = strip.left() - 8.0;
+        let small = egui::FontId::proportional(theme::SMALL);
+        let strong = ui.visuals().text_color();
+        let weak = ui.visuals().weak_text_color();
+        let y = strip.center().y;
+        let right = egui::Align2::RIGHT_CENTER;
+        ui.painter()
+            .text(egui::pos2(x, y - 7.0), right, name, small.clone(), strong);
+        ui.painter()
+            .text(egui::pos2(x, y + 7.0), right, reach, small, weak);
+    }
+
+    fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+        let start = context
+            .app
+            .survey
+            .as_ref()
+            .and_then(|survey| survey.start_unix_s);
+        let step_s =
+            tick_step_s((strips.to_s - strips.from_s) * 90.0 / f64::from(self.all.width()));
+        let weak = ui.visuals().weak_text_color();
+        let font = egui::FontId::proportional(10.0);
+        // Ticks stand on round times of day when the recorder knew the time.
+        let zero = start.map_or(0.0, |start| start.rem_euclid(86_400.0));
+        let mut tick = ((strips.from_s + zero) / step_s).ceil() * step_s - zero;
+        while tick <= strips.to_s {
+            let x = strips.x(self.all, tick);
+            let line = [egui::pos2(x, self.axis_y), egui::pos2(x, self.axis_y + 3.0)];
+            ui.painter().line_segment(line, Stroke::new(1.0, weak));
+            let label = text::clock(start, tick);
+            let label = label.trim_end_matches(" UTC");
+            if x + 50.0 < self.all.right() {
+                let at = egui::pos2(x + 3.0, self.axis_y + Self::AXIS / 2.0 + 1.0);
+                ui.painter()
+                    .text(at, egui::Align2::LEFT_CENTER, label, font.clone(), weak);
+            }
+            tick += step_s;
+        }
+    }
+
+    /// Draws warnings, the pings on screen, the pointer of other views and the play head.
+    pub fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+        let app = context.app;
+        let Some(survey) = &app.survey else {
+            return;
+        };
+        let x_of = |ping: usize| {
+            let ping = survey.side_scan.get(ping)?;
+            Some(strips.x(self.all, ping.time_s))
+        };
+        let painter = ui.painter().with_clip_rect(self.all.expand(6.0));
+        for &time_s in &strips.warnings_s {
+            let at = egui::pos2(strips.x(self.all, time_s), self.all.top() + 3.0);
+            painter.circle_filled(at, 2.0, theme::stale_colour(app.options.theme));
+        }
+        let seen = (
+            x_of(app.visible.start),
+            x_of(app.visible.end.saturating_sub(1)),
+        );
+        if let (Some(from), Some(to), false) = (seen.0, seen.1, app.visible.is_empty()) {
+            self.window(ui, from, to);
+        }
+        if let Some(x) = app.hover.and_then(|mark| x_of(mark.ping)) {
+            painter.vline(
+                x,
+                self.all.y_range(),
+                Stroke::new(1.0, theme::hover_colour()),
+            );
+        }
+        if let Some(x) = app.selection.and_then(|mark| x_of(mark.ping)) {
+            let colour = theme::selection_colour();
+            painter.vline(x, self.all.y_range(), Stroke::new(1.5, colour));
+            let top = self.all.top();
+            let head = vec![
+                egui::pos2(x - 5.0, top - 5.0),
+                egui::pos2(x + 5.0, top - 5.0),
+                egui::pos2(x, top + 2.0),
+            ];
+            painter.add(egui::Shape::convex_polygon(head, colour, Stroke::NONE));
+        }
+    }
+
+    /// Shades what the waterfall does not show.
+    fn window(&self, ui: &Ui, from: f32, to: f32) {
+        let to = to.max(from + 2.0);
+        let shade = ui.visuals().panel_fill.gamma_multiply(0.62);
+        let mut before = self.all;
+        before.max.x = from;
+        let mut after = self.all;
+        after.min.x = to;
+        for rect in [before, after] {
+            if rect.is_positive() {
+                ui.painter().rect_filled(rect, 0.0, shade);
+            }
+        }
+        let edge = Stroke::new(1.0, ui.visuals().strong_text_color().gamma_multiply(0.6));
+        let seen = Rect::from_x_y_ranges(from..=to, self.all.y_range());
+        ui.painter()
+            .rect_stroke(seen, 1.0, edge, egui::StrokeKind::Inside);
+    }
+
+    /// Marks and selects the ping under the pointer.
+    pub fn pointer(&self, response: &Response, context: &mut ViewContext<'_>, strips: &Strips) {
+        let ping_at = |at: Pos2| {
+            let pings = &context.app.survey.as_ref()?.side_scan;
+            let time_s = strips.time_s(self.all, at.x);
+            let after = pings.partition_point(|ping| ping.time_s < time_s);
+            (!pings.is_empty()).then(|| after.min(pings.len() - 1))
+        };
+        let acts = response.clicked() || response.dragged();
+        if let Some(ping) = response
+            .interact_pointer_pos()
+            .filter(|_| acts)
+            .and_then(ping_at)
+        {
+            context.push(Command::Reveal(Mark::ping(ping)));
+        } else if let Some(ping) = response.hover_pos().and_then(ping_at) {
+            context.push(Command::Hover(Some(Mark::ping(ping))));
+        }
+    }
+}
+
+/// A round step in time that is at least `least_s` long.
+fn tick_step_s(least_s: f64) -> f64 {
+    const ROUND_S: [f64; 12] = [
+        1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 21_600.0, 86_400.0,
+    ];
+    ROUND_S
+        .into_iter()
+        .find(|step| *step >= least_s)
+        .unwrap_or(86_400.0 * (least_s / 86_400.0).ceil().max(1.0))
+}
+
+/// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or standing on the bottom.
+struct Band {
+    rect: Rect,
+    reach: f32,
+    hanging: bool,
+}
+
+impl Band {
+    fn y(&self, value: f32) -> f32 {
+        let share = (value / self.reach).clamp(0.0, 1.0);
+        if self.hanging {
+            self.rect.top() + share * self.rect.height()
+        } else {
+            self.rect.bottom() - share * self.rect.height()
+        }
+    }
+
+    /// Draws a body up to the series and its low-to-high band on the edge.
+    fn draw(&self, ui: &Ui, columns: &Columns, body: Color32, edge: Color32) {
+        if self.reach <= 0.0 {
+            return;
+        }
+        let base = self.y(0.0);
+        let mut mesh = Mesh::default();
+        // One strip a screen point, each with the extremes of all columns under it.
+        let count = self.rect.width().round().max(1.0) as usize;
+        for (index, column) in resampled(columns, count).enumerate() {
+            let Some([low, high]) = column else {
+                continue;
+            };
+            let left = self.rect.left().round() + index as f32;
+            let x = left..=left + 1.0;
+            let (near, far) = (self.y(low), self.y(high));
+            mesh.add_colored_rect(Rect::from_x_y_ranges(x.clone(), sorted(base, far)), body);
+            let between = sorted(near, far);
+            let line = *between.start() - 0.75..=*between.end() + 0.75;
+            mesh.add_colored_rect(Rect::from_x_y_ranges(x, line), edge);
+        }
+        ui.painter().add(mesh);
+    }
+}
+
+fn sorted(a: f32, b: f32) -> std::ops::RangeInclusive<f32> {
+    a.min(b)..=a.max(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tick_step_s;
+
+    #[test]
+    fn ticks_are_round_and_never_too_close() {
+        assert_eq!(tick_step_s(0.3), 1.0);
+        assert_eq!(tick_step_s(12.0), 30.0);
+        assert_eq!(tick_step_s(4000.0), 7200.0);
+        assert_eq!(tick_step_s(100_000.0), 172_800.0);
+    }
+}

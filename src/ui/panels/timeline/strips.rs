@@ -1,0 +1,104 @@
+//! What the time line shows, reduced on a worker to a few columns.
+
+use super::columns::{Columns, columns};
+use crate::survey::{Navigation, Survey};
+use egui::Rect;
+
+/// Columns that a log is reduced to; more than any screen is wide.
+const COLUMNS: usize = 2048;
+
+/// What the strips show; computed on a worker for each survey and navigation.
+pub struct Strips {
+    /// First and last time of the log, seconds after its time zero.
+    pub from_s: f64,
+    /// See `from_s`.
+    pub to_s: f64,
+    /// Depths of the recorder's bottom lock, metres.
+    pub depth: Columns,
+    /// Depths that it gave after it had lost the bottom, metres.
+    pub lost: Columns,
+    /// Speeds over ground, metres a second.
+    pub speed: Columns,
+    /// Times at which the log's warnings point.
+    pub warnings_s: Vec<f64>,
+}
+
+impl Strips {
+    pub fn of(survey: &Survey, navigation: Option<&Navigation>) -> Option<Self> {
+        let pings = &survey.side_scan;
+        let soundings = &survey.soundings;
+        let starts = [
+            pings.first().map(|p| p.time_s),
+            soundings.first().map(|s| s.time_s),
+        ];
+        let ends = [
+            pings.last().map(|p| p.time_s),
+            soundings.last().map(|s| s.time_s),
+        ];
+        let from_s = starts.into_iter().flatten().reduce(f64::min)?;
+        let to_s = ends.into_iter().flatten().reduce(f64::max)?;
+        let depths = |locked: bool| {
+            let some = soundings.iter().filter(move |s| s.locked == locked);
+            let count = column_count(soundings.len());
+            columns(some.map(|s| (s.time_s, s.depth_m)), from_s, to_s, count)
+        };
+        // A log without side-scan still has the boat's speed at its soundings.
+        let times = if pings.is_empty() {
+            soundings.iter().map(|s| s.time_s).collect::<Vec<_>>()
+        } else {
+            pings.iter().map(|ping| ping.time_s).collect()
+        };
+        let places = navigation.map_or(&[][..], |navigation| {
+            if pings.is_empty() {
+                &navigation.soundings
+            } else {
+                &navigation.pings
+            }
+        });
+        let speeds = times.iter().zip(places);
+        let speeds = speeds.map(|(time_s, here)| (*time_s, here.speed_mps as f32));
+        Some(Self {
+            from_s,
+            to_s,
+            depth: depths(true),
+            lost: depths(false),
+            speed: columns(speeds, from_s, to_s, column_count(times.len())),
+            warnings_s: warning_times(survey),
+        })
+    }
+
+    /// Where a time lies on the screen.
+    pub fn x(&self, rect: Rect, time_s: f64) -> f32 {
+        let share = (time_s - self.from_s) / (self.to_s - self.from_s).max(f64::MIN_POSITIVE);
+        rect.left() + rect.width() * share as f32
+    }
+
+    /// Which time lies at a place of the screen.
+    pub fn time_s(&self, rect: Rect, x: f32) -> f64 {
+        let share = f64::from(((x - rect.left()) / rect.width()).clamp(0.0, 1.0));
+        self.from_s + share * (self.to_s - self.from_s)
+    }
+}
+
+/// Columns for a series of so many values: enough values in each that regular ones leave no gaps.
+fn column_count(values: usize) -> usize {
+    (values / 3).clamp(16, COLUMNS)
+}
+
+/// Times of the pings at which the log's warnings point; at most one a column.
+fn warning_times(survey: &Survey) -> Vec<f64> {
+    let offset = |ping: &crate::survey::SidePing, file: usize| {
+        let span = ping.port.or(ping.starboard)?;
+        (usize::from(span.file) == file).then_some(span.offset)
+    };
+    let places = survey.warnings.iter().filter_map(|warning| warning.place);
+    places
+        .take(COLUMNS)
+        .filter_map(|(file, at)| {
+            let after = survey
+                .side_scan
+                .partition_point(|ping| offset(ping, file).is_some_and(|offset| offset < at));
+            survey.side_scan.get(after).map(|ping| ping.time_s)
+        })
+        .collect()
+}
