@@ -15,14 +15,16 @@ impl Scene {
     /// # Errors
     /// One sentence about the first setting that is out of bounds.
     pub fn check(&self) -> Result<(), SceneError> {
-        self.check_numbers()?;
+        self.check_ground()?;
+        self.check_track()?;
+        self.check_recorder()?;
+        self.check_artefacts()?;
         self.check_objects()?;
         self.check_size()
     }
 
-    fn check_numbers(&self) -> Result<(), SceneError> {
-        let (bed, track, recorder) = (&self.bed, &self.track, &self.recorder);
-        let artefacts = &self.artefacts;
+    fn check_ground(&self) -> Result<(), SceneError> {
+        let bed = &self.bed;
         within("longitude_deg", self.longitude_deg, -180.0, 180.0)?;
         within("latitude_deg", self.latitude_deg, -80.0, 80.0)?;
         within("duration_s", self.duration_s.unwrap_or(1.0), 0.1, 1e6)?;
@@ -40,82 +42,100 @@ impl Scene {
             within("bed.bank.width_m", bank.width_m, 1.0, 1e6)?;
             within("bed.bank.slope_deg", bank.slope_deg, 1.0, 60.0)?;
         }
-        within("track.lines", f64::from(track.lines), 0.0, 1000.0)?;
-        within(
-            "track.cross_lines",
-            f64::from(track.cross_lines),
-            0.0,
-            1000.0,
-        )?;
-        within("track.length_m", track.length_m, 1.0, 1e5)?;
-        within("track.cross_length_m", track.cross_length_m, 1.0, 1e5)?;
-        within("track.spacing_m", track.spacing_m, 0.1, 1e4)?;
-        within("track.turn_radius_m", track.turn_radius_m, 0.1, 1e3)?;
-        within("track.speed_mps", track.speed_mps, 0.1, 20.0)?;
-        within("track.ping_rate_hz", track.ping_rate_hz, 0.5, 100.0)?;
-        within("track.fix_rate_hz", track.fix_rate_hz, 0.1, 100.0)?;
-        within("recorder.range_m", recorder.range_m, 1.0, 500.0)?;
-        let samples = f64::from(recorder.samples_per_side);
-        within("recorder.samples_per_side", samples, 64.0, 32_000.0)?;
-        within("recorder.beam_axis_deg", recorder.beam_axis_deg, 0.0, 90.0)?;
-        within(
-            "recorder.beam_width_deg",
-            recorder.beam_width_deg,
-            5.0,
-            180.0,
-        )?;
-        within(
-            "recorder.beam_azimuth_deg",
-            recorder.beam_azimuth_deg,
-            0.05,
-            10.0,
-        )?;
-        within("recorder.pulse_m", recorder.pulse_m, 0.0, 0.5)?;
-        within(
-            "recorder.absorption_db_per_km",
-            recorder.absorption_db_per_km,
-            0.0,
-            2000.0,
-        )?;
-        within("recorder.tvg_limit_m", recorder.tvg_limit_m, 0.5, 1e4)?;
-        within(
-            "recorder.electronic_noise",
-            recorder.electronic_noise,
-            0.0,
-            1.0,
-        )?;
-        within("recorder.volume_noise", recorder.volume_noise, 0.0, 1.0)?;
-        within("recorder.bottom_byte", recorder.bottom_byte, 1.0, 255.0)?;
-        within("recorder.bytes_per_db", recorder.bytes_per_db, 0.1, 50.0)?;
-        let sonar_samples = f64::from(recorder.sonar_samples);
-        within("recorder.sonar_samples", sonar_samples, 16.0, 60_000.0)?;
-        within(
-            "recorder.sonar_every",
-            f64::from(recorder.sonar_every),
-            1.0,
-            1e6,
-        )?;
-        within("artefacts.ring_down", artefacts.ring_down, 0.0, 1e3)?;
-        within(
-            "artefacts.gain_wander_db",
-            artefacts.gain_wander_db,
-            0.0,
-            20.0,
-        )?;
-        within("artefacts.fish", artefacts.fish, 0.0, 0.5)?;
-        within("artefacts.interference", artefacts.interference, 0.0, 1.0)?;
-        within("artefacts.weed_m", artefacts.weed_m, 0.0, 1e4)?;
-        within("artefacts.gain_drop", artefacts.gain_drop, 1e-3, 1.0)?;
-        within(
-            "artefacts.second_echo_db",
-            artefacts.second_echo_db,
-            0.0,
-            100.0,
-        )?;
-        within("artefacts.roll_deg", artefacts.roll_deg, 0.0, 45.0)?;
-        within("artefacts.depth_noise_m", artefacts.depth_noise_m, 0.0, 1.0)?;
-        within("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5)?;
-        within("artefacts.range_change", artefacts.range_change, 0.25, 4.0)
+        Ok(())
+    }
+
+    fn check_track(&self) -> Result<(), SceneError> {
+        let track = &self.track;
+        all_within(&[
+            ("track.lines", track.lines.into(), 0.0, 1000.0),
+            ("track.cross_lines", track.cross_lines.into(), 0.0, 1000.0),
+            ("track.length_m", track.length_m, 1.0, 1e5),
+            ("track.cross_length_m", track.cross_length_m, 1.0, 1e5),
+            ("track.spacing_m", track.spacing_m, 0.1, 1e4),
+            ("track.turn_radius_m", track.turn_radius_m, 0.1, 1e3),
+            ("track.speed_mps", track.speed_mps, 0.1, 20.0),
+            ("track.ping_rate_hz", track.ping_rate_hz, 0.5, 100.0),
+            ("track.fix_rate_hz", track.fix_rate_hz, 0.1, 100.0),
+        ])
+    }
+
+    fn check_recorder(&self) -> Result<(), SceneError> {
+        let recorder = &self.recorder;
+        let absorption = recorder.absorption_db_per_km;
+        all_within(&[
+            ("recorder.range_m", recorder.range_m, 1.0, 500.0),
+            (
+                "recorder.samples_per_side",
+                recorder.samples_per_side.into(),
+                64.0,
+                32_000.0,
+            ),
+            ("recorder.beam_axis_deg", recorder.beam_axis_deg, 0.0, 90.0),
+            (
+                "recorder.beam_width_deg",
+                recorder.beam_width_deg,
+                5.0,
+                180.0,
+            ),
+            (
+                "recorder.beam_azimuth_deg",
+                recorder.beam_azimuth_deg,
+                0.05,
+                10.0,
+            ),
+            ("recorder.pulse_m", recorder.pulse_m, 0.0, 0.5),
+            ("recorder.absorption_db_per_km", absorption, 0.0, 2000.0),
+            ("recorder.tvg_limit_m", recorder.tvg_limit_m, 0.5, 1e4),
+            (
+                "recorder.electronic_noise",
+                recorder.electronic_noise,
+                0.0,
+                1.0,
+            ),
+            ("recorder.volume_noise", recorder.volume_noise, 0.0, 1.0),
+            ("recorder.bottom_byte", recorder.bottom_byte, 1.0, 255.0),
+            ("recorder.bytes_per_db", recorder.bytes_per_db, 0.1, 50.0),
+            (
+                "recorder.sonar_samples",
+                recorder.sonar_samples.into(),
+                16.0,
+                60_000.0,
+            ),
+            (
+                "recorder.sonar_every",
+                recorder.sonar_every.into(),
+                1.0,
+                1e6,
+            ),
+        ])
+    }
+
+    fn check_artefacts(&self) -> Result<(), SceneError> {
+        let artefacts = &self.artefacts;
+        all_within(&[
+            ("artefacts.ring_down", artefacts.ring_down, 0.0, 1e3),
+            (
+                "artefacts.gain_wander_db",
+                artefacts.gain_wander_db,
+                0.0,
+                20.0,
+            ),
+            ("artefacts.fish", artefacts.fish, 0.0, 0.5),
+            ("artefacts.interference", artefacts.interference, 0.0, 1.0),
+            ("artefacts.weed_m", artefacts.weed_m, 0.0, 1e4),
+            ("artefacts.gain_drop", artefacts.gain_drop, 1e-3, 1.0),
+            (
+                "artefacts.second_echo_db",
+                artefacts.second_echo_db,
+                0.0,
+                100.0,
+            ),
+            ("artefacts.roll_deg", artefacts.roll_deg, 0.0, 45.0),
+            ("artefacts.depth_noise_m", artefacts.depth_noise_m, 0.0, 1.0),
+            ("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5),
+            ("artefacts.range_change", artefacts.range_change, 0.25, 4.0),
+        ])
     }
 
     fn check_objects(&self) -> Result<(), SceneError> {
@@ -169,6 +189,12 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Refuses the first number outside its bounds: name, value, lowest, highest.
+fn all_within(numbers: &[(&str, f64, f64, f64)]) -> Result<(), SceneError> {
+    let mut numbers = numbers.iter();
+    numbers.try_for_each(|&(name, value, low, high)| within(name, value, low, high))
 }
 
 /// Refuses a number outside its bounds, NaN included.
