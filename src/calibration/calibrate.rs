@@ -1,7 +1,7 @@
 //! All scales side by side, the one in force, and what does not agree.
 
-use super::offset::range_offset_m;
-use super::robust::robust_line;
+use super::offset::{blocks, range_offset_m};
+use super::robust::{median, robust_line, spread_about};
 use super::scale::{Usable, header_scale, pixels_per_metre, range_changes, usable_picks};
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, Scale, ScaleMode, flat_spots,
@@ -64,19 +64,29 @@ pub fn calibrate(
 }
 
 /// Robust `r = k d + b` with the header's ranges; `None` where depths hardly vary or picks are few.
+///
+/// The line goes through medians over blocks of pings: the noise of a single recorded depth would flatten it.
 fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     if picks.len() < MIN_FIT_PICKS {
         return None;
     }
-    let points: Vec<(f64, f64)> = picks
-        .iter()
-        .map(|pick| (pick.depth_m, pick.range_m))
+    let middle = |block: &[Usable], value: fn(&Usable) -> f64| {
+        median(&mut block.iter().map(value).collect::<Vec<_>>())
+    };
+    let blocks: Vec<(f64, f64)> = blocks(picks)
+        .map(|block| {
+            (
+                middle(block, |pick| pick.depth_m),
+                middle(block, |pick| pick.range_m),
+            )
+        })
         .collect();
-    let line = robust_line(&points)?;
+    let line = robust_line(&blocks)?;
+    let about = |pick: &Usable| pick.range_m - line.slope * pick.depth_m - line.offset;
     Some(DepthFit {
         k: line.slope,
         b_m: line.offset,
-        spread_m: line.spread,
+        spread_m: spread_about(&mut picks.iter().map(about).collect::<Vec<_>>(), 0.0),
         picks: picks.len(),
     })
 }

@@ -11,14 +11,18 @@ const MIN_PICKS: usize = 8;
 /// Blocks that an offset rests on, at least.
 const MIN_BLOCKS: usize = 3;
 
+/// The picks, which are in ping order, in blocks of pings.
+pub(super) fn blocks(picks: &[Usable]) -> impl Iterator<Item = &[Usable]> {
+    picks.chunk_by(|a, b| a.ping / BLOCK_PINGS == b.ping / BLOCK_PINGS)
+}
+
 /// How much longer than the recorded depth a first-return range is where nothing but the instrument makes a difference;
 /// negative when the first return is picked early. `None` without enough picks on both sides.
 ///
 /// On a slope the nearest bottom on the upper side is nearer than the water is deep, so the deeper side of each block of
 /// pings speaks: there, the nearest bottom is straight below.
 pub(super) fn range_offset_m(picks: &[Usable]) -> Option<f64> {
-    let mut offsets: Vec<f64> = picks
-        .chunk_by(|a, b| a.ping / BLOCK_PINGS == b.ping / BLOCK_PINGS)
+    let mut offsets: Vec<f64> = blocks(picks)
         .filter_map(|block| {
             let [port_m, starboard_m] = Side::BOTH.map(|side| excess_m(block, side));
             Some(port_m?.max(starboard_m?))
