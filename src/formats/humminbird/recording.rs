@@ -50,7 +50,12 @@ fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
     let gathered = (folder != *path)
         .then(|| gather(shelf, path, &folder, Some(path.clone())))
         .flatten();
-    gathered.or_else(|| {
+    let beside = || {
+        let folder = path.parent()?;
+        let alone = only_dat(shelf, folder).is_some_and(|dat| dat == *path);
+        alone.then(|| gather(shelf, path, folder, Some(path.clone())))?
+    };
+    gathered.or_else(beside).or_else(|| {
         let dat = Dat::parse(&opened.bytes)?;
         Some(Recording {
             opened: path.clone(),
@@ -74,15 +79,33 @@ pub(in crate::formats) fn find_in_folder(shelf: &Shelf, folder: &Path) -> Option
     })
 }
 
-/// The DAT beside a folder of SON files.
+/// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in it (copies of a recording
+/// without its folder, as in the PyHum package).
 fn dat_of(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
-    let name = folder.file_name()?;
-    shelf.children(folder.parent()?).into_iter().find(|path| {
+    let is_named = |path: &PathBuf| {
         has_extension(path, "dat")
             && path
                 .file_stem()
-                .is_some_and(|stem| stem.eq_ignore_ascii_case(name))
-    })
+                .zip(folder.file_name())
+                .is_some_and(|(stem, name)| stem.eq_ignore_ascii_case(name))
+    };
+    let around = folder
+        .parent()
+        .map(|parent| shelf.children(parent))
+        .unwrap_or_default();
+    around
+        .into_iter()
+        .find(is_named)
+        .or_else(|| only_dat(shelf, folder))
+}
+
+/// The DAT in a folder, when there is just one.
+fn only_dat(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
+    let mut dats = shelf
+        .children(folder)
+        .into_iter()
+        .filter(|path| has_extension(path, "dat"));
+    dats.next().filter(|_| dats.next().is_none())
 }
 
 /// The SON files in `folder` that hold pings; `None` when there is none.

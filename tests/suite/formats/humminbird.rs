@@ -39,6 +39,24 @@ fn a_missing_or_damaged_dat_costs_the_start_time_only() {
 }
 
 #[test]
+fn a_recording_copied_out_of_its_folder_opens_by_its_only_dat() {
+    let mut files = handmade::humminbird(40, false, false);
+    for (path, _) in &mut files {
+        *path = PathBuf::from("copy").join(path.file_name().expect("a file"));
+    }
+    files[0].0 = PathBuf::from("copy/test.DAT");
+    for first in 0..files.len() {
+        let mut files = files.clone();
+        files.swap(0, first);
+        let survey = read(files);
+        assert_eq!(
+            (survey.side_scan.len(), survey.start_unix_s),
+            (40, Some(1.6e9))
+        );
+    }
+}
+
+#[test]
 fn a_dat_alone_says_what_is_missing() {
     let files = vec![(PathBuf::from("Rec00007.DAT"), handmade::dat(false))];
     let error = formats::open_files(files, &Progress::new()).unwrap_err();
