@@ -264,6 +264,16 @@ fn playing_runs_along_the_survey_and_stops() {
     window.run_steps(6);
     let ping = app(&window).selection.expect("a selection").ping;
     assert!(ping > 0);
+    window
+        .state_mut()
+        .app
+        .apply(Command::Select(Some(Mark::ping(900))));
+    window.run_steps(3);
+    let ping = app(&window).selection.expect("a selection").ping;
+    assert!(
+        (901..1000).contains(&ping),
+        "it goes on from the click: {ping}"
+    );
     window.key_press(Key::Space);
     window.run_steps(4);
     let stopped = app(&window).selection.map(|mark| mark.ping);

@@ -10,6 +10,9 @@ static SHORTCUTS: LazyLock<Vec<(KeyboardShortcut, Action)>> = LazyLock::new(|| {
         .iter()
         .filter_map(|&action| Some((parse(action.keys()?)?, action)))
         .collect();
+    // On many keyboards + is = with Shift.
+    let equals = KeyboardShortcut::new(Modifiers::NONE, Key::Equals);
+    shortcuts.push((equals, Action::ZoomIn));
     shortcuts.sort_by_key(|(shortcut, _)| {
         let held = shortcut.modifiers;
         std::cmp::Reverse(

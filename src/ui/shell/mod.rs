@@ -79,6 +79,8 @@ pub struct Shell {
     help_open: bool,
     alone: Option<Alone>,
     started: bool,
+    /// The survey that the window is named after.
+    titled: u64,
 }
 
 impl Shell {
@@ -95,6 +97,7 @@ impl Shell {
             help_open: false,
             alone: None,
             started: false,
+            titled: 0,
         }
     }
 
@@ -143,8 +146,20 @@ impl Shell {
         for command in commands {
             self.carry_out(&ctx, command);
         }
+        self.name_window(&ctx);
         if !self.app.is_idle() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    fn name_window(&mut self, ctx: &egui::Context) {
+        if self.titled == self.app.survey_serial {
+            return;
+        }
+        self.titled = self.app.survey_serial;
+        if let Some(survey) = &self.app.survey {
+            let title = format!("{} - Bathyscope", survey.name());
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
         }
     }
 

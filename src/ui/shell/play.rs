@@ -14,6 +14,8 @@ pub(super) struct Play {
     speed: f64,
     /// Survey time of the play head: finer than the pings.
     time_s: f64,
+    /// The ping that it stands on.
+    ping: usize,
 }
 
 impl Default for Play {
@@ -22,6 +24,7 @@ impl Default for Play {
             running: false,
             speed: SPEEDS[1],
             time_s: 0.0,
+            ping: 0,
         }
     }
 }
@@ -36,6 +39,7 @@ impl Play {
         let from = if here + 1 >= pings.len() { 0 } else { here };
         if let Some(ping) = pings.get(from) {
             self.time_s = ping.time_s;
+            self.ping = here;
             self.running = !self.running;
         }
     }
@@ -49,14 +53,20 @@ impl Play {
             self.running = false;
             return;
         };
+        let pings = &survey.side_scan;
+        // Whoever selects another ping meanwhile wants to go on from there.
+        let moved = app.selection.filter(|mark| mark.ping != self.ping);
+        if let Some(ping) = moved.and_then(|mark| pings.get(mark.ping)) {
+            self.time_s = ping.time_s;
+        }
         let frame_s = f64::from(ui.input(|input| input.stable_dt)).min(0.25);
         self.time_s += frame_s * self.speed;
-        let pings = &survey.side_scan;
         let next = pings.partition_point(|ping| ping.time_s <= self.time_s);
         if next >= pings.len() {
             self.running = false;
         }
         let ping = next.saturating_sub(1);
+        self.ping = ping;
         if app.selection.map(|mark| mark.ping) != Some(ping) {
             commands.push(Command::Reveal(Mark::ping(ping)));
         }
