@@ -474,6 +474,26 @@ fn the_first_return_lies_where_its_pick_is() {
 }
 
 #[test]
+fn the_line_follows_new_picks_in_the_next_frame() {
+    let mut window = window(pond_app(), [600.0, 300.0]);
+    settle(&mut window);
+    // As if the threshold were dragged: all picks 100 samples (5 m, then 2.5 m) farther out.
+    let mut moved = pond_returns(&pond());
+    for pick in moved.port.iter_mut().chain(&mut moved.starboard) {
+        pick.sample += 100.0;
+    }
+    window.state_mut().app.preview = Some(Arc::new(moved));
+    window.run_steps(1);
+    let picture = window.render().expect("a picture");
+    let y = 150.0 + (bed_m(330) + 5.0) / 20.0 * 150.0 - 0.5;
+    let [r, g, b, _] = picture.get_pixel(330, y.round() as u32).0;
+    assert!(
+        r > 180 && g < 110 && b < 110,
+        "starboard is red at its new place: {r} {g} {b}"
+    );
+}
+
+#[test]
 fn the_profile_says_its_values() {
     let mut app = pond_app();
     app.selection = Some(Mark::ping(100));

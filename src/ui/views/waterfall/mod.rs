@@ -138,6 +138,7 @@ impl WaterfallView {
         let serial = app.survey.as_ref().map(|_| app.survey_serial);
         if self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial {
             self.camera = None;
+            self.settled = false;
             self.drawing = app
                 .survey
                 .as_ref()
