@@ -73,12 +73,7 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
     );
     let fit = calibration.fit.map_or_else(
         || text::NONE.to_owned(),
-        |fit| {
-            format!(
-                "k {:.3}  b {:+.2} m  ±{:.2} m",
-                fit.k, fit.b_m, fit.spread_m
-            )
-        },
+        |fit| format!("k {:.3} b {:+.2} ±{:.2} m", fit.k, fit.b_m, fit.spread_m),
     );
     fact(
         ui,

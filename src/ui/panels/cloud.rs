@@ -86,9 +86,9 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
     fact(
         ui,
         "Points",
-        "Soundings under the boat and first returns beside the track.",
+        "All points of the cloud, and how many of them are first returns beside the track; the rest are soundings under the boat.",
         format!(
-            "{} · {} beside the track",
+            "{} · {} beside",
             text::count(figures.points),
             text::count(figures.side_scan_points)
         ),

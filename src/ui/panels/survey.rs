@@ -92,12 +92,12 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
         fact(
             ui,
-            "Recorded",
+            "Start, UTC",
             "Start of the log in UTC, as the recorder's clock had it.",
             format!(
                 "{} {}",
                 text::date(start + from),
-                text::clock(Some(start), from)
+                text::clock(Some(start), from).trim_end_matches(" UTC")
             ),
         );
     }
