@@ -2,7 +2,11 @@
 
 use crate::support;
 use bathyscope::app::{App, Command, Jobs, Mark, Orientation};
-use bathyscope::first_return::{FirstReturns, Pick};
+use bathyscope::first_return::{
+    FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, Pick, SampleMode,
+    detect,
+};
+use bathyscope::progress::Progress;
 use bathyscope::survey::{
     Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
 };
@@ -521,6 +525,37 @@ fn the_profile_says_its_values() {
 }
 
 #[test]
+fn the_profile_is_the_intensity_that_the_search_sees() {
+    let survey = pond();
+    let progress = Progress::new();
+    for samples in [SampleMode::Bytes, SampleMode::Words] {
+        let image = ImageSettings { samples };
+        let settings = FirstReturnSettings {
+            method: Method::Threshold,
+            ..FirstReturnSettings::default()
+        };
+        let dead_zone_m = settings.dead_zone_m;
+        let normalisation = Normalisation::measure(&survey, &image, dead_zone_m, &progress);
+        let normalisation = normalisation.expect("not cancelled");
+        let returns = detect(&survey, &image, &settings, &progress).expect("not cancelled");
+        let per_value = if samples == SampleMode::Words { 4 } else { 1 };
+        for ping in [0, 100, 205, 500] {
+            for side in Side::BOTH {
+                let profile = normalisation.profile(&survey, ping, side);
+                assert_eq!(profile.len(), 400 / per_value);
+                // Beyond the dead zone, where the search begins: masked words may lie above the threshold.
+                let span = survey.side_scan[ping].side(side).expect("a recorded side");
+                let dead = (span.sample_at(dead_zone_m) - 1e-6).ceil() as usize;
+                let passes = |index: &usize| profile[*index] >= settings.threshold;
+                let first = (dead.div_ceil(per_value)..profile.len()).find(passes);
+                let found = returns.side(side)[ping].sample as usize / per_value;
+                assert_eq!(first, Some(found), "{samples:?} ping {ping} {side:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_threshold_line_can_be_dragged() {
     let mut app = app_with(even_bottom(10));
     app.selection = Some(Mark::ping(5));
@@ -598,7 +633,7 @@ fn the_real_river_is_drawn_whole() {
         return;
     };
     let path = data.join("humminbird-glen-canyon/Rec00001.DAT");
-    let progress = bathyscope::progress::Progress::new();
+    let progress = Progress::new();
     let survey = bathyscope::formats::open(&path, &progress).expect("the river opens");
     let mut window = window(app_with(survey), [1200.0, 500.0]);
     settle(&mut window);
