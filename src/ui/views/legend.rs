@@ -11,6 +11,11 @@ const BAR: f32 = 12.0;
 /// Steps of the colour bar.
 const STEPS: usize = 40;
 
+/// Whether a view has room for words beside its numbers; a small tile keeps scales and legends, and drops explanations.
+pub fn has_room(rect: Rect) -> bool {
+    rect.size().min_elem() >= 240.0
+}
+
 /// Small text on a view.
 pub fn font() -> FontId {
     FontId::proportional(11.0)

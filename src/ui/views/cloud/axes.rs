@@ -162,6 +162,9 @@ impl Axes<'_> {
                 text,
             );
         }
+        if !legend::has_room(self.rect) {
+            return;
+        }
         let (at, anchor) = match axis {
             // Above the upper end: beside the numbers it would need much room.
             2 => (to + vec2(0.0, -8.0), Align2::CENTER_BOTTOM),

@@ -28,7 +28,9 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>) {
             ScaleMode::FlatSpot => "calibrated here",
             ScaleMode::Header => "flat spot (header scale in use)",
         };
-        if let Some(middle) = middle(scene, &spot.pings) {
+        if legend::has_room(scene.rect)
+            && let Some(middle) = middle(scene, &spot.pings)
+        {
             let colour = theme::calibration_colour();
             let at = middle + vec2(10.0, 6.0);
             legend::plate(painter, scene.options, at, Align2::LEFT_TOP, text, colour);

@@ -86,6 +86,7 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) {
     let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
     let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
     if scene.options.map.depth_map
+        && legend::has_room(scene.rect)
         && let Some(depth) = scene.depth
     {
         let text = match depth.map {
