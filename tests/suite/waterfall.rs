@@ -1,15 +1,12 @@
 //! The waterfall and the profile in a window of their own: what they say, what gestures do, what they look like.
 
+mod profile;
+mod synthetic;
+
 use crate::support;
 use bathyscope::app::{App, Command, Jobs, Mark, Orientation};
-use bathyscope::first_return::{
-    FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, Pick, SampleMode,
-    detect,
-};
 use bathyscope::progress::Progress;
-use bathyscope::survey::{
-    Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
-};
+use bathyscope::survey::{Side, SideScanState, Survey};
 use bathyscope::ui::views::{ProfileView, WaterfallView};
 use bathyscope::ui::{ViewContext, ViewRequest};
 use egui::accesskit::Role;
@@ -19,6 +16,7 @@ use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_set
 use egui_kittest::{Harness, Node};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use synthetic::{bed_m, even_bottom, pond, pond_returns, span, survey_of};
 
 /// A waterfall or a profile alone in a window, with its state at hand.
 struct Window {
@@ -101,115 +99,6 @@ fn app_with(survey: Survey) -> App {
     app.survey = Some(Arc::new(survey));
     app.survey_serial = 1;
     app
-}
-
-fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {
-    let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
-        time_s: ping as f64 * 0.05,
-        depth_m: 4.0,
-        depth_locked: true,
-        port,
-        starboard,
-    });
-    Survey {
-        source: Source {
-            files: vec!["synthetic.sl2".into()],
-            format: "synthetic".into(),
-            byte_count: bytes.len() as u64,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
-        side_scan: side_scan.collect(),
-        side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
-        bytes: vec![Bytes::Held(bytes.into())],
-    }
-}
-
-fn span(offset: usize, count: u32, far_m: f32) -> SideSpan {
-    SideSpan {
-        file: 0,
-        encoding: Encoding::U8,
-        order: Order::NearToFar,
-        offset: offset as u64,
-        count,
-        near_m: 0.0,
-        far_m,
-    }
-}
-
-/// 20 m to each side in 400 samples; a bottom at 4 m under dark water, brighter to starboard, every ping the same.
-fn even_bottom(pings: usize) -> Survey {
-    let side = |gain: usize| {
-        (0..400_usize).map(move |sample| match sample {
-            0..80 => 8,
-            _ => (gain * (480 - sample) / 400) as u8,
-        })
-    };
-    let bytes = side(120).chain(side(220)).collect();
-    let spans = [Some(span(0, 400, 20.0)), Some(span(400, 400, 20.0))];
-    survey_of(bytes, std::iter::repeat_n(spans, pings))
-}
-
-/// A bed that rises and falls, with ripples, a target with its shadow to starboard, and a range that is halved for the
-/// last third of the pings.
-fn pond() -> Survey {
-    let (mut bytes, mut spans) = (Vec::new(), Vec::new());
-    for ping in 0..600_usize {
-        let far_m = if ping < 400 { 20.0 } else { 10.0 };
-        let bed_m = bed_m(ping);
-        let mut sides = [None, None];
-        for side in Side::BOTH {
-            sides[side as usize] = Some(span(bytes.len(), 400, far_m));
-            for sample in 0..400 {
-                let range_m = (sample as f32 + 0.5) / 400.0 * far_m;
-                let target = side == Side::Starboard && (200..206).contains(&ping);
-                bytes.push(match range_m {
-                    range_m if range_m < 0.3 => 230,
-                    range_m if range_m < bed_m => 12,
-                    range_m if target && (9.0..9.6).contains(&range_m) => 255,
-                    range_m if target && (9.6..12.0).contains(&range_m) => 5,
-                    _ => {
-                        let ripples = (range_m * 2.0 + ping as f32 * 0.05).sin() * 14.0;
-                        (150.0 * (bed_m / range_m).sqrt() + ripples) as u8
-                    }
-                });
-            }
-        }
-        spans.push(sides);
-    }
-    survey_of(bytes, spans.into_iter())
-}
-
-fn bed_m(ping: usize) -> f32 {
-    4.0 + 1.5 * (ping as f32 * 0.015).sin()
-}
-
-/// First returns on the bed of [`pond`]: a gap on port, canopy on starboard.
-fn pond_returns(survey: &Survey) -> FirstReturns {
-    let picks = |side: Side| -> Vec<Pick> {
-        let pick = |(ping, recorded): (usize, &SidePing)| {
-            let span = recorded.side(side).expect("both sides are recorded");
-            let pick = Pick {
-                sample: span.sample_at(f64::from(bed_m(ping))) as f32,
-                confidence: 0.9,
-                canopy: side == Side::Starboard && (80..180).contains(&ping),
-            };
-            if side == Side::Port && (250..300).contains(&ping) {
-                Pick::NONE
-            } else {
-                pick
-            }
-        };
-        survey.side_scan.iter().enumerate().map(pick).collect()
-    };
-    FirstReturns {
-        port: picks(Side::Port),
-        starboard: picks(Side::Starboard),
-        warnings: Vec::new(),
-    }
 }
 
 fn pond_app() -> App {
@@ -498,97 +387,6 @@ fn the_line_follows_new_picks_in_the_next_frame() {
 }
 
 #[test]
-fn the_profile_says_its_values() {
-    let mut app = pond_app();
-    app.selection = Some(Mark::ping(100));
-    let mut window = window(app, [300.0, 180.0]);
-    window.state_mut().shows_profile = true;
-    window.run_steps(2);
-    let bed_m = bed_m(100);
-    assert_eq!(
-        name(&window),
-        format!(
-            "Profile of ping 100: port first return {bed_m:.2} m, starboard first return {bed_m:.2} m, threshold 0.30, \
-             recorded depth 4.00 m"
-        )
-    );
-    window
-        .state_mut()
-        .app
-        .apply(Command::Hover(Some(Mark::ping(270))));
-    window.run_steps(2);
-    assert!(
-        name(&window).contains("ping 270: port first return none"),
-        "{}",
-        name(&window)
-    );
-}
-
-#[test]
-fn the_profile_is_the_intensity_that_the_search_sees() {
-    let survey = pond();
-    let progress = Progress::new();
-    for samples in [SampleMode::Bytes, SampleMode::Words] {
-        let image = ImageSettings { samples };
-        let settings = FirstReturnSettings {
-            method: Method::Threshold,
-            ..FirstReturnSettings::default()
-        };
-        let dead_zone_m = settings.dead_zone_m;
-        let normalisation = Normalisation::measure(&survey, &image, dead_zone_m, &progress);
-        let normalisation = normalisation.expect("not cancelled");
-        let returns = detect(&survey, &image, &settings, &progress).expect("not cancelled");
-        let per_value = if samples == SampleMode::Words { 4 } else { 1 };
-        for ping in [0, 100, 205, 500] {
-            for side in Side::BOTH {
-                let profile = normalisation.profile(&survey, ping, side);
-                assert_eq!(profile.len(), 400 / per_value);
-                // Beyond the dead zone, where the search begins: masked words may lie above the threshold.
-                let span = survey.side_scan[ping].side(side).expect("a recorded side");
-                let dead = (span.sample_at(dead_zone_m) - 1e-6).ceil() as usize;
-                let passes = |index: &usize| profile[*index] >= settings.threshold;
-                let first = (dead.div_ceil(per_value)..profile.len()).find(passes);
-                let found = returns.side(side)[ping].sample as usize / per_value;
-                assert_eq!(first, Some(found), "{samples:?} ping {ping} {side:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn the_threshold_line_can_be_dragged() {
-    let mut app = app_with(even_bottom(10));
-    app.selection = Some(Mark::ping(5));
-    let mut window = window(app, [300.0, 180.0]);
-    window.state_mut().shows_profile = true;
-    window.run_steps(2);
-    // The plot is 148 points high between 16 above and 16 below.
-    let level_y = |level: f32| 180.0 - 16.0 - level * 148.0;
-    window.drag_at(pos2(60.0, level_y(0.30)));
-    window.run_steps(1);
-    window.hover_at(pos2(60.0, level_y(0.45)));
-    window.run_steps(1);
-    window.hover_at(pos2(60.0, level_y(0.60)));
-    window.run_steps(1);
-    window.drop_at(pos2(60.0, level_y(0.60)));
-    window.run_steps(2);
-    let changes: Vec<(f32, bool)> = window
-        .state()
-        .pushed
-        .iter()
-        .filter_map(|command| match command {
-            Command::Change { settings, live, .. } => {
-                Some((settings.first_return.threshold, *live))
-            }
-            _ => None,
-        })
-        .collect();
-    assert!(changes.contains(&(0.45, true)), "{changes:?}");
-    assert_eq!(changes.last(), Some(&(0.60, false)), "{changes:?}");
-    assert_eq!(window.state().app.undo_label(), Some("threshold"));
-}
-
-#[test]
 fn looks_as_it_did_along_the_screen() {
     let mut app = pond_app();
     app.selection = Some(Mark {
@@ -611,20 +409,6 @@ fn looks_as_it_did_down_the_screen_and_near() {
     window.state_mut().waterfall.show_pings(385..415);
     settle(&mut window);
     window.snapshot("waterfall_vertical_near");
-}
-
-#[test]
-fn the_profile_looks_as_it_did() {
-    let mut app = pond_app();
-    app.selection = Some(Mark::ping(100));
-    let mut window = window(app, [300.0, 180.0]);
-    window.state_mut().shows_profile = true;
-    // The scale of the whole picture is measured on a worker.
-    for _ in 0..20 {
-        std::thread::sleep(Duration::from_millis(5));
-        window.run_steps(1);
-    }
-    window.snapshot("profile");
 }
 
 #[test]
