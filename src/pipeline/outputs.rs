@@ -17,6 +17,9 @@ pub struct Written {
     pub report: Report,
 }
 
+/// Writes one product to a path.
+type Write<'a> = dyn Fn(&Path) -> Result<(), export::ExportError> + 'a;
+
 /// Writes `first_returns.csv`, `cloud.csv`, `cloud.laz`, `cloud.ply` and `report.json` into `folder`, which is made when it
 /// is missing. Each file is written aside and renamed, the report last: where it is, the others are whole.
 ///
@@ -38,10 +41,7 @@ pub fn write_products(
         kept,
         ..
     } = products;
-    let writers: [(
-        &'static str,
-        &dyn Fn(&Path) -> Result<(), export::ExportError>,
-    ); 5] = [
+    let writers: [(&'static str, &Write<'_>); 5] = [
         ("first_returns.csv", &|path| {
             export::first_returns_csv(path, survey, navigation, returns, calibration)
         }),
