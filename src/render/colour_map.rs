@@ -6,18 +6,6 @@ pub type Palette = [[u8; 3]; 256];
 /// Colours at even distances, between which the table is interpolated.
 type Stops = &'static [[u8; 3]];
 
-/// The classic of fish-finders: red saturates first (as in Matlab's and Matplotlib's `copper`).
-const COPPER: Stops = &[
-    [0, 0, 0],
-    [40, 25, 16],
-    [79, 50, 32],
-    [119, 75, 48],
-    [159, 99, 63],
-    [198, 124, 79],
-    [238, 149, 95],
-    [255, 174, 111],
-    [255, 199, 127],
-];
 const GREY: Stops = &[[0, 0, 0], [255, 255, 255]];
 const INVERSE_GREY: Stops = &[[255, 255, 255], [0, 0, 0]];
 /// Black over brown to pale yellow, as side-scan towfish programs show it.
@@ -42,9 +30,10 @@ const VIRIDIS: Stops = &[
     [253, 231, 37],
 ];
 
-/// Black to copper.
+/// Black to copper, the classic of fish-finders: red saturates at 81 % (Matlab's and Matplotlib's `copper`).
 pub fn copper() -> Palette {
-    interpolate(COPPER)
+    const SLOPES: [f32; 3] = [1.2346, 0.7812, 0.4975];
+    std::array::from_fn(|index| SLOPES.map(|slope| (slope * index as f32).round().min(255.0) as u8))
 }
 
 /// Black to white.
@@ -109,18 +98,20 @@ mod tests {
     }
 
     #[test]
-    fn copper_follows_its_formula() {
-        // Matplotlib: red = min(1, x / 0.8100), green = 0.7812 x, blue = 0.4975 x. The knee of red lies between two stops,
-        // which cuts it by 8 levels.
-        for (index, [r, g, b]) in copper().into_iter().enumerate() {
-            let x = index as f32;
-            for (got, want) in [
-                (r, (x * 1.2346).min(255.0)),
-                (g, x * 0.7812),
-                (b, x * 0.4975),
-            ] {
-                assert!((f32::from(got) - want).abs() < 8.5, "{index}: {got} {want}");
+    fn copper_is_that_of_matplotlib() {
+        // matplotlib.colormaps["copper"](index, bytes=True), 3.8.
+        let copper = copper();
+        for (index, colour) in [
+            (0, [0, 0, 0]),
+            (64, [79, 50, 32]),
+            (128, [158, 100, 64]),
+            (255, [255, 199, 127]),
+        ] {
+            for (got, want) in copper[index].into_iter().zip(colour) {
+                assert!(got.abs_diff(want) <= 1, "{index}: {:?}", copper[index]);
             }
         }
+        assert_eq!(copper[206][0], 254);
+        assert_eq!(copper[207][0], 255);
     }
 }
