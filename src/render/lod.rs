@@ -49,7 +49,7 @@ pub struct LineLevel {
     pub tolerance_m: f32,
     /// All pieces in order.
     pub segments: Vec<Segment>,
-    /// Box of each [`CHUNK`] segments.
+    /// The box of each chunk of `segments`, in order.
     pub chunks: Vec<Bounds>,
 }
 

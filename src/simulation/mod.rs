@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
-//! to its ping and purpose ([`random`]), and the arithmetic uses only operations that IEEE 754 fixes ([`arithmetic`]).
+//! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
 
 mod arithmetic;
 mod artefacts;
