@@ -26,6 +26,7 @@ pub mod pipeline;
 pub mod progress;
 pub mod render;
 pub mod simulation;
+mod statistics;
 pub mod survey;
 pub mod ui;
 pub mod waterfall;

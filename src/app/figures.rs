@@ -46,12 +46,7 @@ impl Figures {
             points: points.len(),
             side_scan_points,
             removed: products.cloud.outliers(&products.kept),
-            residuals: residuals(
-                survey,
-                &products.navigation,
-                &products.cloud,
-                &products.kept,
-            ),
+            residuals: residuals(survey, &products.cloud, &products.kept),
         })
     }
 }

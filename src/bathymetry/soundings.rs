@@ -1,5 +1,6 @@
 //! Depths with a place, and what to do with the many that share one.
 
+use crate::statistics::median;
 use crate::survey::{Navigation, Survey};
 
 /// A depth at a place.
@@ -67,18 +68,6 @@ fn merge(same: &[([i64; 2], DepthPoint)], depths: &mut Vec<f64>) -> DepthPoint {
         north_m: first.north_m + north_m / count,
         depth_m: median(depths),
     }
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    let upper = values.len() / 2;
-    let is_odd = values.len() % 2 == 1;
-    let (below, middle, _) = values.select_nth_unstable_by(upper, f64::total_cmp);
-    let middle = *middle;
-    if is_odd {
-        return middle;
-    }
-    let lower = below.iter().copied().fold(f64::MIN, f64::max);
-    0.5 * (lower + middle)
 }
 
 /// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any finite depth.

@@ -1,13 +1,14 @@
 //! All scales side by side, the one in force, and what does not agree.
 
 use super::offset::{blocks, range_offset_m};
-use super::robust::{median, robust_line, spread_about};
+use super::robust::robust_line;
 use super::scale::{Usable, header_scale, pixels_per_metre, range_changes, usable_picks};
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, Scale, ScaleMode, flat_spots,
 };
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
+use crate::statistics::{median, spread_about};
 use crate::survey::{Navigation, Survey};
 
 /// Picks that a fit over the log needs, at least.

@@ -1,8 +1,8 @@
 //! Where the bottom is flat along the track.
 
 use super::FlatSpot;
-use super::robust::median;
 use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
 use crate::survey::{Navigation, Survey};
 use std::ops::Range;
 

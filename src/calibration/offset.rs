@@ -1,7 +1,7 @@
 //! The constant between first-return ranges and recorded depths.
 
-use super::robust::median;
 use super::scale::Usable;
+use crate::statistics::median;
 use crate::survey::Side;
 
 /// Pings that are looked at together: long enough to quiet the noise of the recorded depth, short against slopes.

@@ -1,29 +1,6 @@
-//! Statistics that a few bad picks cannot move.
+//! A straight line that a third of wild points cannot move.
 
-/// Ratio of the standard deviation of normal noise to its median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
-
-/// Median; NaN for an empty slice. Reorders `values`.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let (middle, even) = (values.len() / 2, values.len().is_multiple_of(2));
-    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    if !even {
-        return upper;
-    }
-    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (lower + upper) / 2.0
-}
-
-/// Robust standard deviation about `centre` (1.4826 times the median absolute deviation). Overwrites `values`.
-pub(crate) fn spread_about(values: &mut [f64], centre: f64) -> f64 {
-    for value in values.iter_mut() {
-        *value = (*value - centre).abs();
-    }
-    SIGMA_PER_MAD * median(values)
-}
+use crate::statistics::{median, spread_about};
 
 /// A straight line `y = slope x + offset` with the robust standard deviation about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,13 +93,6 @@ fn weighted_line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn medians_of_odd_and_even_counts() {
-        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), 2.5);
-        assert!(median(&mut []).is_nan());
-    }
 
     #[test]
     fn a_third_of_wild_points_does_not_move_the_line() {

@@ -1,8 +1,8 @@
 //! Pixels per metre: measured at a flat spot, and as the log's headers imply it.
 
 use super::Scale;
-use super::robust::{median, spread_about};
 use crate::first_return::{FirstReturns, Pick};
+use crate::statistics::{median, spread_about};
 use crate::survey::{Side, Survey};
 use std::ops::Range;
 

@@ -1,7 +1,8 @@
 //! Agreement of side-scan depths with recorded depths.
 
 use super::{PointCloud, PointSource};
-use crate::survey::{Navigation, Survey};
+use crate::statistics::{median, quantile};
+use crate::survey::Survey;
 use serde::Serialize;
 
 /// Agreement of side-scan depths with recorded depths at the same ping.
@@ -27,12 +28,7 @@ pub struct Residuals {
 /// had the bottom; `None` without any.
 ///
 /// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
-pub fn residuals(
-    survey: &Survey,
-    _navigation: &Navigation,
-    cloud: &PointCloud,
-    kept: &[bool],
-) -> Option<Residuals> {
+pub fn residuals(survey: &Survey, cloud: &PointCloud, kept: &[bool]) -> Option<Residuals> {
     let mut differences: Vec<f64> = cloud
         .points
         .iter()
@@ -47,7 +43,7 @@ pub fn residuals(
 }
 
 impl Residuals {
-    /// Statistics of differences (measured minus reference depth, metres), which are reordered; `None` when there are none.
+    /// Statistics of differences (measured minus reference depth, metres), which are overwritten; `None` when there are none.
     pub fn of(differences: &mut [f64]) -> Option<Self> {
         let n = differences.len();
         if n == 0 {
@@ -58,9 +54,11 @@ impl Residuals {
         let mae_m = mean(&mut differences.iter().map(|d| d.abs()));
         let square = mean(&mut differences.iter().map(|d| d * d));
         let about_mean: f64 = differences.iter().map(|d| (d - mean_m).powi(2)).sum();
+        let median_m = median(differences);
+        for difference in differences.iter_mut() {
+            *difference = difference.abs();
+        }
         differences.sort_unstable_by(f64::total_cmp);
-        let median_m = (differences[(n - 1) / 2] + differences[n / 2]) / 2.0;
-        differences.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
         Some(Self {
             n,
             mean_m,
@@ -68,16 +66,7 @@ impl Residuals {
             sd_m: (about_mean / (n.max(2) - 1) as f64).sqrt(),
             rms_m: square.sqrt(),
             mae_m,
-            p95_m: quantile(differences, 0.95).abs(),
+            p95_m: quantile(differences, 0.95),
         })
     }
-}
-
-/// Linear between order statistics, as numpy does; `sorted` holds at least one value, sorted by magnitude.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * (sorted.len() - 1) as f64;
-    let below = place as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    let (low, high) = (sorted[below].abs(), sorted[above].abs());
-    low + (place - below as f64) * (high - low)
 }

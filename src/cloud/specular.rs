@@ -8,6 +8,7 @@
 //! recorded depth as reference, this measured best on simulated gentle, steep and rough beds alike.
 
 use super::geometry::Foot;
+use crate::statistics::{SIGMA_PER_MAD, upper_median};
 
 /// Pings on each side of a ping that its slope is measured over.
 const REACH: usize = 10;
@@ -17,8 +18,6 @@ const MIN_PAIRS: usize = 7;
 const MAX_AWAY_S: f64 = 2.0;
 /// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its foot far out.
 const MAX_SLOPE_DEG: f64 = 35.0;
-/// Ratio of the standard deviation of normal noise to its median absolute deviation.
-const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Slant ranges of both sides of a ping, metres; NaN without a pick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,10 +81,8 @@ pub(super) fn specular_foot(range_m: f64, rise_rad: f64) -> Foot {
     }
 }
 
-/// Median (the upper one of an even count). Reorders `values`, of which there is at least one.
 fn middle(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    upper_median(values, f64::total_cmp).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::collected::Collected;
 use super::depths;
 use super::join::join_halves;
+use crate::statistics::upper_median;
 use crate::survey::{Channel, Fix, Side, SidePing, SideScanState, Survey, Track};
 
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
@@ -75,8 +76,7 @@ fn clean_track(log: &mut Collected) -> Vec<Fix> {
     let mut fixes = std::mem::take(&mut log.fixes);
     let median = |pick: fn(&Fix) -> f64| {
         let mut values: Vec<f64> = fixes.iter().map(pick).collect();
-        let middle = values.len() / 2;
-        (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+        upper_median(&mut values, f64::total_cmp)
     };
     let (Some(lon_deg), Some(lat_deg)) = (
         median(|fix| fix.position.lon_deg),

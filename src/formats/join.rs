@@ -1,6 +1,7 @@
 //! Joins the port and the starboard half of a ping where a recorder writes them apart.
 
 use super::collected::HalfPing;
+use crate::statistics::upper_median;
 use crate::survey::SidePing;
 
 /// Two halves without any other measure of the ping rate belong together within this time, seconds.
@@ -63,9 +64,7 @@ fn interval_s(halves: &[HalfPing]) -> Option<f64> {
     if steps.len() < 2 {
         return None;
     }
-    let middle = steps.len() / 2;
-    let (_, &mut median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-    (median > 0.0).then_some(median)
+    upper_median(&mut steps, f64::total_cmp).filter(|median| *median > 0.0)
 }
 
 #[cfg(test)]

@@ -160,7 +160,7 @@ impl Report {
                 outliers_removed_share: outliers_removed as f64 / side_scan_points.max(1) as f64,
             },
             calibration: CalibrationReport::new(calibration),
-            residuals: residuals(survey, navigation, cloud, kept),
+            residuals: residuals(survey, cloud, kept),
             statement: STATEMENT,
             warnings: warnings(survey, products),
         })

@@ -4,6 +4,7 @@
 //! jumps between one and four times the depth within a second. Nothing may lean on such depths, but they stay visible.
 
 use super::Sounding;
+use crate::statistics::upper_median;
 
 /// A step between soundings is a jump beyond this many metres and this share of the depth: at any boat's speed a bed that
 /// rises so from one sounding to the next stands upright.
@@ -53,18 +54,17 @@ fn is_jump(soundings: &[Sounding], index: usize) -> bool {
     here.time_s - before.time_s < NEIGHBOURS_S && differ(before, here)
 }
 
-/// Whether a sounding departs from the median of its neighbours, and from both next to it that agree with that median.
+/// Whether a sounding departs from the median of those around it, which was taken soon before or after.
 fn is_glitch(soundings: &[Sounding], index: usize) -> bool {
     let around = index.saturating_sub(REACH)..(index + REACH + 1).min(soundings.len());
     if around.len() <= REACH {
         return false;
     }
     let mut near: Vec<Sounding> = soundings[around].to_vec();
-    let middle = near.len() / 2;
-    let (_, median, _) =
-        near.select_nth_unstable_by(middle, |a, b| a.depth_m.total_cmp(&b.depth_m));
-    (median.time_s - soundings[index].time_s).abs() < TOGETHER_S
-        && differ(median, &soundings[index])
+    let here = &soundings[index];
+    upper_median(&mut near, |a, b| a.depth_m.total_cmp(&b.depth_m)).is_some_and(|median| {
+        (median.time_s - here.time_s).abs() < TOGETHER_S && differ(&median, here)
+    })
 }
 
 #[cfg(test)]

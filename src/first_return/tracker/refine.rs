@@ -10,6 +10,7 @@ use super::rows::Rows;
 use super::score::{FLOOR, MOST};
 use super::straight::{extract, gaussian, smooth, smooth_along, stretches};
 use super::viterbi::{Motion, Paths};
+use crate::statistics::upper_median;
 use std::ops::Range;
 
 /// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight by, the picture that is
@@ -64,7 +65,8 @@ impl Refiner {
         let profiles: Vec<Profile> = (0..line.len())
             .map(|row| Profile::of(self.profiles.row(row), cell_m))
             .collect();
-        let drop = DROP * median(profiles.iter().map(Profile::contrast));
+        let mut contrasts: Vec<f32> = profiles.iter().map(Profile::contrast).collect();
+        let drop = DROP * upper_median(&mut contrasts, f32::total_cmp).unwrap_or(0.0);
         for (place, profile) in places.iter_mut().zip(&profiles) {
             *place += profile.edge(drop);
         }
@@ -106,15 +108,6 @@ impl Refiner {
 
 fn cells(metres: f64, cell_m: f64, least: usize) -> usize {
     ((metres / cell_m).round() as usize).clamp(least, 255)
-}
-
-fn median(values: impl Iterator<Item = f32>) -> f32 {
-    let mut values: Vec<f32> = values.collect();
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// The score of the first search, with windows short enough for the place of the edge, on a few cells.

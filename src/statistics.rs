@@ -1,0 +1,80 @@
+//! Middles and spreads that a few bad values cannot move. Leans on nothing; any room may use it.
+
+use std::cmp::Ordering;
+
+/// Ratio of the standard deviation of normal noise to its median absolute deviation.
+pub const SIGMA_PER_MAD: f64 = 1.4826;
+
+/// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
+pub fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let (middle, even) = (values.len() / 2, values.len().is_multiple_of(2));
+    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if !even {
+        return upper;
+    }
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (lower + upper) / 2.0
+}
+
+/// The middle one in the order of `compare`, the upper of the middle two of an even count: always one of the values.
+/// `None` for an empty slice. Reorders `values`.
+pub fn upper_median<T: Copy>(
+    values: &mut [T],
+    compare: impl FnMut(&T, &T) -> Ordering,
+) -> Option<T> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, compare).1)
+}
+
+/// Robust standard deviation about `centre`: 1.4826 times the median absolute deviation. Overwrites `values`.
+pub fn spread_about(values: &mut [f64], centre: f64) -> f64 {
+    for value in values.iter_mut() {
+        *value = (*value - centre).abs();
+    }
+    SIGMA_PER_MAD * median(values)
+}
+
+/// The value below which a share (0 to 1) lies, linear between order statistics as numpy's default is; NaN for an empty
+/// slice. `sorted` ascends.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else {
+        return f64::NAN;
+    };
+    let place = share.clamp(0.0, 1.0) * last as f64;
+    let below = place as usize;
+    let (low, high) = (sorted[below], sorted[(below + 1).min(last)]);
+    low + (place - below as f64) * (high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_of_odd_and_even_counts() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), 2.5);
+        assert!(median(&mut []).is_nan());
+        assert_eq!(
+            upper_median(&mut [4.0, 1.0, 3.0, 2.0], f64::total_cmp),
+            Some(3.0)
+        );
+        assert_eq!(upper_median(&mut [], f64::total_cmp), None);
+    }
+
+    #[test]
+    fn quantiles_are_those_of_numpy() {
+        // numpy.quantile([1, 2, 4, 8], [0.0, 0.4, 0.95, 1.0])
+        let sorted = [1.0, 2.0, 4.0, 8.0];
+        for (share, expected) in [(0.0, 1.0), (0.4, 2.4), (0.95, 7.4), (1.0, 8.0)] {
+            assert!(
+                (quantile(&sorted, share) - expected).abs() < 1e-12,
+                "{share}"
+            );
+        }
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+}
