@@ -10,7 +10,8 @@ struct Look {
     highlight: f32,     // share of the maximum in what is shown, the rest is the mean
     time_is_down: u32,  // 1: pings run down the screen, else to the right
     linear_target: u32, // 1: the target converts to sRGB on writing
-    padding: vec2u,
+    black: f32,         // intensity shown as 0, before all of the above
+    white: f32,         // intensity shown as 1
 }
 
 @group(0) @binding(0) var<uniform> look: Look;
@@ -92,7 +93,8 @@ fn fs_main(corner: Corner) -> @location(0) vec4f {
     if echo.z <= 0.0 {
         discard;
     }
-    let level = mix(echo.x, echo.y, look.highlight);
+    let recorded = mix(echo.x, echo.y, look.highlight);
+    let level = clamp((recorded - look.black) / (look.white - look.black), 0.0, 1.0);
     let shown = clamp((level - 0.5) * look.contrast + 0.5 + look.brightness, 0.0, 1.0);
     let curved = pow(shown, 1.0 / look.gamma);
     var colour = textureLoad(palette, vec2i(i32(round(curved * 255.0)), 0), 0).rgb;

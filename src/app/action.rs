@@ -57,7 +57,7 @@ actions! {
     ZoomOut, "Zoom out", Some("-"), "Reduces the focused view.";
     TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
-    LevelsReset, "Reset waterfall levels", None, "Puts brightness, contrast and gamma of the waterfall back.";
+    LevelsReset, "Reset waterfall levels", None, "Puts automatic level, brightness, contrast and gamma of the waterfall back.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
     Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";

@@ -110,6 +110,8 @@ pub enum SideColours {
 pub struct WaterfallOptions {
     /// Colours of echo strength.
     pub colour_map: ColourMap,
+    /// Fill the colours with the echoes that the survey has; otherwise 0 to 255 as recorded. The three below act on top.
+    pub auto_level: bool,
     /// Added to the normalised intensity, -1 to 1.
     pub brightness: f32,
     /// Factor about mid-grey, 0.1 to 10.
@@ -127,9 +129,10 @@ pub struct WaterfallOptions {
 }
 
 impl WaterfallOptions {
-    /// Puts brightness, contrast and gamma back.
+    /// Puts the automatic level, brightness, contrast and gamma back.
     pub fn reset_levels(&mut self) {
         let fresh = Self::default();
+        self.auto_level = fresh.auto_level;
         self.brightness = fresh.brightness;
         self.contrast = fresh.contrast;
         self.gamma = fresh.gamma;
@@ -140,6 +143,7 @@ impl Default for WaterfallOptions {
     fn default() -> Self {
         Self {
             colour_map: ColourMap::default(),
+            auto_level: true,
             brightness: 0.0,
             contrast: 1.0,
             gamma: 1.0,

@@ -22,8 +22,10 @@ pub struct Look {
     pub time_is_down: u32,
     /// 1 where the target converts to sRGB on writing; set by [`WaterfallPicture::prepare`].
     pub linear_target: u32,
-    /// Fills the struct to a multiple of 16 bytes.
-    pub padding: [u32; 2],
+    /// Intensity shown as 0, before brightness, contrast and gamma.
+    pub black: f32,
+    /// Intensity shown as 1; above `black`.
+    pub white: f32,
 }
 
 /// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
@@ -320,7 +322,8 @@ mod tests {
             offset_of!(Look, highlight),
             offset_of!(Look, time_is_down),
             offset_of!(Look, linear_target),
-            offset_of!(Look, padding),
+            offset_of!(Look, black),
+            offset_of!(Look, white),
         ];
         assert_eq!(offsets, expected);
         assert_eq!(*span as usize, size_of::<Look>());

@@ -9,6 +9,7 @@
 mod axis;
 mod cache;
 mod coarse;
+mod levels;
 mod line;
 mod resample;
 #[cfg(test)]
@@ -18,6 +19,7 @@ mod worker;
 
 pub use axis::RangeAxis;
 pub use cache::Lru;
+pub use levels::Levels;
 pub use line::{LineSpan, LineStep, PickLines, RangeLine};
 pub use tile::{Level, TILE, Tile, TileKey, Want};
 pub use worker::{Made, Tiler};

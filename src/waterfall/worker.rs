@@ -2,7 +2,7 @@
 
 use super::coarse::{Coarse, size};
 use super::resample::resample;
-use super::{PickLines, RangeAxis, RangeLine, Tile, TileKey, Want};
+use super::{Levels, PickLines, RangeAxis, RangeLine, Tile, TileKey, Want};
 use crate::first_return::FirstReturns;
 use crate::survey::Survey;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
@@ -11,6 +11,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 pub enum Made {
     /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has a usable range.
     Axis(Option<RangeAxis>),
+    /// The levels that suit the survey; come before the first tile, so that no picture changes its tone.
+    Levels(Levels),
     /// A tile.
     Tile(Tile),
     /// Lines of first returns.
@@ -56,6 +58,7 @@ impl Tiler {
             let axis = RangeAxis::of(&survey);
             out.send(Made::Axis(axis));
             if let Some(axis) = axis {
+                out.send(Made::Levels(Levels::of(&survey)));
                 out.send(Made::Depth(RangeLine::depth(&survey)));
                 Work {
                     coarse: Coarse::new(&axis),

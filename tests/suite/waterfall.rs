@@ -1,5 +1,6 @@
 //! The waterfall and the profile in a window of their own: what they say, what gestures do, what they look like.
 
+mod levels;
 mod profile;
 mod synthetic;
 

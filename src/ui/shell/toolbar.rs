@@ -95,9 +95,14 @@ fn menu(title: egui::RichText) -> MenuButton<'static> {
     MenuButton::new(title).config(stays)
 }
 
-/// Brightness, contrast and gamma.
+/// Automatic level, brightness, contrast and gamma.
 pub fn levels(ui: &mut Ui, options: &mut WaterfallOptions) {
     ui.spacing_mut().slider_width = 140.0;
+    ui.checkbox(&mut options.auto_level, "Automatic level")
+        .on_hover_text(
+            "Fills the colours with the echoes of this survey: its 1st percentile is dark, its 99th bright. \
+             Off: 0 is black and 255 white, as recorded.",
+        );
     ui.add(
         egui::Slider::new(&mut options.brightness, -1.0..=1.0)
             .text("brightness")

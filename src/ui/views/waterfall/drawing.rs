@@ -5,7 +5,7 @@ use super::tiles::TileSet;
 use crate::first_return::FirstReturns;
 use crate::render::waterfall::{Quad, TileTexture};
 use crate::survey::Survey;
-use crate::waterfall::{Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
+use crate::waterfall::{Levels, Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -24,6 +24,8 @@ pub(super) struct Drawing {
     wants_tiles: bool,
     pub picks: Option<Arc<PickLines>>,
     pub depth: Option<RangeLine>,
+    /// Levels that suit the survey.
+    pub levels: Levels,
 }
 
 impl Drawing {
@@ -41,6 +43,7 @@ impl Drawing {
             wants_tiles: true,
             picks: None,
             depth: None,
+            levels: Levels::RECORDED,
         }
     }
 
@@ -54,6 +57,7 @@ impl Drawing {
         while let Some(made) = self.tiler.poll() {
             match made {
                 Made::Axis(axis) => self.axis = Some(axis),
+                Made::Levels(levels) => self.levels = levels,
                 Made::Tile(tile) => self.arrived.push_back(tile),
                 Made::Picks(picks) => self.picks = Some(picks),
                 Made::Depth(depth) => self.depth = Some(depth),

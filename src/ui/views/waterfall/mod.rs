@@ -18,7 +18,7 @@ use crate::render::colour_map;
 use crate::render::waterfall::{Look, WaterfallPicture};
 use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, theme};
-use crate::waterfall::RangeAxis;
+use crate::waterfall::{Levels, RangeAxis};
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use egui::{Sense, emath::GuiRounding as _};
@@ -229,14 +229,20 @@ impl WaterfallView {
             lens.rect,
             PictureCallback {
                 picture: gpu.picture.clone(),
-                look: look(options),
+                look: look(options, drawing.levels),
                 tiles,
             },
         ));
     }
 }
 
-fn look(options: &WaterfallOptions) -> Look {
+/// `suited` are the levels that suit the survey.
+fn look(options: &WaterfallOptions, suited: Levels) -> Look {
+    let levels = if options.auto_level {
+        suited
+    } else {
+        Levels::RECORDED
+    };
     Look {
         brightness: options.brightness,
         contrast: options.contrast,
@@ -244,7 +250,8 @@ fn look(options: &WaterfallOptions) -> Look {
         highlight: HIGHLIGHT,
         time_is_down: u32::from(options.orientation == Orientation::Vertical),
         linear_target: 0,
-        padding: [0; 2],
+        black: levels.black,
+        white: levels.white,
     }
 }
 
