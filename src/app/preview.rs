@@ -6,8 +6,8 @@
 
 use super::{Jobs, Outcome, Task};
 use crate::first_return::{
-    FirstReturnSettings, FirstReturns, ImageSettings, Method, SampleMode, ThresholdIndex,
-    track_range,
+    FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode,
+    ThresholdIndex, track_range,
 };
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
@@ -27,17 +27,41 @@ pub(super) struct Request {
 }
 
 impl Request {
-    fn key(&self) -> IndexKey {
-        IndexKey {
+    fn key(&self) -> Key {
+        Key {
+            method: self.first_return.method,
             samples: self.image.samples,
             dead_zone_m: self.first_return.dead_zone_m,
         }
     }
 }
 
-/// What an index depends on besides the survey.
+/// What is measured once and kept between drags: the plain threshold needs its index, the tracker only the picture's scale,
+/// which takes no memory.
+enum Measured {
+    Index(ThresholdIndex),
+    Scale(Normalisation),
+}
+
+impl Measured {
+    fn measure(request: &Request, progress: &Progress) -> Result<Self, Cancelled> {
+        let (survey, image) = (&request.survey, &request.image);
+        let dead_zone_m = request.first_return.dead_zone_m;
+        match request.first_return.method {
+            Method::Threshold => {
+                ThresholdIndex::build(survey, image, dead_zone_m, progress).map(Self::Index)
+            }
+            Method::Tracker => {
+                Normalisation::measure(survey, image, dead_zone_m, progress).map(Self::Scale)
+            }
+        }
+    }
+}
+
+/// What [`Measured`] depends on besides the survey.
 #[derive(Clone, Copy, PartialEq)]
-struct IndexKey {
+struct Key {
+    method: Method,
     samples: SampleMode,
     dead_zone_m: f64,
 }
@@ -57,8 +81,8 @@ impl Preview {
 }
 
 struct Answer {
-    key: IndexKey,
-    index: Arc<ThresholdIndex>,
+    key: Key,
+    measured: Arc<Measured>,
     preview: Option<Preview>,
 }
 
@@ -67,7 +91,7 @@ type Running = Task<Result<Answer, Cancelled>>;
 /// Answers requests one after the other, leaving out those that a newer one replaced.
 #[derive(Default)]
 pub(super) struct Previewer {
-    index: Option<(IndexKey, Arc<ThresholdIndex>)>,
+    measured: Option<(Key, Arc<Measured>)>,
     running: Option<Running>,
     queued: Option<Request>,
 }
@@ -83,9 +107,9 @@ impl Previewer {
         self.running.is_some() || self.queued.is_some()
     }
 
-    /// Builds the index that `request` would need, so that the first drag finds it.
+    /// Measures what `request` would need, so that the first drag finds it.
     pub fn warm_up(&mut self, request: Request, jobs: &Jobs) {
-        let known = self.index.as_ref().map(|(key, _)| *key);
+        let known = self.measured.as_ref().map(|(key, _)| *key);
         if known != Some(request.key()) && !self.is_busy() {
             self.start(request, jobs, false);
         }
@@ -102,8 +126,8 @@ impl Previewer {
 
     fn start(&mut self, request: Request, jobs: &Jobs, wanted: bool) {
         let key = request.key();
-        let known = self.index.as_ref().filter(|(known, _)| *known == key);
-        let known = known.map(|(_, index)| index.clone());
+        let known = self.measured.as_ref().filter(|(known, _)| *known == key);
+        let known = known.map(|(_, measured)| measured.clone());
         self.running = Some(Task::start(jobs, move |progress| {
             answer(request, known, wanted, progress)
         }));
@@ -119,7 +143,7 @@ impl Previewer {
         };
         self.running = None;
         let preview = answer.and_then(|answer| {
-            self.index = Some((answer.key, answer.index));
+            self.measured = Some((answer.key, answer.measured));
             answer.preview
         });
         if let Some(request) = self.queued.take() {
@@ -131,23 +155,17 @@ impl Previewer {
 
 fn answer(
     request: Request,
-    known: Option<Arc<ThresholdIndex>>,
+    known: Option<Arc<Measured>>,
     wanted: bool,
     progress: &Progress,
 ) -> Result<Answer, Cancelled> {
     let key = request.key();
-    let dead_zone_m = request.first_return.dead_zone_m;
-    let index = match known {
-        Some(index) => index,
-        None => Arc::new(ThresholdIndex::build(
-            &request.survey,
-            &request.image,
-            dead_zone_m,
-            progress,
-        )?),
+    let measured = match known {
+        Some(measured) => measured,
+        None => Arc::new(Measured::measure(&request, progress)?),
     };
     let preview = if wanted {
-        let returns = Arc::new(search(&request, &index, progress)?);
+        let returns = Arc::new(search(&request, &measured, progress)?);
         Some(Preview {
             image: request.image,
             first_return: request.first_return,
@@ -158,27 +176,26 @@ fn answer(
     };
     Ok(Answer {
         key,
-        index,
+        measured,
         preview,
     })
 }
 
 fn search(
     request: &Request,
-    index: &ThresholdIndex,
+    measured: &Measured,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
     let settings = &request.first_return;
-    match settings.method {
-        Method::Threshold => Ok(index.detect(
+    match measured {
+        Measured::Index(index) => Ok(index.detect(
             &request.survey,
             settings.threshold,
             settings.canopy_margin_m,
         )),
-        Method::Tracker => {
+        Measured::Scale(normalisation) => {
             let end = request.visible.end.min(request.base.port.len());
             let pings = request.visible.start.min(end)..end;
-            let normalisation = index.normalisation();
             let seen = track_range(
                 &request.survey,
                 normalisation,

@@ -2,6 +2,7 @@
 
 use crate::large_log;
 use bathyscope::app::{App, Command, Jobs};
+use bathyscope::progress::Progress;
 use bathyscope::ui::{Shell, offscreen::Studio};
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,6 +24,16 @@ pub fn run() {
         println!("skipped: this system does not tell anonymous memory");
         return;
     };
+    let survey = bathyscope::formats::open(&path, &Progress::new()).expect("a log that opens");
+    println!(
+        "  opened: {:.0} MB",
+        anonymous_mb().unwrap_or(0.0) - before_mb
+    );
+    drop(survey);
+    println!(
+        "  closed: {:.0} MB",
+        anonymous_mb().unwrap_or(0.0) - before_mb
+    );
     let start = Instant::now();
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::Open(path));
