@@ -6,7 +6,7 @@ use super::{CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSour
 use crate::calibration::{Calibration, ScaleMode};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Navigation, Side, Survey};
+use crate::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
 
 /// Slant range of a pick by the calibration in force, metres; NaN without a pick. The only place where samples become metres.
@@ -17,7 +17,7 @@ pub fn slant_range_m(
     side: Side,
     sample: f32,
 ) -> f64 {
-    let Some(span) = survey.side_scan.get(ping).and_then(|ping| ping.side(side)) else {
+    let Some(span) = survey.span(ping, side) else {
         return f64::NAN;
     };
     match (calibration.mode, calibration.ppd) {
@@ -104,11 +104,13 @@ fn sounding_points(
         .iter()
         .zip(&navigation.soundings)
         .enumerate();
+    let nearest_ping =
+        |time_s| nearest_in_time(&survey.side_scan, time_s, |ping| ping.time_s).unwrap_or(0);
     soundings
         .filter(|(_, (sounding, place))| sounding.depth_m > 0.0 && place.east_m.is_finite())
         .map(|(index, (sounding, place))| CloudPoint {
             source: PointSource::DownScan,
-            ping: nearest_ping(survey, sounding.time_s) as u32,
+            ping: nearest_ping(sounding.time_s) as u32,
             sounding: Some(index as u32),
             sound: sounding.locked || down_scan == DownScan::All,
             sample: f32::NAN,
@@ -117,17 +119,6 @@ fn sounding_points(
             z_m: -f64::from(sounding.depth_m),
         })
         .collect()
-}
-
-/// The side-scan ping nearest in time; 0 without side-scan.
-fn nearest_ping(survey: &Survey, time_s: f64) -> usize {
-    let pings = &survey.side_scan;
-    let after = pings.partition_point(|ping| ping.time_s < time_s);
-    let before = after.saturating_sub(1);
-    match (pings.get(before), pings.get(after)) {
-        (Some(a), Some(b)) if b.time_s - time_s < time_s - a.time_s => after,
-        _ => before,
-    }
 }
 
 fn side_points<'a>(

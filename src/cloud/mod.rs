@@ -126,7 +126,7 @@ pub struct CloudPoint {
 }
 
 /// All points, before the outlier filter.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCloud {
     /// Soundings first, then port and starboard in ping order.
     pub points: Vec<CloudPoint>,

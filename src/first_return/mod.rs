@@ -56,7 +56,8 @@ pub struct FirstReturnSettings {
     pub threshold: f32,
     /// Slant range around the transducer that is ignored (ring-down), metres.
     pub dead_zone_m: f64,
-    /// A pick nearer than the recorded depth (where that is steady) by more than this is flagged as canopy, metres.
+    /// A pick nearer than the recorded depth by more than this is flagged as canopy, metres; not where the recorder had lost
+    /// the bottom.
     pub canopy_margin_m: f64,
 }
 
@@ -97,7 +98,7 @@ impl Pick {
 }
 
 /// The first return of every side-scan ping.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirstReturns {
     /// One entry per [`Survey::side_scan`] ping.
     pub port: Vec<Pick>,

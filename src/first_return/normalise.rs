@@ -74,7 +74,7 @@ impl Normalisation {
     /// The normalised intensity of one side of a ping, nearest first, the dead zone masked: one value a sample, or one a
     /// word of four. Empty where the side was not recorded.
     pub fn profile(&self, survey: &Survey, ping: usize, side: Side) -> Vec<f32> {
-        let span = survey.side_scan.get(ping).and_then(|ping| ping.side(side));
+        let span = survey.span(ping, side);
         let Some((span, samples)) = span.zip(survey.samples(ping, side)) else {
             return Vec::new();
         };
@@ -145,10 +145,8 @@ fn ping_extremes(survey: &Survey, ping: usize, mode: SampleMode, dead_zone_m: f6
     Side::BOTH
         .into_iter()
         .fold(Extremes::NONE, |extremes, side| {
-            let (Some(samples), Some(span)) = (
-                survey.samples(ping, side),
-                survey.side_scan.get(ping).and_then(|ping| ping.side(side)),
-            ) else {
+            let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side))
+            else {
                 return extremes;
             };
             let dead = dead_samples(span, dead_zone_m);

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub struct ThresholdIndex {
     normalisation: Normalisation,
     maxima: Maxima,
-    /// The depth at each ping where it is steady, else NaN.
+    /// [`Survey::locked_depth_m`] of every ping.
     depths_m: Vec<f32>,
 }
 
@@ -243,10 +243,7 @@ fn climb_bytes(
     dead_zone_m: f64,
     out: &mut Staircase<u8>,
 ) {
-    let (Some(samples), Some(span)) = (
-        survey.samples(ping, side),
-        survey.side_scan.get(ping).and_then(|ping| ping.side(side)),
-    ) else {
+    let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side)) else {
         return;
     };
     let mut row = std::mem::take(&mut out.row);
@@ -272,10 +269,7 @@ fn climb_words(
     dead_zone_m: f64,
     out: &mut Staircase<i32>,
 ) {
-    let (Some(samples), Some(span)) = (
-        survey.samples(ping, side),
-        survey.side_scan.get(ping).and_then(|ping| ping.side(side)),
-    ) else {
+    let (Some(samples), Some(span)) = (survey.samples(ping, side), survey.span(ping, side)) else {
         return;
     };
     let dead = dead_samples(span, dead_zone_m);

@@ -1,7 +1,7 @@
 //! Which of the recorded depths are the soundings, and which of them each side-scan ping has.
 
 use super::report::Report;
-use crate::survey::{ChannelKind, SidePing, Sounding, mark_bottom_lock};
+use crate::survey::{ChannelKind, SidePing, Sounding, mark_bottom_lock, nearest_in_time};
 
 /// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time, seconds.
 const NEAREST_SOUNDING_S: f64 = 5.0;
@@ -31,24 +31,12 @@ pub(super) fn choose(mut depths: Vec<(ChannelKind, Vec<Sounding>)>) -> Vec<Sound
 
 /// Gives every ping the depth of the sounding nearest in time. Both are in time order.
 pub(super) fn give_to(pings: &mut [SidePing], soundings: &[Sounding]) {
-    let mut next = 0;
     for ping in pings {
-        while soundings
-            .get(next)
-            .is_some_and(|sounding| sounding.time_s < ping.time_s)
-        {
-            next += 1;
-        }
-        let around = [next.checked_sub(1), Some(next)];
-        let nearest = around
-            .into_iter()
-            .flatten()
-            .filter_map(|index| soundings.get(index))
-            .map(|sounding| ((sounding.time_s - ping.time_s).abs(), sounding))
-            .filter(|(apart_s, _)| *apart_s <= NEAREST_SOUNDING_S)
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        ping.depth_m = nearest.map_or(f32::NAN, |(_, sounding)| sounding.depth_m);
-        ping.depth_locked = nearest.is_some_and(|(_, sounding)| sounding.locked);
+        let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
+            .map(|index| &soundings[index])
+            .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
+        ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
+        ping.depth_locked = nearest.is_some_and(|sounding| sounding.locked);
     }
 }
 

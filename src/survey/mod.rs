@@ -4,11 +4,13 @@ mod bottom_lock;
 mod fitted_track;
 mod local_fit;
 mod navigation;
+mod nearest;
 mod samples;
 mod track;
 
 pub use bottom_lock::mark_bottom_lock;
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
+pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{Fix, Track};
 
@@ -136,11 +138,12 @@ pub struct Sounding {
 }
 
 /// What can be done with the survey's side-scan.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SideScanState {
     /// There is a picture.
     Usable,
     /// The log holds no side-scan frames.
+    #[default]
     Absent,
     /// There are frames but no picture: no transducer was connected, the range is stuck (metres given).
     Noise {
@@ -150,7 +153,7 @@ pub enum SideScanState {
 }
 
 /// Where the bytes came from.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
     /// The files read, the one that was opened first.
     pub files: Vec<PathBuf>,
@@ -169,8 +172,8 @@ pub struct Warning {
     pub text: String,
 }
 
-/// A recorded survey. All vectors are in time order.
-#[derive(Debug)]
+/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is built by filling it.
+#[derive(Debug, Default)]
 pub struct Survey {
     /// Where it was read from.
     pub source: Source,
@@ -193,9 +196,14 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The samples of one side of one ping; `None` when the ping or the side was not recorded.
+    /// Where the samples of one side of one ping lie; `None` when the ping or the side was not recorded.
+    pub fn span(&self, ping: usize, side: Side) -> Option<&SideSpan> {
+        self.side_scan.get(ping)?.side(side)
+    }
+
+    /// The samples of one side of one ping; `None` when the ping or the side was not recorded, or lies outside the bytes.
     pub fn samples(&self, ping: usize, side: Side) -> Option<Samples<'_>> {
-        let span = self.side_scan.get(ping)?.side(side)?;
+        let span = self.span(ping, side)?;
         Samples::new(self.bytes.get(usize::from(span.file))?, span)
     }
 

@@ -26,6 +26,13 @@ pub struct Track {
     pub frame: LocalFrame,
 }
 
+impl Default for Track {
+    /// A track without a fix.
+    fn default() -> Self {
+        Self::new(Vec::new())
+    }
+}
+
 impl Track {
     /// A track through `fixes`, which the caller has put in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {

@@ -161,8 +161,7 @@ impl LineStep<'_> {
 
 fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> LineSpan {
     let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
-    let span = survey.side_scan.get(ping).and_then(|ping| ping.side(side));
-    match (pick, span) {
+    match (pick, survey.span(ping, side)) {
         (Some(pick), Some(span)) => {
             LineSpan::value(span.range_m(f64::from(pick.sample)) as f32, pick.canopy)
         }

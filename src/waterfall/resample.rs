@@ -134,7 +134,7 @@ pub(super) fn resample(
     for first in pings.clone().step_by(level.pings()) {
         row.fill(Sum::default());
         for ping in first..(first + level.pings()).min(pings.end) {
-            let span = survey.side_scan.get(ping).and_then(|ping| ping.side(side));
+            let span = survey.span(ping, side);
             let (Some(span), Some(samples)) = (span, survey.samples(ping, side)) else {
                 continue;
             };

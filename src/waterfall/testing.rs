@@ -1,8 +1,6 @@
 //! Surveys for the tests of this room: pings over a buffer of bytes.
 
-use crate::survey::{
-    Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Source, Survey, Track,
-};
+use crate::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey whose pings have the given spans of port and starboard.
 pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Survey {
@@ -17,19 +15,10 @@ pub(super) fn survey(bytes: Vec<u8>, spans: Vec<[Option<SideSpan>; 2]>) -> Surve
             starboard,
         });
     Survey {
-        source: Source {
-            files: Vec::new(),
-            format: "test".into(),
-            byte_count: bytes.len() as u64,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
         bytes: vec![Bytes::Held(bytes.into())],
+        ..Survey::default()
     }
 }
 

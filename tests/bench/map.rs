@@ -6,7 +6,7 @@ use bathyscope::cloud::PointCloud;
 use bathyscope::first_return::FirstReturns;
 use bathyscope::pipeline::{Products, Settings};
 use bathyscope::survey::{
-    Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Source, Survey, Track,
+    Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey,
 };
 use bathyscope::ui::ViewContext;
 use bathyscope::ui::views::MapView;
@@ -70,19 +70,10 @@ fn app(count: usize) -> App {
     let mut app = App::new(Jobs::Inline);
     app.survey_serial = 1;
     app.survey = Some(Arc::new(Survey {
-        source: Source {
-            files: Vec::new(),
-            format: String::new(),
-            byte_count: 0,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
         soundings: soundings.collect(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
-        bytes: Vec::new(),
+        ..Survey::default()
     }));
     app.products = Some(products(nav));
     app
@@ -99,11 +90,7 @@ fn products(nav: Vec<PingNav>) -> Products {
             moving: 0,
         }),
         flat_spots: Arc::new(Vec::new()),
-        returns: Arc::new(FirstReturns {
-            port: Vec::new(),
-            starboard: Vec::new(),
-            warnings: Vec::new(),
-        }),
+        returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,
             flat_spot: None,
@@ -113,10 +100,7 @@ fn products(nav: Vec<PingNav>) -> Products {
             offset_m: 0.0,
             warnings: Vec::new(),
         }),
-        cloud: Arc::new(PointCloud {
-            points: Vec::new(),
-            zero_heading: 0,
-        }),
+        cloud: Arc::new(PointCloud::default()),
         kept: Arc::new(Vec::new()),
     }
 }

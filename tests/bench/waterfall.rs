@@ -2,9 +2,7 @@
 
 use bathyscope::app::{App, Jobs, Mark};
 use bathyscope::first_return::{FirstReturns, Pick};
-use bathyscope::survey::{
-    Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Source, Survey, Track,
-};
+use bathyscope::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
 use bathyscope::ui::views::WaterfallView;
 use bathyscope::ui::{ViewContext, ViewRequest};
 use egui_kittest::Harness;
@@ -137,19 +135,10 @@ fn survey(pings: usize) -> Survey {
         starboard: Some(span(ping, Order::NearToFar)),
     });
     Survey {
-        source: Source {
-            files: vec!["synthetic.sl2".into()],
-            format: "synthetic".into(),
-            byte_count: bytes.len() as u64,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
         bytes: vec![Bytes::Held(bytes.into())],
+        ..Survey::default()
     }
 }
 

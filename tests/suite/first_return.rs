@@ -7,9 +7,7 @@ use bathyscope::first_return::{
     FirstReturnSettings, ImageSettings, Method, Pick, SampleMode, ThresholdIndex, detect,
 };
 use bathyscope::progress::Progress;
-use bathyscope::survey::{
-    Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
-};
+use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 
 /// A survey of composite rows (port far to near, then starboard near to far) over `far_m` of range on each side.
 fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
@@ -35,19 +33,10 @@ fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
         starboard: Some(span(row, Side::Starboard)),
     });
     Survey {
-        source: Source {
-            files: vec!["made.sl2".into()],
-            format: "made".into(),
-            byte_count: 0,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
         bytes: vec![Bytes::Held(rows.concat().into())],
+        ..Survey::default()
     }
 }
 

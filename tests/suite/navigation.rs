@@ -6,8 +6,8 @@ use bathyscope::pipeline::{Preset, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, TrackSettings};
 use bathyscope::survey::{
-    Fix, HeadingSettings, HeadingSource, Navigation, Projection, SidePing, SideScanState, Source,
-    Survey, Track, navigate,
+    Fix, HeadingSettings, HeadingSource, Navigation, Projection, SidePing, SideScanState, Survey,
+    Track, navigate,
 };
 
 const ORIGIN: LonLat = LonLat {
@@ -49,19 +49,10 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
         });
     }
     Survey {
-        source: Source {
-            files: Vec::new(),
-            format: "test".into(),
-            byte_count: 0,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan,
         side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
         track: Track::new(fixes),
-        warnings: Vec::new(),
-        bytes: Vec::new(),
+        ..Survey::default()
     }
 }
 

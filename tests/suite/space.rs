@@ -12,7 +12,7 @@ use bathyscope::pipeline::{Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
-    Source, Survey, Track, navigate,
+    Survey, Track, navigate,
 };
 use bathyscope::ui::views::{CloudView, MapView};
 use bathyscope::ui::{ViewContext, ViewRequest};
@@ -62,13 +62,6 @@ fn pond() -> (Survey, Products) {
         locked: true,
     });
     let survey = Survey {
-        source: Source {
-            files: Vec::new(),
-            format: "made here".to_owned(),
-            byte_count: 0,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
         soundings: soundings.collect(),
@@ -82,8 +75,7 @@ fn pond() -> (Survey, Products) {
             compass_rad: f32::NAN,
             speed_mps: f32::NAN,
         }]),
-        warnings: Vec::new(),
-        bytes: Vec::new(),
+        ..Survey::default()
     };
     let (cloud, kept) = cloud(&nav);
     (survey, products(nav, cloud, kept))
@@ -150,11 +142,7 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
             zero_heading: 0,
             moving: 0,
         }),
-        returns: Arc::new(FirstReturns {
-            port: Vec::new(),
-            starboard: Vec::new(),
-            warnings: Vec::new(),
-        }),
+        returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
             flat_spot: Some(spots[0].clone()),

@@ -35,7 +35,10 @@ impl Chunk {
 pub(super) fn chunks(survey: &Survey, side: Side, wanted: &Range<usize>) -> Vec<Chunk> {
     let mut chunks = Vec::new();
     for run in runs(survey, side) {
-        let Some(span) = run.first().and_then(|&ping| span(survey, side, ping)) else {
+        let Some(span) = run
+            .first()
+            .and_then(|&ping| survey.span(ping as usize, side))
+        else {
             continue;
         };
         for start in (0..run.len()).step_by(KEPT) {
@@ -77,10 +80,6 @@ fn runs(survey: &Survey, side: Side) -> Vec<Vec<u32>> {
     runs
 }
 
-fn span(survey: &Survey, side: Side, ping: u32) -> Option<&SideSpan> {
-    survey.side_scan.get(ping as usize)?.side(side)
-}
-
 fn can_track(span: &SideSpan) -> bool {
     let metres = span.metres_per_sample();
     span.count >= 16 && metres.is_finite() && metres > 0.0
@@ -95,7 +94,7 @@ fn same_scale(a: &SideSpan, b: &SideSpan) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, SidePing, SideScanState, Source, Track};
+    use crate::survey::{Encoding, Order, SidePing, SideScanState};
 
     fn survey(times_and_ranges: impl Iterator<Item = (f64, f32)>) -> Survey {
         let ping = |(time_s, far_m)| SidePing {
@@ -114,19 +113,9 @@ mod tests {
             starboard: None,
         };
         Survey {
-            source: Source {
-                files: Vec::new(),
-                format: String::new(),
-                byte_count: 0,
-            },
-            start_unix_s: None,
-            channels: Vec::new(),
             side_scan: times_and_ranges.map(ping).collect(),
             side_scan_state: SideScanState::Usable,
-            soundings: Vec::new(),
-            track: Track::new(Vec::new()),
-            warnings: Vec::new(),
-            bytes: Vec::new(),
+            ..Survey::default()
         }
     }
 

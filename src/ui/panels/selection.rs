@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
-use crate::survey::{HeadingSource, Side, Survey};
+use crate::survey::{HeadingSource, Side, Survey, nearest_in_time};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -83,17 +83,8 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
 
 /// Whether the recorder had the bottom at its sounding nearest in time.
 fn had_bottom(survey: &Survey, time_s: f64) -> bool {
-    let soundings = &survey.soundings;
-    let after = soundings.partition_point(|sounding| sounding.time_s < time_s);
-    let near = [after.checked_sub(1), Some(after)];
-    near.into_iter()
-        .filter_map(|index| soundings.get(index?))
-        .min_by(|a, b| {
-            (a.time_s - time_s)
-                .abs()
-                .total_cmp(&(b.time_s - time_s).abs())
-        })
-        .is_none_or(|sounding| sounding.locked)
+    nearest_in_time(&survey.soundings, time_s, |sounding| sounding.time_s)
+        .is_none_or(|nearest| survey.soundings[nearest].locked)
 }
 
 fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side) {

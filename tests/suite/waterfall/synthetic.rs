@@ -1,9 +1,7 @@
 //! Surveys made up for the waterfall: an even bottom, and a pond with a target and a change of range.
 
 use bathyscope::first_return::{FirstReturns, Pick};
-use bathyscope::survey::{
-    Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Source, Survey, Track,
-};
+use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
 
 pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {
     let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
@@ -14,19 +12,10 @@ pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 
         starboard,
     });
     Survey {
-        source: Source {
-            files: vec!["synthetic.sl2".into()],
-            format: "synthetic".into(),
-            byte_count: bytes.len() as u64,
-        },
-        start_unix_s: None,
-        channels: Vec::new(),
         side_scan: side_scan.collect(),
         side_scan_state: SideScanState::Usable,
-        soundings: Vec::new(),
-        track: Track::new(Vec::new()),
-        warnings: Vec::new(),
         bytes: vec![Bytes::Held(bytes.into())],
+        ..Survey::default()
     }
 }
 
