@@ -9,6 +9,9 @@ const DEEPEST_M: f32 = 12_000.0;
 /// Ranges beyond this are damage: no side-scan sees 5 km.
 const FARTHEST_M: f32 = 5_000.0;
 
+/// Ranges shorter than this are damage: not even a bucket is a tenth of a metre deep.
+const NEAREST_M: f32 = 0.1;
+
 /// One side of one ping.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfPing {
@@ -152,7 +155,7 @@ pub(super) fn is_sound(span: &SideSpan) -> bool {
 
 /// Whether a sonar can have this range.
 pub(super) fn is_range(near_m: f32, far_m: f32) -> bool {
-    near_m >= 0.0 && far_m > near_m && far_m < FARTHEST_M
+    near_m >= 0.0 && far_m - near_m >= NEAREST_M && far_m < FARTHEST_M
 }
 
 fn widen<T: PartialOrd + Copy>(span: Option<(T, T)>, by: (T, T)) -> (T, T) {

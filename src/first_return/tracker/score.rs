@@ -48,9 +48,10 @@ impl Kernel {
         };
         Self {
             window: ((TUNING.window_m / cell_m).round() as usize).clamp(TUNING.window_cells, 255),
-            first: (((settings.dead_zone_m - chunk.near_m) / cell_m)
+            // Far beyond any row is far enough: sums of indices must not wrap where a header's range is next to nothing.
+            first: ((settings.dead_zone_m - chunk.near_m) / cell_m)
                 .ceil()
-                .max(0.0)) as usize,
+                .clamp(0.0, 1e9) as usize,
             level: level.ceil().clamp(0.0, 256.0) as u16,
         }
     }
