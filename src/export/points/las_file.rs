@@ -1,5 +1,7 @@
 //! Points in LAS and LAZ.
 
+use super::contained::contained;
+use super::las_claims;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -15,7 +17,14 @@ pub(super) struct LasFile {
     batches: Vec<PointData>,
 }
 
+/// Reads all points. The crate trusts some of what a LAZ file says of itself: it is checked before, and contained.
 pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
+    las_claims::check(path).map_err(|error| format!("the LAS file cannot be read: {error}"))?;
+    contained(|| read_checked(path))
+        .unwrap_or_else(|| Err("the LAS file cannot be read: it is damaged".to_owned()))
+}
+
+fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
     let unusable = |error: las::Error| format!("the LAS file cannot be read: {error}");
     let mut reader = Reader::from_path(path).map_err(unusable)?;
     let header = reader.header().clone();

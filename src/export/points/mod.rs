@@ -3,6 +3,8 @@
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
+mod contained;
+mod las_claims;
 mod las_file;
 mod ply_file;
 mod text_file;
@@ -10,6 +12,8 @@ mod text_file;
 use super::write_aside;
 use las_file::LasFile;
 use ply_file::PlyFile;
+use std::ffi::OsStr;
+use std::fs;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use text_file::TextFile;
@@ -29,6 +33,8 @@ pub struct PointFileError {
 pub struct PointFile {
     /// x, y, z of each point, in the file's own units and order.
     pub points: Vec<[f64; 3]>,
+    /// What had to be guessed about the file, in one sentence.
+    pub note: Option<String>,
     rows: Rows,
 }
 
@@ -65,8 +71,9 @@ impl Kind {
 }
 
 /// Splits `FILE.csv:x,y,z` into the file and the names of its three columns.
-pub fn split_columns(argument: &str) -> (PathBuf, Option<[String; 3]>) {
-    if let Some((file, names)) = argument.rsplit_once(':') {
+pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3]>) {
+    let argument = argument.as_ref();
+    if let Some((file, names)) = argument.to_str().and_then(|text| text.rsplit_once(':')) {
         let names: Vec<String> = names
             .split(',')
             .map(|name| name.trim().to_owned())
@@ -78,22 +85,62 @@ pub fn split_columns(argument: &str) -> (PathBuf, Option<[String; 3]>) {
     (argument.into(), None)
 }
 
+/// Refuses a name that no point file has, before the work.
+pub fn check_name(path: &Path) -> Result<(), PointFileError> {
+    match Kind::of(path) {
+        Ok(_) => Ok(()),
+        Err(what) => Err(PointFileError {
+            what,
+            path: path.to_path_buf(),
+        }),
+    }
+}
+
 /// Reads a point file; `columns` names the coordinates of a text file with a header line.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
-    let read = |kind| match kind {
-        Kind::Text => {
-            text_file::read(path, columns).map(|(file, points)| (Rows::Text(file), points))
-        }
-        Kind::Ply => ply_file::read(path).map(|(file, points)| (Rows::Ply(file), points)),
-        Kind::Las => las_file::read(path).map(|(file, points)| (Rows::Las(Box::new(file)), points)),
-    };
-    let (rows, points) = Kind::of(path)
-        .and_then(read)
+    Kind::of(path)
+        .and_then(|kind| read_kind(kind, path, columns))
         .map_err(|what| PointFileError {
             what,
             path: path.to_path_buf(),
-        })?;
-    Ok(PointFile { points, rows })
+        })
+}
+
+fn read_kind(kind: Kind, path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, String> {
+    check_regular(path).map_err(|error| format!("cannot read the points: {error}"))?;
+    let named_otherwise = columns.is_some_and(|names| names != &["x", "y", "z"]);
+    if kind != Kind::Text && named_otherwise {
+        return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
+    }
+    let (rows, points, note) = match kind {
+        Kind::Text => {
+            let (file, points) = text_file::read(path, columns)?;
+            let note = file.note();
+            (Rows::Text(file), points, note)
+        }
+        Kind::Ply => {
+            let (file, points) = ply_file::read(path)?;
+            (Rows::Ply(file), points, None)
+        }
+        Kind::Las => {
+            let (file, points) = las_file::read(path)?;
+            (Rows::Las(Box::new(file)), points, None)
+        }
+    };
+    Ok(PointFile { points, note, rows })
+}
+
+/// A pipe may never begin and a device never end: neither is opened.
+fn check_regular(path: &Path) -> io::Result<()> {
+    let found = fs::metadata(path)?;
+    if found.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if found.is_file() {
+        Ok(())
+    } else {
+        Err(io::Error::other("it is a pipe or a device, not a file"))
+    }
 }
 
 impl PointFile {

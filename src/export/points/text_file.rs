@@ -11,6 +11,8 @@ pub(super) struct TextFile {
     preamble: Vec<String>,
     /// One line a point, as it was.
     lines: Vec<String>,
+    /// Names of the columns that were taken for x, y, z without anybody saying so.
+    guessed: Option<[String; 3]>,
 }
 
 /// Column names that are taken for coordinates when the user names none, in lower case.
@@ -33,6 +35,7 @@ pub(super) fn read(
     let mut file = TextFile {
         preamble: Vec::new(),
         lines: Vec::new(),
+        guessed: None,
     };
     let mut points = Vec::new();
     let mut layout: Option<Layout> = None;
@@ -49,6 +52,7 @@ pub(super) fn read(
                 let (found, is_header) = Layout::of(line, names)?;
                 let found = layout.insert(found);
                 if is_header {
+                    file.guessed = found.guessed.clone();
                     file.preamble.push(line.to_owned());
                     continue;
                 }
@@ -71,6 +75,14 @@ fn is_comment(line: &str) -> bool {
 }
 
 impl TextFile {
+    /// What had to be guessed.
+    pub(super) fn note(&self) -> Option<String> {
+        let [x, y, z] = self.guessed.as_ref()?;
+        Some(format!(
+            "the header names no x, y and z, so the columns `{x}`, `{y}` and `{z}` are taken; write FILE:x,y,z to name others"
+        ))
+    }
+
     pub(super) fn write_kept(&self, file: File, kept: &[bool]) -> io::Result<()> {
         let mut out = BufWriter::new(file);
         let lines = self
@@ -92,6 +104,8 @@ struct Layout {
     separator: Option<char>,
     columns: [usize; 3],
     names: [String; 3],
+    /// The first three names of a header that none of the known names is in.
+    guessed: Option<[String; 3]>,
 }
 
 impl Layout {
@@ -113,6 +127,20 @@ impl Layout {
             let [x, y, z] = names.map(position);
             Some(([x?, y?, z?], names.map(str::to_owned)))
         };
+        let twice = |names: &[String; 3]| {
+            let times = |name: &&String| {
+                let same = fields
+                    .iter()
+                    .filter(|field| field.eq_ignore_ascii_case(name));
+                same.count() + names.iter().filter(|other| other == name).count()
+            };
+            names.iter().find(|name| times(name) > 2).cloned()
+        };
+        if let Some(name) = names.and_then(twice) {
+            return Err(format!(
+                "`{name}` is named twice, so it does not say which column is meant"
+            ));
+        }
         let found = match names {
             Some([x, y, z]) if is_header => Some(find([x, y, z]).ok_or_else(|| {
                 format!(
@@ -128,6 +156,20 @@ impl Layout {
             None if is_header => KNOWN_NAMES.into_iter().find_map(find),
             None => None,
         };
+        let first = || {
+            fields
+                .get(..3)?
+                .iter()
+                .map(|&field| field.to_owned())
+                .collect::<Vec<_>>()
+                .try_into()
+                .ok()
+        };
+        let guessed = if is_header && found.is_none() {
+            first()
+        } else {
+            None
+        };
         let (columns, names) =
             found.unwrap_or_else(|| ([0, 1, 2], ["1", "2", "3"].map(str::to_owned)));
         Ok((
@@ -135,6 +177,7 @@ impl Layout {
                 separator,
                 columns,
                 names,
+                guessed,
             },
             is_header,
         ))
