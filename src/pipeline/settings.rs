@@ -102,14 +102,15 @@ impl Settings {
 
     /// Lays the keys of a TOML text over these settings.
     pub fn with_toml(&self, text: &str) -> Result<Self, SettingsError> {
-        let over: toml::Table = text
-            .parse()
-            .map_err(|error| SettingsError(format!("settings: {error}")))?;
-        let mut table = self.to_table()?;
+        self.overlaid(text)
+            .map_err(|error| SettingsError(format!("settings: {}", one_line(&error, text))))
+    }
+
+    fn overlaid(&self, text: &str) -> Result<Self, toml::de::Error> {
+        let over: toml::Table = text.parse()?;
+        let mut table = toml::Table::try_from(self).map_err(serde::de::Error::custom)?;
         merge(&mut table, over);
-        table
-            .try_into()
-            .map_err(|error| SettingsError(format!("settings: {error}")))
+        table.try_into()
     }
 
     /// Applies one `key=value`, for example `first_return.threshold=0.35`.
@@ -128,16 +129,10 @@ impl Settings {
         } else {
             quoted
         };
-        self.with_toml(&text).map_err(|error| {
-            SettingsError(format!(
-                "`{key}` cannot be `{value}`: {}",
-                one_line(&error.0)
-            ))
+        self.overlaid(&text).map_err(|error| {
+            let reason = error.message().lines().collect::<Vec<_>>().join(" ");
+            SettingsError(format!("`{key}` cannot be `{value}`: {reason}"))
         })
-    }
-
-    fn to_table(&self) -> Result<toml::Table, SettingsError> {
-        toml::Table::try_from(self).map_err(|error| SettingsError(format!("settings: {error}")))
     }
 
     /// Refuses values that no stage can work with.
@@ -179,12 +174,17 @@ impl Settings {
     }
 }
 
-fn one_line(text: &str) -> String {
-    text.lines()
-        .map(str::trim)
-        .rfind(|line| !line.is_empty())
-        .unwrap_or_default()
-        .to_owned()
+/// What is wrong with the TOML, with its line where it is not TOML at all, else with the key's name.
+fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let before = error.span().and_then(|span| text.get(..span.start));
+    match before {
+        Some(before) => {
+            let line = before.matches('\n').count() + 1;
+            let reason = error.message().lines().collect::<Vec<_>>().join(" ");
+            format!("line {line}: {reason}")
+        }
+        None => error.to_string().lines().collect::<Vec<_>>().join(" "),
+    }
 }
 
 fn merge(base: &mut toml::Table, over: toml::Table) {
