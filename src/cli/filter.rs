@@ -1,57 +1,70 @@
 //! `bathyscope filter`: radius outlier removal on a point file.
 
+use super::output;
 use super::status_line::StatusLine;
 use crate::cloud::outliers;
 use crate::export::points::{self, split_columns};
 use crate::progress::Progress;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// `bathyscope filter CLOUD -o CLOUD --radius R --min-neighbors N`.
 #[derive(Debug, clap::Args)]
 pub struct FilterArgs {
     /// The points: xyz, csv, txt, ply, las or laz; FILE.csv:x,y,z names its columns
-    cloud: String,
+    cloud: OsString,
     /// Where the kept points go; the suffix decides the format
     #[arg(short, long, value_name = "CLOUD")]
     output: PathBuf,
     /// Radius of the sphere around a point, in the file's units
-    #[arg(long, value_name = "R")]
+    #[arg(long, value_name = "R", value_parser = parse_radius)]
     radius: f64,
     /// A point is kept when at least this many others lie strictly within the sphere
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_neighbors)]
     min_neighbors: usize,
+}
+
+fn parse_radius(text: &str) -> Result<f64, String> {
+    let radius = text.parse().ok();
+    radius
+        .filter(|radius: &f64| *radius > 0.0 && radius.is_finite())
+        .ok_or_else(|| "a radius is a number above 0".to_owned())
+}
+
+fn parse_neighbors(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok();
+    count
+        .filter(|&count| count >= 1)
+        .ok_or_else(|| "the number of neighbours is a whole number, at least 1".to_owned())
 }
 
 /// Filters the file and says how many points are left.
 pub fn run(args: FilterArgs) -> Result<(), String> {
     let FilterArgs {
         cloud,
-        output,
+        output: destination,
         radius,
         min_neighbors,
     } = args;
-    if !(radius > 0.0 && radius.is_finite()) {
-        return Err("the radius must be above 0".to_owned());
-    }
-    if min_neighbors == 0 {
-        return Err("the number of neighbours must be at least 1".to_owned());
-    }
     let (path, columns) = split_columns(&cloud);
+    points::check_name(&destination).map_err(|error| error.to_string())?;
     let file = points::read(&path, columns.as_ref()).map_err(|error| error.to_string())?;
+    if let Some(note) = &file.note {
+        output::tell(format_args!("warning: {note}: {}", path.display()));
+    }
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("outliers");
     let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)
         .map_err(|error| error.to_string())?;
     status.step("writing");
-    file.write_kept(&output, &kept)
+    file.write_kept(&destination, &kept)
         .map_err(|error| error.to_string())?;
     drop(status);
     let count = kept.iter().filter(|&&kept| kept).count();
-    println!(
+    output::results(format_args!(
         "kept {count} of {} points: {}",
         kept.len(),
-        output.display()
-    );
-    Ok(())
+        destination.display()
+    ))
 }

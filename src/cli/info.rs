@@ -1,5 +1,6 @@
 //! `bathyscope info`: what is in a log.
 
+use super::output;
 use crate::formats;
 use crate::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
@@ -22,11 +23,10 @@ pub fn run(args: InfoArgs) -> Result<(), String> {
     let survey =
         formats::open(&args.survey, &Progress::new()).map_err(|error| error.to_string())?;
     if args.json {
-        println!("{:#}", to_json(&survey));
+        output::results(format_args!("{:#}", to_json(&survey)))
     } else {
-        print!("{}", to_text(&survey));
+        output::results(to_text(&survey).trim_end())
     }
-    Ok(())
 }
 
 /// The one line that tells what was found.
@@ -170,8 +170,11 @@ fn to_json(survey: &Survey) -> Value {
         })
         .collect();
     let first = survey.track.fixes.first();
+    // JSON is UTF-8; a file name need not be.
+    let name = |path: &PathBuf| path.to_string_lossy().into_owned();
+    let files: Vec<String> = survey.source.files.iter().map(name).collect();
     json!({
-        "files": survey.source.files,
+        "files": files,
         "format": survey.source.format,
         "bytes": survey.source.byte_count,
         "start_unix_s": survey.start_unix_s,

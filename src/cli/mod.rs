@@ -3,7 +3,10 @@
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
 mod filter;
+mod folders;
 mod info;
+mod input;
+mod output;
 mod process;
 mod simulate;
 mod snapshot;
@@ -76,7 +79,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(sentence) => {
-            eprintln!("bathyscope: {sentence}");
+            output::tell(format_args!("bathyscope: {sentence}"));
             ExitCode::FAILURE
         }
     }

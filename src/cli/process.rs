@@ -1,6 +1,8 @@
 //! `bathyscope process`: the whole pipeline without a window.
 
+use super::folders::Folders;
 use super::status_line::StatusLine;
+use super::{input, output};
 use crate::formats;
 use crate::pipeline::{self, Preset, Settings};
 use crate::progress::Progress;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct ProcessArgs {
-    /// The logs; several are written into a folder each
+    /// The logs; several are written into a folder each, named after the log
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
     /// Folder for the products; made when missing
@@ -40,7 +42,7 @@ impl SettingsArgs {
     pub fn resolve(&self) -> Result<Settings, String> {
         let mut settings = Settings::preset(self.preset);
         if let Some(path) = &self.settings {
-            let text = fs::read_to_string(path).map_err(|error| {
+            let text = input::text(path).map_err(|error| {
                 format!("cannot read the settings: {error}: {}", path.display())
             })?;
             settings = settings
@@ -57,25 +59,62 @@ impl SettingsArgs {
     }
 }
 
-/// Processes every log.
+/// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
     let settings = args.settings.resolve()?;
-    let several = args.surveys.len() > 1;
-    for path in &args.surveys {
-        let progress = Progress::new();
-        let survey = formats::open(path, &progress).map_err(|error| error.to_string())?;
-        let folder = if several {
-            args.output.join(survey.name())
-        } else {
-            args.output.clone()
-        };
-        process_into(&survey, &settings, &folder)?;
+    let [survey] = args.surveys.as_slice() else {
+        return each(&args.surveys, &settings, &args.output);
+    };
+    process_into(&open(survey)?, &settings, &args.output)
+}
+
+fn each(surveys: &[PathBuf], settings: &Settings, output: &Path) -> Result<(), String> {
+    let mut folders = Folders::in_folder(output);
+    let mut failed = 0;
+    for path in surveys {
+        let outcome = open(path)
+            .and_then(|survey| process_into(&survey, settings, &folders.next(&survey.name())));
+        if let Err(sentence) = outcome {
+            failed += 1;
+            output::tell(format_args!("bathyscope: {sentence}"));
+        }
     }
-    Ok(())
+    if failed == 0 {
+        return Ok(());
+    }
+    Err(format!(
+        "{failed} of {} logs could not be processed, for the reasons above",
+        surveys.len()
+    ))
+}
+
+fn open(path: &Path) -> Result<Survey, String> {
+    formats::open(path, &Progress::new()).map_err(|error| error.to_string())
+}
+
+/// Refuses settings that ask for what this log does not hold.
+pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
+    let count = survey.side_scan.len();
+    match settings.calibration.pings {
+        Some(pings) if pings.end > count => Err(format!(
+            "calibration.pings is {}, but the log has {count} side-scan pings; choose a stretch among them: {}",
+            String::from(pings),
+            survey
+                .source
+                .files
+                .first()
+                .map_or(String::new(), |path| path.display().to_string())
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Runs the pipeline on one survey, writes its products and tells in a few lines what came out.
 pub fn process_into(survey: &Survey, settings: &Settings, folder: &Path) -> Result<(), String> {
+    check_against(survey, settings)?;
+    // Before the work: a folder that cannot be made should not cost minutes first.
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let products = pipeline::run(survey, settings, None, &progress, |stage| {
@@ -86,13 +125,12 @@ pub fn process_into(survey: &Survey, settings: &Settings, folder: &Path) -> Resu
     let written = pipeline::write_products(survey, &products, folder, &progress)?;
     drop(status);
     for warning in &written.report.warnings {
-        eprintln!("warning: {warning}");
+        output::tell(format_args!("warning: {warning}"));
     }
-    println!("{}", written.report.summary());
-    println!(
+    output::results(written.report.summary())?;
+    output::results(format_args!(
         "wrote {} into {}",
         written.files.join(", "),
         folder.display()
-    );
-    Ok(())
+    ))
 }

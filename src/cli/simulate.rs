@@ -1,9 +1,11 @@
 //! `bathyscope simulate`: a survey of known truth, as a log and tables.
 
 use super::status_line::StatusLine;
+use super::{input, output};
+use crate::export::write_aside;
 use crate::progress::Progress;
 use crate::simulation::{Scene, Simulated, simulate};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,7 @@ pub struct SimulateArgs {
 
 /// Simulates the scene and writes the log and its truth.
 pub fn run(args: SimulateArgs) -> Result<(), String> {
+    check_prefix(&args.output)?;
     let scene = match &args.scene {
         Some(path) => read_scene(path)?,
         None => Scene::demo(),
@@ -33,17 +36,33 @@ pub fn run(args: SimulateArgs) -> Result<(), String> {
     status.step("writing");
     let written = write(&survey, &args.output)?;
     drop(status);
-    println!(
+    output::results(format_args!(
         "simulated {} pings and {} objects (seed {}); wrote {written}",
         survey.pings.len(),
         survey.objects.len(),
         args.seed
-    );
-    Ok(())
+    ))
+}
+
+/// Refuses what the three files could not be named after, before the work begins.
+fn check_prefix(prefix: &Path) -> Result<(), String> {
+    if prefix.is_dir() {
+        return Err(format!(
+            "the output is a folder; add the beginning of the file names to it, for example {}",
+            prefix.join("pond").display()
+        ));
+    }
+    match prefix.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(format!(
+            "there is no folder to write into; make it first: {}",
+            folder.display()
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn read_scene(path: &Path) -> Result<Scene, String> {
-    let text = fs::read_to_string(path)
+    let text = input::text(path)
         .map_err(|error| format!("cannot read the scene: {error}: {}", path.display()))?;
     Scene::from_toml(&text)
         .map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))
@@ -64,18 +83,12 @@ fn written(
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<String, String> {
     let path = with_ending(prefix, ending);
-    let aside = with_ending(prefix, &format!("{ending}.part"));
-    let outcome = File::create(&aside).and_then(|file| {
+    write_aside(&path, |file| {
         let mut out = BufWriter::new(file);
         fill(&mut out)?;
-        out.flush()?;
-        fs::rename(&aside, &path)
-    });
-    outcome.map_err(|error| {
-        // The reason is told; what is left of the file is of no use.
-        fs::remove_file(&aside).ok();
-        format!("cannot write: {error}: {}", path.display())
-    })?;
+        out.flush()
+    })
+    .map_err(|error| error.to_string())?;
     Ok(path.display().to_string())
 }
 

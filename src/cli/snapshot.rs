@@ -1,6 +1,7 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
-use super::process::SettingsArgs;
+use super::output;
+use super::process::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
 use crate::ui::{Alone, Shell, offscreen::Studio};
@@ -72,6 +73,7 @@ fn parse_pings(text: &str) -> Result<PingRange, String> {
 /// Draws the picture and writes it; says on stderr which adapter drew it.
 pub fn run(args: SnapshotArgs) -> Result<(), String> {
     let settings = args.settings.resolve()?;
+    check_picture(&args.output)?;
     if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {
         return Err(format!(
             "a picture's scale lies between 0.5 and 8; got {}",
@@ -85,6 +87,9 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         Theme::Light => ThemeChoice::Light,
     };
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
+    if let Some(survey) = &app.survey {
+        check_against(survey, &app.settings)?;
+    }
     select(&mut app, args.pings)?;
     let mut shell = Shell::new(app);
     if let Some(alone) = alone(args.view) {
@@ -99,7 +104,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         return Err(error.text.clone());
     }
     write(&picture, &args.output)?;
-    eprintln!("drawn by {}", studio.adapter());
+    output::tell(format_args!("drawn by {}", studio.adapter()));
     Ok(())
 }
 
@@ -186,13 +191,24 @@ fn write(picture: &image::RgbaImage, path: &Path) -> Result<(), String> {
     let mut aside = path.as_os_str().to_owned();
     aside.push(".part");
     let aside = PathBuf::from(aside);
-    picture
+    let written = picture
         .save_with_format(&aside, image::ImageFormat::Png)
-        .map_err(|error| sentence(&error))?;
-    std::fs::rename(&aside, path).map_err(|error| {
+        .map_err(|error| sentence(&error))
+        .and_then(|()| std::fs::rename(&aside, path).map_err(|error| sentence(&error)));
+    if written.is_err() {
+        // Best effort: the error that is reported is the one that came first.
         std::fs::remove_file(&aside).ok();
-        sentence(&error)
-    })
+    }
+    written
+}
+
+/// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.
+fn check_picture(path: &Path) -> Result<(), String> {
+    let suffix = path.extension().unwrap_or_default();
+    if suffix.eq_ignore_ascii_case("png") {
+        return Ok(());
+    }
+    Err(format!("a picture's name ends in .png: {}", path.display()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! `bathyscope [SURVEY...]`: the window, or the same work where there is no display.
 
+use super::folders::Folders;
 use super::process::process_into;
-use super::{snapshot, window};
+use super::{output, snapshot, window};
 use crate::app::Origin;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
@@ -21,27 +22,30 @@ pub fn run(surveys: Vec<PathBuf>, demo: bool) -> Result<(), String> {
                 .to_owned(),
         );
     }
-    println!("no display: processing into {OUTPUT} instead of opening the window");
+    output::results(format_args!(
+        "no display: processing into {OUTPUT} instead of opening the window"
+    ))?;
+    let mut folders = Folders::in_folder(Path::new(OUTPUT));
     let paths = surveys.into_iter().map(Origin::Path);
     for origin in demo.then_some(Origin::Demo).into_iter().chain(paths) {
-        without_display(&origin)?;
+        without_display(&origin, &mut folders)?;
     }
-    println!(
-        "for the window, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)"
-    );
-    Ok(())
+    output::results(
+        "for the window, run the same command in a desktop session (DISPLAY or WAYLAND_DISPLAY is set)",
+    )
 }
 
-fn without_display(origin: &Origin) -> Result<(), String> {
+fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String> {
     let survey = origin
         .open(&Progress::new())
         .map_err(|error| error.to_string())?;
-    let folder = Path::new(OUTPUT).join(survey.name());
+    let folder = folders.next(&survey.name());
     process_into(&survey, &Settings::default(), &folder)?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
     match snapshot::draw_into(origin, &folder) {
-        Ok((files, adapter)) => println!("drew {} on {adapter}", files.join(", ")),
-        Err(reason) => println!("no pictures: {reason}"),
+        Ok((files, adapter)) => {
+            output::results(format_args!("drew {} on {adapter}", files.join(", ")))
+        }
+        Err(reason) => output::results(format_args!("no pictures: {reason}")),
     }
-    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Progress of a headless run on stderr: one line that is rewritten on a terminal, a line a step elsewhere.
 
+use super::output;
 use crate::progress::Progress;
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,7 +35,7 @@ impl StatusLine {
     pub fn step(&self, name: &str) {
         name.clone_into(&mut self.step.lock().unwrap_or_else(PoisonError::into_inner));
         if self.painter.is_none() {
-            eprintln!("{name}");
+            output::tell(name);
         }
     }
 }
@@ -43,12 +44,19 @@ fn paint(step: &Mutex<String>, stop: &AtomicBool, progress: &Progress) {
     while !stop.load(Ordering::Relaxed) {
         let name = step.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if !name.is_empty() {
-            eprint!("\r\x1b[K{name} {:3.0} %", 100.0 * progress.fraction());
-            std::io::stderr().flush().ok();
+            write_over(format_args!("{name} {:3.0} %", 100.0 * progress.fraction()));
         }
         std::thread::sleep(Duration::from_millis(100));
     }
-    eprint!("\r\x1b[K");
+    write_over(format_args!(""));
+}
+
+/// Replaces the line. A terminal that has gone away takes nothing, which is no reason to stop the work.
+fn write_over(text: std::fmt::Arguments<'_>) {
+    let mut err = std::io::stderr();
+    write!(err, "\r\x1b[K{text}")
+        .and_then(|()| err.flush())
+        .ok();
 }
 
 impl Drop for StatusLine {

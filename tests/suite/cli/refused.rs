@@ -1,0 +1,280 @@
+//! What the command line refuses, and how: one sentence, the right exit code, nothing half written, no waiting for ever.
+
+use super::{bathyscope, refusal, run, simulated};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A refusal of input that is one line after the progress, with these words in it.
+fn one_line(folder: &Path, args: &[&str], words: &[&str]) {
+    let told = refusal(folder, args, 1);
+    let sentence = told.lines().last().unwrap_or_default();
+    assert!(sentence.starts_with("bathyscope: "), "{args:?}: {told}");
+    for word in words {
+        assert!(sentence.contains(word), "{args:?}: {word} in {told}");
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder").flatten();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused_unopened() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    for name in ["pipe.sl2", "pipe.csv", "pipe.toml"] {
+        let made = Command::new("mkfifo").arg(folder.join(name)).status();
+        assert!(made.expect("mkfifo").success());
+    }
+    std::os::unix::fs::symlink("/dev/zero", folder.join("endless.csv")).expect("a link");
+    let words = ["not a file"];
+    one_line(folder, &["info", "pipe.sl2"], &words);
+    one_line(folder, &["info", "/dev/zero"], &words);
+    for scene in ["pipe.toml", "/dev/zero"] {
+        one_line(folder, &["simulate", scene, "-o", "x"], &words);
+    }
+    let settings = ["process", "x", "-o", "out", "--settings", "pipe.toml"];
+    one_line(folder, &settings, &words);
+    for cloud in ["pipe.csv", "endless.csv"] {
+        let filter = [
+            "filter",
+            cloud,
+            "-o",
+            "x.csv",
+            "--radius",
+            "1",
+            "--min-neighbors",
+            "1",
+        ];
+        one_line(folder, &filter, &words);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_not_unicode_is_a_name() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let name = OsStr::from_bytes(b"p\xFFnd.sl2");
+    fs::copy(folder.join("pond.sl2"), folder.join(name)).expect("a copy");
+    let info = Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+        .args([OsStr::new("info"), name, OsStr::new("--json")])
+        .current_dir(folder)
+        .output()
+        .expect("the program starts");
+    assert!(info.status.success(), "{info:?}");
+    serde_json::from_slice::<serde_json::Value>(&info.stdout).expect("JSON");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_or_closed_stdout_is_no_panic() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let info = |stdout: Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_bathyscope"));
+        let command = command.args(["info", "pond.sl2"]).current_dir(folder);
+        command
+            .stdout(stdout)
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts")
+    };
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("a device");
+    let told = info(full.into()).wait_with_output().expect("an end");
+    assert_eq!(told.status.code(), Some(1));
+    let errors = String::from_utf8_lossy(&told.stderr);
+    assert!(
+        errors.contains("stdout") && errors.lines().count() == 1,
+        "{errors}"
+    );
+
+    let mut reader_gone = info(Stdio::piped());
+    drop(reader_gone.stdout.take());
+    assert!(reader_gone.wait().expect("an end").success());
+}
+
+#[test]
+fn surveys_of_one_name_get_a_folder_each() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    for side in ["a", "b"] {
+        fs::create_dir(folder.join(side)).expect("a folder");
+        fs::copy(folder.join("pond.sl2"), folder.join(side).join("Rec1.sl2")).expect("a copy");
+    }
+    run(
+        folder,
+        &["process", "a/Rec1.sl2", "b/Rec1.sl2", "-o", "out"],
+    );
+    assert_eq!(names(&folder.join("out")), ["Rec1", "Rec1-2"]);
+    let report = fs::read_to_string(folder.join("out/Rec1-2/report.json")).expect("a report");
+    assert!(report.contains("b/Rec1.sl2"), "{report}");
+
+    // One that cannot be read costs the others nothing, and is told by the exit code.
+    let output = bathyscope(folder, &["process", "no.sl2", "pond.sl2", "-o", "more"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(folder.join("more/pond/report.json").is_file());
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        errors.contains("no.sl2") && errors.contains("1 of 2 logs"),
+        "{errors}"
+    );
+}
+
+#[test]
+fn settings_that_cannot_be_are_told_with_their_reason() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let cases: [(&str, &[&str]); 6] = [
+        ("calibration.pings=9..1", &["A < B", "`9..1`"]),
+        (
+            "calibration.pings=5000..6000",
+            &["5000..6000", "the log has", "pond.sl2"],
+        ),
+        ("calibration.pings=10..99999", &["the log has"]),
+        ("cloud.geometry=flat", &["flat", "nadir"]),
+        ("outliers.min_neighbors=-1", &["-1"]),
+        ("first_return.threshold=nan", &["between 0 and 1"]),
+    ];
+    for (setting, words) in cases {
+        one_line(
+            folder,
+            &["process", "pond.sl2", "-o", "out", "--set", setting],
+            words,
+        );
+    }
+    let files: [(&str, &[&str]); 3] = [
+        ("[cloud\nalpha2_deg = 3\n", &["line 1"]),
+        ("[cloud]\nalpha = 3\n", &["alpha", "`cloud`"]),
+        ("[cloud]\nalpha2_deg = \"x\"\n", &["cloud.alpha2_deg"]),
+    ];
+    for (text, words) in files {
+        fs::write(folder.join("mine.toml"), text).expect("settings");
+        let args = [
+            "process",
+            "pond.sl2",
+            "-o",
+            "out",
+            "--settings",
+            "mine.toml",
+        ];
+        let told = refusal(folder, &args, 1);
+        assert_eq!(told.lines().count(), 1, "{told}");
+        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    }
+    assert!(!folder.join("out").exists(), "nothing is written");
+}
+
+#[test]
+fn outputs_that_cannot_be_are_refused_before_the_work() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let log = fs::read(folder.join("pond.sl2")).expect("the log");
+    let before = names(folder);
+    one_line(
+        folder,
+        &["process", "pond.sl2", "-o", "pond.sl2"],
+        &["pond.sl2"],
+    );
+    one_line(
+        folder,
+        &["snapshot", "pond.sl2", "-o", "pond.sl2"],
+        &[".png"],
+    );
+    one_line(folder, &["simulate", "-o", "no/pond"], &["make it first"]);
+    one_line(folder, &["simulate", "-o", "."], &["folder"]);
+    let filter = [
+        "filter",
+        "pond.truth.csv",
+        "-o",
+        "pond",
+        "--radius",
+        "1",
+        "--min-neighbors",
+        "1",
+    ];
+    one_line(folder, &filter, &[".laz"]);
+    assert_eq!(names(folder), before);
+    assert_eq!(fs::read(folder.join("pond.sl2")).expect("the log"), log);
+    for wrong in ["0", "-1", "nan", "inf"] {
+        let radius = format!("--radius={wrong}");
+        let args = [
+            "filter",
+            "x.csv",
+            "-o",
+            "y.csv",
+            &radius,
+            "--min-neighbors",
+            "1",
+        ];
+        refusal(folder, &args, 2);
+    }
+    refusal(
+        folder,
+        &[
+            "filter",
+            "x.csv",
+            "-o",
+            "y.csv",
+            "--radius",
+            "1",
+            "--min-neighbors",
+            "0",
+        ],
+        2,
+    );
+}
+
+#[test]
+fn columns_are_found_named_or_asked_for() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("points");
+    let filter = |cloud: &'static str| {
+        [
+            "filter",
+            cloud,
+            "-o",
+            "kept.csv",
+            "--radius",
+            "1",
+            "--min-neighbors",
+            "1",
+        ]
+    };
+    write("twice.csv", "x,x,y,z\n1,2,3,4\n");
+    one_line(folder, &filter("twice.csv:x,y,z"), &["`x` is named twice"]);
+    one_line(folder, &filter("twice.csv:y,y,z"), &["`y` is named twice"]);
+    one_line(folder, &filter("twice.csv:a,b,c"), &["`a`", "x, x, y, z"]);
+    write("empty.csv", "");
+    run(folder, &filter("empty.csv"));
+    write("strange.csv", "id;lon;lat\n1;2;3\n1;2;3\n");
+    let output = bathyscope(folder, &filter("strange.csv"));
+    assert!(output.status.success());
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("warning") && told.contains("`id`"), "{told}");
+    // A row that is no place has no neighbours; it does not stop the others.
+    write(
+        "holes.csv",
+        "\u{feff}x,y,z\r\n1,2,3\r\nnan,2,3\r\n# rest\r\n1,2,3\r\ninf,0,0\r\n",
+    );
+    let told = run(folder, &filter("holes.csv"));
+    assert!(told.starts_with("kept 2 of 4"), "{told}");
+}
