@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// A Lowrance frame to write.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Frame {
     pub channel: u16,
     pub time_ms: i32,

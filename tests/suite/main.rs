@@ -9,6 +9,7 @@ mod damage;
 mod export;
 mod first_return;
 mod formats;
+mod garbled;
 mod golden;
 mod handmade;
 mod navigation;
