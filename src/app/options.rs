@@ -126,6 +126,8 @@ pub struct WaterfallOptions {
     pub range_lines: bool,
     /// Draw the recorded depth.
     pub depth_line: bool,
+    /// Draw the ranked flat stretches along the nadir.
+    pub flat_stretches: bool,
 }
 
 impl WaterfallOptions {
@@ -151,6 +153,7 @@ impl Default for WaterfallOptions {
             first_return: true,
             range_lines: true,
             depth_line: false,
+            flat_stretches: true,
         }
     }
 }

@@ -129,6 +129,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.waterfall.first_return, "First return");
         ui.checkbox(&mut options.waterfall.range_lines, "Range lines");
         ui.checkbox(&mut options.waterfall.depth_line, "Recorded depth");
+        ui.checkbox(&mut options.waterfall.flat_stretches, "Flat stretches");
     });
     ui.menu_button("Map", |ui| {
         ui.checkbox(&mut options.map.depth_map, "Depth map");

@@ -11,6 +11,9 @@ use egui::{Color32, Mesh, Painter, Pos2, Rect, Shape, Stroke, vec2};
 /// Pings wider than this many points get a dot each.
 const DOT_POINTS: f64 = 7.0;
 
+/// Points that the dark rim of a line stands out on each side: red and blue read on bright copper only with one.
+const RIM_POINTS: f32 = 1.25;
+
 /// How a line looks.
 #[derive(Clone, Copy)]
 pub(super) struct Pen {
@@ -18,11 +21,30 @@ pub(super) struct Pen {
     pub colour: Color32,
     /// Its width, points.
     pub width: f32,
+    /// How far it stands out beyond that on each side, points; 0 but for the rim under a line.
+    pub rim: f32,
 }
 
 impl Pen {
+    /// What is drawn under the line, so that it stands out from any picture.
+    fn rim(self) -> Self {
+        Self {
+            colour: Color32::from_black_alpha(170),
+            rim: RIM_POINTS,
+            ..self
+        }
+    }
+
+    fn stroke_width(self) -> f32 {
+        self.width + 2.0 * self.rim
+    }
+
+    fn dot_radius(self) -> f32 {
+        self.width * 1.4 + self.rim
+    }
+
     fn of(self, doubtful: bool) -> Color32 {
-        if doubtful {
+        if doubtful && self.colour.is_opaque() {
             self.colour.lerp_to_gamma(Color32::WHITE, 0.45)
         } else {
             self.colour
@@ -59,11 +81,15 @@ pub(super) fn depth(painter: &Painter, lens: &Lens, survey: &Survey, drawing: &D
 
 fn draw(painter: &Painter, lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side, pen: Pen) {
     let columns = columns(lens, survey, step, side);
+    let pens = [pen.rim(), pen];
     if columns.halvings > 0 {
-        painter.add(ribbon(&columns, lens, pen));
-    } else {
-        for run in runs(&columns, lens) {
-            draw_run(painter, &run, lens, pen);
+        painter.extend(pens.map(|pen| ribbon(&columns, lens, pen).into()));
+        return;
+    }
+    let runs = runs(&columns, lens);
+    for pen in pens {
+        for run in &runs {
+            draw_run(painter, run, lens, pen);
         }
     }
 }
@@ -115,7 +141,7 @@ fn ribbon(columns: &Columns, lens: &Lens, pen: Pen) -> Mesh {
             let [low, high] = [low, high].map(|range_m| columns.place(index, range_m));
             let ends = [low, high].map(|place| lens.screen_at(place));
             let bar = Rect::from_points(&ends);
-            let across = pen.width / 2.0;
+            let across = pen.stroke_width() / 2.0;
             let bar = match lens.orientation {
                 Orientation::Horizontal => bar.expand2(vec2(half as f32, across)),
                 Orientation::Vertical => bar.expand2(vec2(across, half as f32)),
@@ -158,10 +184,10 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
 
 fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
     let colour = pen.of(run.doubtful);
-    let stroke = Stroke::new(pen.width, colour);
+    let stroke = Stroke::new(pen.stroke_width(), colour);
     match (run.points.as_slice(), run.doubtful) {
         ([single], _) => {
-            painter.circle_filled(*single, pen.width, colour);
+            painter.circle_filled(*single, pen.width + pen.rim, colour);
         }
         (points, true) => {
             painter.extend(Shape::dashed_line(points, stroke, 4.0, 3.0));
@@ -172,7 +198,7 @@ fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
     }
     if 1.0 / lens.pings_per_point() >= DOT_POINTS {
         for point in &run.points {
-            painter.circle_filled(*point, pen.width * 1.4, colour);
+            painter.circle_filled(*point, pen.dot_radius(), colour);
         }
     }
 }

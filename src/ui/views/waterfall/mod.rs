@@ -2,6 +2,7 @@
 
 mod camera;
 mod drawing;
+mod flat_spots;
 mod gestures;
 mod labels;
 mod lens;

@@ -1,8 +1,10 @@
 //! Everything on top of the picture, in the order in which it is laid over it.
 
 use super::drawing::Drawing;
+use super::labels::Labels;
 use super::lens::Lens;
-use super::{lines, marks, scales};
+use super::scales::RangeLines;
+use super::{flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::survey::{Side, Survey};
 use crate::ui::theme;
@@ -26,14 +28,18 @@ pub(super) struct Shown<'a> {
 pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     let options = &shown.app.options;
     let ink = theme::picture_ink(options);
-    if options.waterfall.range_lines {
-        scales::range_lines(painter, lens, shown.far_m, ink);
+    let wants_range_lines = options.waterfall.range_lines;
+    let range_lines = wants_range_lines.then(|| RangeLines::in_view(lens, shown.far_m));
+    if let Some(lines) = &range_lines {
+        lines.draw(painter, lens, ink);
     }
-    marks::flat_spots(painter, lens, shown.app);
+    let stretches = flat_spots::in_view(lens, shown.app);
+    for stretch in &stretches {
+        stretch.draw(painter);
+    }
     if let Some(drawing) = shown.drawing {
         draw_lines(painter, lens, shown, drawing);
     }
-    scales::ticks(painter, lens, shown.survey, ink);
     let marked = [
         (shown.app.selection, theme::selection_colour()),
         (shown.hover, theme::hover_colour()),
@@ -42,6 +48,15 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         if let Some(mark) = mark {
             marks::cross_hair(painter, lens, shown.survey, &mark, colour);
         }
+    }
+    let mut labels = Labels::new(painter);
+    if let Some(lines) = &range_lines {
+        lines.label(&mut labels, lens);
+    }
+    scales::sides(&mut labels, lens, options);
+    scales::ticks(painter, &mut labels, lens, shown.survey, ink);
+    for stretch in &stretches {
+        stretch.label(&mut labels);
     }
     if let Some(warning) = marks::warning(shown.survey) {
         marks::banner(painter, lens.rect, &warning);
@@ -57,6 +72,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         let pen = lines::Pen {
             colour: theme::depth_line_colour(),
             width: 1.0,
+            rim: 0.0,
         };
         lines::depth(painter, lens, shown.survey, drawing, pen);
     }
@@ -68,6 +84,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         let pen = lines::Pen {
             colour: theme::side_colour(options, side),
             width: FIRST_RETURN_WIDTH,
+            rim: 0.0,
         };
         lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
     }
