@@ -2,6 +2,7 @@
 
 mod levels;
 mod profile;
+mod read_out;
 mod synthetic;
 
 use crate::support;

@@ -233,13 +233,12 @@ fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
 fn empty(painter: &egui::Painter, rect: Rect, response: &Response, text: &str) {
     let colour = painter.ctx().global_style().visuals.weak_text_color();
     let font = egui::FontId::proportional(12.0);
-    painter.text(
-        rect.center(),
-        egui::Align2::CENTER_CENTER,
-        text,
-        font,
-        colour,
-    );
+    let room = (rect.width() - 16.0).max(1.0);
+    let mut words = egui::text::LayoutJob::simple(text.to_owned(), font, colour, room);
+    words.halign = egui::Align::Center;
+    let galley = painter.layout_job(words);
+    let top = rect.center() - vec2(0.0, galley.size().y / 2.0);
+    painter.galley(top, galley, colour);
     response.widget_info(|| {
         egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Profile, empty: {text}"))
     });

@@ -13,11 +13,11 @@ mod picture;
 mod pointer;
 mod scales;
 mod tiles;
+mod words;
 
 use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
 use crate::render::colour_map;
 use crate::render::waterfall::{Look, WaterfallPicture};
-use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, theme};
 use crate::waterfall::{Levels, RangeAxis};
 use camera::{Camera, Extent, Size};
@@ -73,12 +73,7 @@ impl WaterfallView {
         let axis = self.drawing.as_ref().and_then(Drawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
             self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
-            let text = self.empty(context);
-            marks::banner(&painter, rect, &text);
-            response.widget_info(|| {
-                let name = format!("Waterfall, empty: {text}");
-                egui::WidgetInfo::labeled(egui::Role::Image, true, name)
-            });
+            words::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
         let lens = self.aim(ui, &response, &axis, context);
@@ -103,14 +98,13 @@ impl WaterfallView {
                 has_gpu: context.render_state.is_some(),
             },
         );
-        if let Some((at, place)) = response.hover_pos().zip(followed.place) {
-            pointer::read_out(&painter, &lens, context.app, at, place);
+        let read_out =
+            (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
+        if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
+            pointer::read_out(&painter, &lens, at, text);
         }
         let visible = lens.visible(survey.side_scan.len());
-        response.widget_info(|| {
-            let name = accessible_name(&visible, &survey, context);
-            egui::WidgetInfo::labeled(egui::Role::Image, true, name)
-        });
+        words::describe(&response, &visible, &survey, context, read_out.as_deref());
         if context.app.visible != visible {
             context.push(Command::Visible(visible));
         }
@@ -187,16 +181,6 @@ impl WaterfallView {
         Lens::new(camera, rect, orientation)
     }
 
-    /// Why there is no picture, or not yet.
-    fn empty(&self, context: &ViewContext<'_>) -> String {
-        match &context.app.survey {
-            None => "open a survey to see its side-scan here".to_owned(),
-            Some(_) if !self.settled => "reading the survey…".to_owned(),
-            Some(survey) => marks::warning(survey)
-                .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned()),
-        }
-    }
-
     fn draw_picture(&mut self, painter: &egui::Painter, lens: &Lens, context: &ViewContext<'_>) {
         let (Some(drawing), Some(render_state)) = (&mut self.drawing, context.render_state) else {
             self.settled = true;
@@ -264,21 +248,4 @@ fn palette(map: ColourMap) -> colour_map::Palette {
         ColourMap::Gold => colour_map::gold(),
         ColourMap::Viridis => colour_map::viridis(),
     }
-}
-
-/// What the picture shows, for screen readers and tests.
-fn accessible_name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
-    let options = &context.app.options.waterfall;
-    let first_return = match (context.app.returns(), options.first_return) {
-        (_, false) => "first return hidden",
-        (None, true) => "first return not yet found",
-        (Some(_), true) => "first return shown",
-    };
-    let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
-    format!(
-        "Waterfall, pings {} to {} of {}, {first_return}{warning}",
-        visible.start,
-        visible.end.saturating_sub(1),
-        survey.side_scan.len()
-    )
 }

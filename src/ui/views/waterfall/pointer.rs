@@ -93,7 +93,9 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
             .changed()
             | ui.checkbox(&mut shown.depth_line, "Recorded depth")
                 .changed()
-            | ui.checkbox(&mut shown.range_lines, "Range lines").changed();
+            | ui.checkbox(&mut shown.range_lines, "Range lines").changed()
+            | ui.checkbox(&mut shown.flat_stretches, "Flat stretches")
+                .changed();
         if changed {
             context.push(Command::Show(Box::new(options)));
         }
@@ -113,14 +115,7 @@ pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option
 }
 
 /// The read-out beside the pointer, on the side where there is room.
-pub(super) fn read_out(painter: &Painter, lens: &Lens, app: &App, at: Pos2, place: Place) {
-    let Some(text) = app
-        .survey
-        .as_ref()
-        .and_then(|survey| describe(app, survey, place))
-    else {
-        return;
-    };
+pub(super) fn read_out(painter: &Painter, lens: &Lens, at: Pos2, text: &str) {
     let centre = lens.rect.center();
     let (right, below) = (at.x < centre.x, at.y < centre.y);
     let anchor = match (right, below) {
@@ -133,20 +128,29 @@ pub(super) fn read_out(painter: &Painter, lens: &Lens, app: &App, at: Pos2, plac
         if right { 14.0 } else { -14.0 },
         if below { 14.0 } else { -14.0 },
     );
-    labels::text(painter, at + shift, anchor, &text);
+    labels::text(painter, at + shift, anchor, text);
 }
 
-fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
+/// What is known of a place. Its range is that of the picture's scale, the recorder's; beside it stands the range that the
+/// cloud and the exported first returns have.
+pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
     let mut lines = format!(
-        "ping {}  {}\nrange {:.2} m {}",
+        "ping {}  {}\n{}, range {:.2} m as recorded",
         mark.ping,
         text::clock(survey.start_unix_s, ping.time_s),
-        place::range_m(app, mark).unwrap_or(at.across_m.abs()),
-        side.name()
+        side.name(),
+        at.across_m.abs(),
     );
+    if let Some(range_m) = app
+        .products
+        .as_ref()
+        .and_then(|_| place::range_m(app, mark))
+    {
+        lines += &format!("\nrange {range_m:.2} m calibrated");
+    }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
         && let Some(samples) = survey.samples(mark.ping, side)
     {
@@ -156,7 +160,7 @@ fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
         } else {
             0
         };
-        lines += &format!("  sample {sample}, echo {echo}");
+        lines += &format!("\nsample {sample}, echo {echo}");
     }
     if ping.depth_m.is_finite() {
         lines += &format!("\ndepth {:.2} m", ping.depth_m);

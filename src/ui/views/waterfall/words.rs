@@ -1,0 +1,69 @@
+//! What the view says about itself to screen readers and tests, and while it has nothing to show.
+
+use super::marks;
+use crate::survey::Survey;
+use crate::ui::ViewContext;
+use crate::ui::views::empty;
+use egui::{Rect, Response, Role, Ui, WidgetInfo};
+use std::ops::Range;
+
+/// Fills a view that has no picture, or not yet: says why, and offers to open something where nothing is open.
+pub(super) fn without_picture(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    response: &Response,
+    is_reading: bool,
+) {
+    let survey = context.app.survey.clone();
+    let said = match survey {
+        None => {
+            let text = "A survey's side-scan picture appears here.";
+            empty::offer_to_open(ui, context, rect, text);
+            "open a survey to see its side-scan here".to_owned()
+        }
+        Some(_) if is_reading => {
+            empty::say(ui, context, rect, "The side-scan is being read.");
+            "reading the survey".to_owned()
+        }
+        Some(survey) => {
+            let text = marks::warning(&survey)
+                .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned());
+            marks::banner(&ui.painter_at(rect), rect, &text);
+            text
+        }
+    };
+    response.widget_info(|| {
+        WidgetInfo::labeled(Role::Image, true, format!("Waterfall, empty: {said}"))
+    });
+}
+
+/// What the picture shows; the read-out under the pointer is its value.
+pub(super) fn describe(
+    response: &Response,
+    visible: &Range<usize>,
+    survey: &Survey,
+    context: &ViewContext<'_>,
+    read_out: Option<&str>,
+) {
+    response.widget_info(|| WidgetInfo {
+        current_text_value: read_out.map(str::to_owned),
+        ..WidgetInfo::labeled(Role::Image, true, name(visible, survey, context))
+    });
+}
+
+fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
+    let options = &context.app.options.waterfall;
+    let first_return = match (context.app.returns(), options.first_return) {
+        (_, false) => "first return hidden",
+        (None, true) => "first return not yet found",
+        (Some(_), true) => "first return shown",
+    };
+    let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
+    format!(
+        "Waterfall, pings {} to {} of {}, {first_return}{warning}",
+        visible.start,
+        visible.end.saturating_sub(1),
+        survey.side_scan.len()
+    )
+}

@@ -1,0 +1,42 @@
+//! What is said of the place under the pointer.
+
+use super::{settle, window};
+use bathyscope::app::{App, Command, Jobs};
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+
+fn demo() -> App {
+    let mut app = App::new(Jobs::Inline);
+    app.apply(Command::OpenDemo);
+    while !app.is_idle() {
+        app.poll();
+    }
+    app
+}
+
+/// The number in front of `unit`.
+fn before(text: &str, unit: &str) -> Option<f64> {
+    text.split_once(unit)?
+        .0
+        .split_whitespace()
+        .last()?
+        .parse()
+        .ok()
+}
+
+#[test]
+fn the_range_is_told_by_the_picture_s_scale_and_as_calibrated() {
+    let app = demo();
+    let offset_m = app.products.as_ref().expect("results").calibration.offset_m;
+    assert!(offset_m.abs() > 0.02, "the demo has an offset: {offset_m}");
+    let mut window = window(app, [600.0, 400.0]);
+    settle(&mut window);
+    window.hover_at(egui::pos2(300.0, 300.0));
+    window.run_steps(2);
+    let said = window.get_by_role(Role::Image).accesskit_node().value();
+    let said = said.expect("a read-out");
+    let recorded = before(&said, " m as recorded").expect("the recorded range");
+    let calibrated = before(&said, " m calibrated").expect("the calibrated range");
+    // The recorder's own scale is in force, less the fitted offset; both are rounded to centimetres.
+    assert!((recorded - offset_m - calibrated).abs() < 0.0101, "{said}");
+}
