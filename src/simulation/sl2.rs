@@ -1,13 +1,13 @@
-//! Writes a simulated survey as Lowrance SL2: an 8-byte file header, then frames of 144 bytes and their echo bytes, all
-//! little-endian. Offsets of the fields as verified on real files.
+//! Writes a simulated survey as Lowrance SL2: an 8-byte file header, then frames: the reader's own [`Header`] and the echo
+//! bytes, all little-endian.
 
+use crate::formats::lowrance::sl2::Header;
 use crate::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
+use bytemuck::Zeroable as _;
 use std::io::{self, Write};
 
 /// Header of the file: format 2 (SL2), version 1, block size 3200 (a side-scan unit).
 const FILE_HEADER: [u8; 8] = [2, 0, 1, 0, 0x80, 0x0c, 0, 0];
-/// Bytes before the echo bytes of a frame.
-const FRAME_HEADER: usize = 144;
 /// Flags of a frame with a fresh fix: speed, temperature, packet, position, course, altitude.
 const FRESH: u16 = 0x0002 | 0x0004 | 0x0008 | 0x0010 | 0x0080 | 0x0200;
 /// Flag of a frame with a compass heading.
@@ -63,7 +63,7 @@ pub fn write(frames: &[Frame], start_unix_s: u32, out: &mut impl Write) -> io::R
     };
     for frame in frames {
         let header = writer.header(frame)?;
-        out.write_all(&header)?;
+        out.write_all(bytemuck::bytes_of(&header))?;
         out.write_all(&frame.bytes)?;
     }
     Ok(())
@@ -78,42 +78,46 @@ struct Writer {
 }
 
 impl Writer {
-    fn header(&mut self, frame: &Frame) -> io::Result<[u8; FRAME_HEADER]> {
+    fn header(&mut self, frame: &Frame) -> io::Result<Header> {
         let too_large = || io::Error::other("the log is larger than SL2 can hold");
         let packet = u16::try_from(frame.bytes.len()).map_err(|_| too_large())?;
         let size = packet
-            .checked_add(FRAME_HEADER as u16)
+            .checked_add(size_of::<Header>() as u16)
             .ok_or_else(too_large)?;
         if let Some(last) = self.last.get_mut(usize::from(frame.channel)) {
             *last = self.offset;
         }
-        let mut header = Header([0; FRAME_HEADER]);
-        header.put(0, self.offset.to_le_bytes());
-        for (channel, offset) in self.last.iter().enumerate() {
-            header.put(4 + 4 * channel, offset.to_le_bytes());
-        }
-        header.put(28, size.to_le_bytes());
-        header.put(30, self.previous_size.to_le_bytes());
-        header.put(32, frame.channel.to_le_bytes());
-        header.put(34, packet.to_le_bytes());
-        header.put(36, frame.index.to_le_bytes());
-        header.feet(40, frame.range_m[0]);
-        header.feet(44, frame.range_m[1]);
-        header.put(53, [frequency_code(frame.channel)]);
-        header.put(60, self.clock(frame).to_le_bytes());
-        header.feet(64, frame.depth_m);
-        for offset in [80, 84, 88, 92] {
-            header.float(offset, -1.0);
-        }
-        header.float(104, WATER_C);
-        header.fix(frame);
-        header.put(140, frame.milliseconds.to_le_bytes());
+        let fix = &frame.fix;
+        let header = Header {
+            own_offset: self.offset,
+            last_offsets: self.last,
+            frame_size: size,
+            previous_size: self.previous_size,
+            channel: frame.channel,
+            packet,
+            index: frame.index,
+            min_range_ft: feet(frame.range_m[0]),
+            max_range_ft: feet(frame.range_m[1]),
+            frequency: frequency_code(frame.channel),
+            clock: self.clock(frame),
+            depth_ft: feet(frame.depth_m),
+            minus_ones: [-1.0; 4],
+            gps_speed_kn: (fix.speed_mps / MPS_PER_KNOT) as f32,
+            temperature_c: WATER_C,
+            x_m: fix.mercator[0],
+            y_m: fix.mercator[1],
+            course_rad: fix.course_rad as f32,
+            heading_rad: fix.compass_rad.unwrap_or(0.0) as f32,
+            flags: flags(frame),
+            time_ms: frame.milliseconds,
+            ..Header::zeroed()
+        };
         self.offset = self
             .offset
             .checked_add(u32::from(size))
             .ok_or_else(too_large)?;
         self.previous_size = size;
-        Ok(header.0)
+        Ok(header)
     }
 
     /// The hardware time field: Unix seconds in the first frame of the file, milliseconds later.
@@ -127,7 +131,7 @@ impl Writer {
 }
 
 /// Temperature of the water, degrees Celsius: the one the default absorption belongs to.
-const WATER_C: f64 = 20.0;
+const WATER_C: f32 = 20.0;
 
 /// Frequency codes: 200 kHz for the primary, 800 kHz for the down-scan, 455 kHz for the side-scan.
 fn frequency_code(channel: u16) -> u8 {
@@ -138,39 +142,11 @@ fn frequency_code(channel: u16) -> u8 {
     }
 }
 
-/// A frame header under construction.
-struct Header([u8; FRAME_HEADER]);
+fn flags(frame: &Frame) -> u16 {
+    let heading = frame.fix.compass_rad.map_or(0, |_| HEADING);
+    heading | if frame.fresh { FRESH } else { REPEATED }
+}
 
-impl Header {
-    fn put<const N: usize>(&mut self, offset: usize, bytes: [u8; N]) {
-        self.0[offset..offset + N].copy_from_slice(&bytes);
-    }
-
-    fn float(&mut self, offset: usize, value: f64) {
-        self.put(offset, (value as f32).to_le_bytes());
-    }
-
-    fn feet(&mut self, offset: usize, metres: f64) {
-        self.float(offset, metres / METRES_PER_FOOT);
-    }
-
-    fn fix(&mut self, frame: &Frame) {
-        let fix = &frame.fix;
-        self.float(100, fix.speed_mps / MPS_PER_KNOT);
-        self.put(108, fix.mercator[0].to_le_bytes());
-        self.put(112, fix.mercator[1].to_le_bytes());
-        self.float(120, fix.course_rad);
-        self.float(128, fix.compass_rad.unwrap_or(0.0));
-        let heading = if fix.compass_rad.is_some() {
-            HEADING
-        } else {
-            0
-        };
-        let flags = if frame.fresh {
-            FRESH | heading
-        } else {
-            REPEATED | heading
-        };
-        self.put(132, flags.to_le_bytes());
-    }
+fn feet(metres: f64) -> f32 {
+    (metres / METRES_PER_FOOT) as f32
 }

@@ -1,16 +1,18 @@
 //! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over and over, each with its own
 //! offset and a time that goes on.
 
+use bathyscope::formats::lowrance::{FILE_HEADER, sl2::Header};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
+use std::mem::offset_of;
 use std::path::Path;
 
-/// Frame fields that change from copy to copy (offsets of the SL2 frame header).
-const OWN_OFFSET: usize = 0;
-const FRAME_SIZE: usize = 28;
-const MILLISECONDS: usize = 140;
+/// Frame fields that change from copy to copy, and the one that tells a frame's length.
+const OWN_OFFSET: usize = offset_of!(Header, own_offset);
+const MILLISECONDS: usize = offset_of!(Header, time_ms);
+const FRAME_SIZE: usize = offset_of!(Header, frame_size);
 
 /// Writes at least `bytes` bytes and returns how many.
 pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
@@ -19,8 +21,8 @@ pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     let frames = frames(&log);
     let last = frames.last().map_or(0, |frame| milliseconds(frame));
     let mut out = BufWriter::new(File::create(path)?);
-    out.write_all(&log[..8])?;
-    let (mut offset, mut lap) = (8_usize, 0);
+    out.write_all(&log[..FILE_HEADER])?;
+    let (mut offset, mut lap) = (FILE_HEADER, 0);
     while offset < bytes {
         for frame in &frames {
             let mut frame = frame.to_vec();
@@ -42,7 +44,7 @@ fn milliseconds(frame: &[u8]) -> i32 {
 }
 
 fn frames(log: &[u8]) -> Vec<&[u8]> {
-    let mut rest = &log[8..];
+    let mut rest = &log[FILE_HEADER..];
     let mut frames = Vec::new();
     while rest.len() > FRAME_SIZE + 2 {
         let size = usize::from(u16::from_le_bytes([rest[FRAME_SIZE], rest[FRAME_SIZE + 1]]));

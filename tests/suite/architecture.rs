@@ -8,7 +8,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geo", &[]),
     ("survey", &["geo"]),
     ("formats", &["survey", "geo"]),
-    ("simulation", &["survey", "geo"]),
+    ("simulation", &["survey", "geo", "formats"]),
     ("first_return", &["survey"]),
     ("waterfall", &["survey", "first_return"]),
     ("calibration", &["survey", "first_return"]),
