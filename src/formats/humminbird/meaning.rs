@@ -5,14 +5,10 @@ use super::ping::PingHeader;
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted, HalfPing, is_sound};
 use crate::formats::report::Kind;
-use crate::geo::LonLat;
+use crate::geo::{LonLat, humminbird_mercator_inverse};
 use crate::survey::{ChannelKind, Encoding, Fix, Order, SideSpan};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
-/// Radius of the International 1924 sphere that the positions are projected on, metres.
-const SPHERE_M: f64 = 6_378_388.0;
-/// Tangent of geodetic over tangent of sphere latitude in these positions.
-const GEODETIC: f64 = 1.006_764_292_7;
 /// Length of the side-scan transducer, metres, and the frequency at which the peers' formula holds, Hz.
 const TRANSDUCER_M: f64 = 0.108;
 const NOMINAL_HZ: f64 = 455_000.0;
@@ -160,13 +156,8 @@ fn fix(ping: &PingHeader, time_s: f64) -> Fix {
     }
 }
 
-/// Spherical Mercator on the International 1924 sphere, then sphere to geodetic latitude.
 fn lon_lat(easting_m: i32, northing_m: i32) -> LonLat {
-    let sphere_lat = (f64::from(northing_m) / SPHERE_M).exp().atan() * 2.0 - FRAC_PI_2;
-    LonLat {
-        lon_deg: (f64::from(easting_m) / SPHERE_M).to_degrees(),
-        lat_deg: (sphere_lat.tan() * GEODETIC).atan().to_degrees(),
-    }
+    humminbird_mercator_inverse(f64::from(easting_m), f64::from(northing_m))
 }
 
 fn time_s(ping: &PingHeader) -> f64 {
