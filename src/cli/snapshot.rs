@@ -4,7 +4,9 @@ use super::output;
 use super::process::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
+use crate::export::write_aside;
 use crate::ui::{Alone, Shell, offscreen::Studio};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
@@ -185,21 +187,14 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
 
 /// Writes aside, then renames: an error never leaves half a picture.
 fn write(picture: &image::RgbaImage, path: &Path) -> Result<(), String> {
-    let sentence = |what: &dyn std::fmt::Display| {
-        format!("cannot write the picture: {what}: {}", path.display())
-    };
-    let mut aside = path.as_os_str().to_owned();
-    aside.push(".part");
-    let aside = PathBuf::from(aside);
-    let written = picture
-        .save_with_format(&aside, image::ImageFormat::Png)
-        .map_err(|error| sentence(&error))
-        .and_then(|()| std::fs::rename(&aside, path).map_err(|error| sentence(&error)));
-    if written.is_err() {
-        // Best effort: the error that is reported is the one that came first.
-        std::fs::remove_file(&aside).ok();
-    }
-    written
+    let written = write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        picture
+            .write_to(&mut out, image::ImageFormat::Png)
+            .map_err(io::Error::other)?;
+        out.flush()
+    });
+    written.map_err(|error| error.to_string())
 }
 
 /// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.
