@@ -1,17 +1,15 @@
 //! Round numbers for grids, scale bars and legends.
 
-/// The round step (1, 2 or 5 times a power of ten) nearest above `span / most`.
+use crate::ui::text;
+
+/// The round step that divides `span` into at most `most` parts; 1 where there is no span.
 pub fn round_step(span: f64, most: f64) -> f64 {
-    let raw = span / most;
-    if !(raw > 0.0 && raw.is_finite()) {
-        return 1.0;
+    let least = span / most;
+    if least > 0.0 && least.is_finite() {
+        text::round_step(least)
+    } else {
+        1.0
     }
-    let power = 10f64.powf(raw.log10().floor());
-    let factor = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|factor| factor * power >= raw * (1.0 - 1e-9))
-        .unwrap_or(10.0);
-    factor * power
 }
 
 /// The multiples of `step` from `low` to `high`, at most a thousand.
