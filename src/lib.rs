@@ -15,6 +15,7 @@
 
 pub mod app;
 pub mod bathymetry;
+mod calendar;
 pub mod calibration;
 pub mod cli;
 pub mod cloud;

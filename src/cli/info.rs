@@ -1,6 +1,7 @@
 //! `bathyscope info`: what is in a log.
 
 use super::output;
+use crate::calendar;
 use crate::formats;
 use crate::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
@@ -199,39 +200,11 @@ fn to_json(survey: &Survey) -> Value {
     })
 }
 
-/// Unix seconds as `2012-05-05 17:01:02 UTC` (proleptic Gregorian; days-to-date by Howard Hinnant's published method).
+/// Unix seconds as `2012-05-05 17:01:02 UTC`.
 fn utc(unix_s: f64) -> String {
-    let seconds = unix_s.floor() as i64;
-    let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
-    let shifted = days + 719_468;
-    let era = shifted.div_euclid(146_097);
-    let day_of_era = shifted.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_index = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_index + 2) / 5 + 1;
-    let month = if month_index < 10 {
-        month_index + 3
-    } else {
-        month_index - 9
-    };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    let (hour, minute) = (second / 3600, second / 60 % 60);
     format!(
-        "{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{:02} UTC",
-        second % 60
+        "{} {} UTC",
+        calendar::date(unix_s),
+        calendar::time_of_day(unix_s)
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::utc;
-
-    #[test]
-    fn utc_dates() {
-        assert_eq!(utc(0.0), "1970-01-01 00:00:00 UTC");
-        assert_eq!(utc(951_782_400.0), "2000-02-29 00:00:00 UTC");
-        assert_eq!(utc(1_700_000_000.9), "2023-11-14 22:13:20 UTC");
-    }
 }

@@ -1,5 +1,6 @@
 //! Numbers, places and times as the analyst reads them.
 
+use crate::calendar;
 use crate::geo::LonLat;
 
 /// What stands where there is no value.
@@ -66,33 +67,9 @@ pub fn duration(seconds: f64) -> String {
 /// Time of day in UTC when the recorder knew the time, else the time since the start of the log.
 pub fn clock(start_unix_s: Option<f64>, time_s: f64) -> String {
     match start_unix_s {
-        Some(start) => {
-            let second = (start + time_s).rem_euclid(86_400.0) as u64;
-            let (hours, minutes, seconds) = (second / 3600, second / 60 % 60, second % 60);
-            format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
-        }
+        Some(start_unix_s) => format!("{} UTC", calendar::time_of_day(start_unix_s + time_s)),
         None => duration(time_s),
     }
-}
-
-/// The date in UTC, `2014-09-08`.
-pub fn date(unix_s: f64) -> String {
-    // Civil date from days since 1970 (Howard Hinnant, "chrono-compatible low-level date algorithms").
-    let days = (unix_s / 86_400.0).floor() as i64 + 719_468;
-    let era = days.div_euclid(146_097);
-    let day_of_era = days.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let shifted_month = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
-    let month = if shifted_month < 10 {
-        shifted_month + 3
-    } else {
-        shifted_month - 9
-    };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
 }
 
 /// Bytes in the unit that leaves one to three digits before the point.
@@ -139,10 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn dates_and_clocks_are_those_of_the_calendar() {
-        assert_eq!(date(0.0), "1970-01-01");
-        assert_eq!(date(951_782_400.0), "2000-02-29");
-        assert_eq!(date(1_410_181_021.0), "2014-09-08");
+    fn clocks_show_utc_or_the_time_since_the_start() {
         assert_eq!(clock(Some(1_410_181_021.0), 0.0), "12:57:01 UTC");
         assert_eq!(clock(None, 150.4), "2:30");
         assert_eq!(duration(3750.0), "1:02:30");

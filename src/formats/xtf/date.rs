@@ -1,6 +1,7 @@
 //! The date and time of a ping.
 
 use super::raw::PingHeader;
+use crate::calendar::days_from_civil;
 
 /// The year 2000 in hundredths of Unix seconds: earlier dates are none.
 const YEAR_2000_UNIX_CS: i64 = 94_668_480_000;
@@ -10,14 +11,9 @@ pub(super) fn unix_s(unix_cs: i64) -> Option<f64> {
     (unix_cs > YEAR_2000_UNIX_CS).then(|| unix_cs as f64 / 100.0)
 }
 
-/// Hundredths of Unix seconds of a ping's date and time, by Hinnant's days-from-civil.
+/// Hundredths of Unix seconds of a ping's date and time.
 pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
-    let (month, day) = (i64::from(ping.month), i64::from(ping.day));
-    let year = i64::from(ping.year) - i64::from(month <= 2);
-    let year_of_era = year.rem_euclid(400);
-    let day_of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
-    let day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
-    let days = year.div_euclid(400) * 146_097 + day_of_era - 719_468;
+    let days = days_from_civil(ping.year.into(), ping.month.into(), ping.day.into());
     let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
     let seconds = days * 86_400 + minutes * 60 + i64::from(ping.second);
     seconds * 100 + i64::from(ping.hundredths)

@@ -2,6 +2,7 @@
 
 use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, Command};
+use crate::calendar;
 use crate::pipeline::Preset;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::{ViewContext, text};
@@ -96,7 +97,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             "Start of the log in UTC, as the recorder's clock had it.",
             format!(
                 "{} {}",
-                text::date(start + from),
+                calendar::date(start + from),
                 text::clock(Some(start), from).trim_end_matches(" UTC")
             ),
         );

@@ -1,0 +1,76 @@
+//! Dates from Unix seconds and back, in UTC and the proleptic Gregorian calendar, by Howard Hinnant's "chrono-compatible
+//! low-level date algorithms". Leans on nothing; any room may use it.
+
+/// Days from 0000-03-01, where the algorithms count from, to 1970-01-01.
+const EPOCH_DAYS: i64 = 719_468;
+/// Days in 400 years, after which the calendar repeats.
+const ERA_DAYS: i64 = 146_097;
+
+/// Days from 1970-01-01 to a date; months and days count from 1.
+pub fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
+    // Years begin in March, so that the leap day is the last of its year.
+    let year = year - i64::from(month <= 2);
+    let year_of_era = year.rem_euclid(400);
+    let day_of_year = (153 * (month + if month > 2 { -3 } else { 9 }) + 2) / 5 + day - 1;
+    let day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
+    year.div_euclid(400) * ERA_DAYS + day_of_era - EPOCH_DAYS
+}
+
+/// Year, month and day of some Unix seconds; months and days count from 1. Inverse of [`days_from_civil`].
+pub fn civil_from_unix(unix_s: f64) -> (i64, i64, i64) {
+    let days = (unix_s / 86_400.0).floor() as i64 + EPOCH_DAYS;
+    let day_of_era = days.rem_euclid(ERA_DAYS);
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 {
+        month_from_march + 3
+    } else {
+        month_from_march - 9
+    };
+    let year = year_of_era + days.div_euclid(ERA_DAYS) * 400 + i64::from(month <= 2);
+    (year, month, day)
+}
+
+/// The date of some Unix seconds, `2014-09-08`.
+pub fn date(unix_s: f64) -> String {
+    let (year, month, day) = civil_from_unix(unix_s);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+/// The time of day of some Unix seconds, whole seconds passed, `12:57:01`.
+pub fn time_of_day(unix_s: f64) -> String {
+    let second = unix_s.rem_euclid(86_400.0) as u64;
+    let (hours, minutes, seconds) = (second / 3600, second / 60 % 60, second % 60);
+    format!("{hours:02}:{minutes:02}:{seconds:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_system() {
+        // `date -u -d @SECONDS +"%F %T"`
+        for (unix_s, expected, time) in [
+            (0.0, "1970-01-01", "00:00:00"),
+            (-1.0, "1969-12-31", "23:59:59"),
+            (951_782_400.0, "2000-02-29", "00:00:00"),
+            (1_410_181_021.0, "2014-09-08", "12:57:01"),
+            (1_700_000_000.9, "2023-11-14", "22:13:20"),
+        ] {
+            assert_eq!(date(unix_s), expected);
+            assert_eq!(time_of_day(unix_s), time);
+        }
+    }
+
+    #[test]
+    fn days_come_back_as_the_date_they_were_made_from() {
+        for days in (-800_000..800_000).step_by(97) {
+            let (year, month, day) = civil_from_unix(days as f64 * 86_400.0);
+            assert_eq!(days_from_civil(year, month, day), days);
+        }
+    }
+}
