@@ -3,6 +3,7 @@
 use super::{Action, App, Command, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice};
 use crate::calibration::PingRange;
 use crate::pipeline::{Preset, Settings};
+use std::path::PathBuf;
 
 impl App {
     /// Carries out a command. Those that only the window can do are left to it.
@@ -10,6 +11,7 @@ impl App {
         match command {
             Command::Do(action) => self.act(action),
             Command::Open(path) => self.start_loading(Origin::Path(path)),
+            Command::OpenFirst(paths) => self.open_first(paths),
             Command::OpenDemo => self.start_loading(Origin::Demo),
             Command::Change {
                 settings,
@@ -33,6 +35,26 @@ impl App {
             // Views and their arrangement belong to the shell.
             Command::Focus(_) | Command::Layout(_) => {}
         }
+    }
+
+    fn open_first(&mut self, paths: Vec<PathBuf>) {
+        let count = paths.len();
+        let mut paths = paths.into_iter();
+        let Some(first) = paths.next() else {
+            return;
+        };
+        if count > 1 {
+            let text = format!(
+                "{count} logs were given and one is open at a time; the others are under File > Recent. Opening {}",
+                first.display()
+            );
+            self.tell(text, false);
+        }
+        // The newest stands on top: the list reads in the order given.
+        for path in paths.rev() {
+            self.remember(path);
+        }
+        self.start_loading(Origin::Path(first));
     }
 
     fn change(&mut self, settings: Settings, label: &'static str, live: bool) {

@@ -14,6 +14,8 @@ pub enum Command {
     Do(Action),
     /// Open a log.
     Open(PathBuf),
+    /// Open the first of several logs; the others are kept at hand among the recent ones.
+    OpenFirst(Vec<PathBuf>),
     /// Open the bundled demo survey.
     OpenDemo,
     /// Change processing settings. One undo step ends with the first change that is not `live`.

@@ -9,6 +9,9 @@ use crate::survey::Survey;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Logs remembered.
+const RECENT: usize = 10;
+
 /// Products being written.
 pub(super) struct Exporting {
     folder: PathBuf,
@@ -60,9 +63,7 @@ impl App {
 
     fn take_survey(&mut self, survey: Survey, origin: Origin) {
         if let Origin::Path(path) = origin {
-            self.recent.retain(|recent| *recent != path);
-            self.recent.insert(0, path);
-            self.recent.truncate(10);
+            self.remember(path);
         }
         let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
         self.lost_soundings = survey.soundings.len() - locked().count();
@@ -83,6 +84,14 @@ impl App {
         self.history = History::default();
         self.previewer.forget();
         self.process();
+    }
+
+    /// Puts a log on top of the recent ones, by a path that holds in whatever folder the next run starts.
+    pub(super) fn remember(&mut self, path: PathBuf) {
+        let path = std::path::absolute(&path).unwrap_or(path);
+        self.recent.retain(|recent| *recent != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(RECENT);
     }
 
     fn take_products(&mut self, products: Products) {

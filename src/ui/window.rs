@@ -27,18 +27,10 @@ pub fn open_window(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
         if let Some(storage) = cc.storage {
             shell.restore(storage);
         }
-        let count = paths.len();
-        if let Some(path) = paths.into_iter().next() {
-            if count > 1 {
-                let text = format!(
-                    "{count} logs were named and one is open at a time: {}",
-                    path.display()
-                );
-                shell.app.apply(Command::Tell(text));
-            }
-            shell.app.apply(Command::Open(path));
-        } else if demo {
+        if demo && paths.is_empty() {
             shell.app.apply(Command::OpenDemo);
+        } else {
+            shell.app.apply(Command::OpenFirst(paths));
         }
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };

@@ -4,21 +4,14 @@ use crate::app::Command;
 use egui::Ui;
 use std::path::PathBuf;
 
-/// Opens what was dropped; of several files the first, and says so.
+/// Opens what was dropped.
 pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
     });
-    let count = dropped.len();
-    if let Some(path) = dropped.into_iter().next() {
-        if count > 1 {
-            commands.push(Command::Tell(format!(
-                "{count} files were dropped and one is open at a time: {}",
-                path.display()
-            )));
-        }
-        commands.push(Command::Open(path));
+    if !dropped.is_empty() {
+        commands.push(Command::OpenFirst(dropped));
     }
 }
 
