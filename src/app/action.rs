@@ -43,6 +43,7 @@ actions! {
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
     Help, "Keys and commands", Some("F1"), "Shows this list.";
+    Update, "Update results", Some("Ctrl+R"), "Runs the steps whose results are missing or older than their settings.";
     Cancel, "Cancel processing", None, "Stops the step that is running; the last result stays.";
     FocusWaterfall, "Waterfall", Some("1"), "Moves the keyboard to the waterfall.";
     FocusMap, "Map", Some("2"), "Moves the keyboard to the map.";

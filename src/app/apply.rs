@@ -113,6 +113,7 @@ impl App {
                     self.set(settings, false);
                 }
             }
+            Action::Update => self.update(),
             Action::Cancel => {
                 self.cancel();
             }
@@ -165,6 +166,12 @@ impl App {
             Action::PresetPublished => self.use_preset(Preset::Published),
             // Windows, dialogs, layout and cameras belong to the shell.
             _ => {}
+        }
+    }
+
+    fn update(&mut self) {
+        if self.products.is_none() || self.stale().is_some() {
+            self.process();
         }
     }
 

@@ -153,6 +153,12 @@ impl App {
         Stage::first_stale(&products.settings, &self.settings)
     }
 
+    /// Whether results are missing or older than their settings and nothing is under way to change that.
+    pub fn is_stopped(&self) -> bool {
+        let behind = self.products.is_none() || self.stale().is_some();
+        self.survey.is_some() && behind && self.engine_status() == EngineStatus::Idle
+    }
+
     /// Name of the change that undo would take back.
     pub fn undo_label(&self) -> Option<&'static str> {
         self.history.undo_label()

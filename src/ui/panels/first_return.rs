@@ -56,7 +56,13 @@ fn has_side_scan(context: &ViewContext<'_>) -> bool {
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     let (Some(products), Some(figures)) = (&context.app.products, &context.app.figures) else {
-        parts::remark(ui, "Searching…");
+        parts::remark(
+            ui,
+            match context.app.is_stopped() {
+                true => "No result yet: the search was stopped.",
+                false => "Searching…",
+            },
+        );
         return;
     };
     // A preview may hold the visible pings only; the counts are those of the whole log.

@@ -23,6 +23,10 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if button.clicked() {
             context.push(Command::Do(action));
         }
+        if ready && context.app.stale().is_some() {
+            let text = "What is written are the last results, which are older than the settings.";
+            parts::warning(ui, context, text);
+        }
         parts::remark(
             ui,
             "first_returns.csv, cloud.csv, cloud.laz, cloud.ply, report.json with every setting",

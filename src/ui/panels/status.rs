@@ -95,6 +95,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let now = ui.input(|input| input.time);
     let Some((what, share)) = job else {
         ui.data_mut(|data| data.remove::<f64>(since));
+        stopped(ui, context);
         return;
     };
     // Short jobs come and go without a flicker.
@@ -117,4 +118,18 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
         .fill(theme::accent_colour(context.app.options.theme));
     ui.add(bar);
     ui.label(RichText::new(text).small());
+}
+
+/// Offers to go on after processing was stopped. While a slider is dragged, results are behind on purpose.
+fn stopped(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    if !context.app.is_stopped() || ui.input(|input| input.pointer.any_down()) {
+        return;
+    }
+    let action = Action::Update;
+    let update = ui.small_button(action.label());
+    if update.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
+    }
+    let text = RichText::new("stopped before it was done").small();
+    ui.label(text.color(theme::stale_colour(context.app.options.theme)));
 }

@@ -37,6 +37,7 @@ const PROCESSING: &[Action] = &[
     Action::CalibrateHere,
     Action::CalibrationReset,
     Action::OutlierPreview,
+    Action::Update,
     Action::Cancel,
 ];
 

@@ -16,21 +16,34 @@ pub fn say(ui: &mut Ui, context: &ViewContext<'_>, rect: Rect, text: &str) {
     });
 }
 
+/// Says what the view waits for, or offers to go on when processing was stopped.
+pub fn wait(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
+    if !context.app.is_stopped() {
+        return say(ui, context, rect, text);
+    }
+    let colour = theme::canvas_text_colour(&context.app.options);
+    middle(ui, rect, 48.0, |ui| {
+        ui.label(RichText::new("Processing was stopped before there was a result.").color(colour));
+        button(ui, context, Action::Update);
+    });
+}
+
 /// Says what would fill the view, and offers to open something.
 pub fn offer_to_open(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, text: &str) {
     let colour = theme::canvas_text_colour(&context.app.options);
     middle(ui, rect, 84.0, |ui| {
         ui.label(RichText::new(text).color(colour));
         for action in [Action::Open, Action::OpenDemo] {
-            if ui
-                .button(action.label())
-                .on_hover_text(action.hint())
-                .clicked()
-            {
-                context.push(Command::Do(action));
-            }
+            button(ui, context, action);
         }
     });
+}
+
+fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
+    let button = ui.button(action.label());
+    if button.on_hover_text(action.hint()).clicked() {
+        context.push(Command::Do(action));
+    }
 }
 
 fn middle(ui: &mut Ui, rect: Rect, height: f32, add: impl FnOnce(&mut Ui)) {
