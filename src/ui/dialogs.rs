@@ -61,6 +61,11 @@ impl Dialogs {
         self.field = Field::new(Purpose::OpenLog, false);
     }
 
+    /// Whether the path field is shown.
+    pub fn is_open(&self) -> bool {
+        self.field.is_some()
+    }
+
     fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
         if self.waiting.is_some() {
             return;

@@ -22,6 +22,10 @@ impl Shell {
                 let text = "there is no result to export yet; open a log first";
                 self.app.apply(Command::Tell(text.to_owned()));
             }
+            Action::Export if self.app.export_fraction().is_some() => {
+                let text = "products are still being written; wait, or cancel that first";
+                self.app.apply(Command::Tell(text.to_owned()));
+            }
             Action::Export => self.dialogs.pick_folder(self.app.jobs()),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),

@@ -50,12 +50,20 @@ fn is_plain(shortcut: &KeyboardShortcut) -> bool {
     !shortcut.modifiers.command && !shortcut.modifiers.alt && !function_key
 }
 
+/// Whether a text field has a meaning of its own for it: taking back what was typed.
+fn is_of_text(action: Action) -> bool {
+    matches!(action, Action::Undo | Action::Redo)
+}
+
 /// Pushes a command for each key of the table that was pressed.
 pub fn collect(ui: &mut Ui, commands: &mut Vec<Command>) {
     let typing = ui.text_edit_focused();
     // A focused slider or button steps with arrows and acts on Space.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
     for (shortcut, action) in SHORTCUTS.iter() {
+        if typing && is_of_text(*action) {
+            continue;
+        }
         if is_plain(shortcut) && (typing || (control_focused && is_control_key(shortcut))) {
             continue;
         }

@@ -128,11 +128,12 @@ impl Shell {
     /// One frame: collects what workers finished, draws everything, and carries out what the analyst asked for.
     pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
+        self.meet_survey(ui.ctx());
         theme::apply(ui.ctx(), self.app.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
         drop::collect(ui, &mut commands);
-        if !self.palette.is_open() {
+        if !self.palette.is_open() && !self.dialogs.is_open() {
             keys::collect(ui, &mut commands);
         }
         self.play.advance(ui, &self.app, &mut commands);
@@ -146,17 +147,18 @@ impl Shell {
         for command in commands {
             self.carry_out(&ctx, command);
         }
-        self.name_window(&ctx);
         if !self.app.is_idle() {
             ctx.request_repaint_after(std::time::Duration::from_millis(100));
         }
     }
 
-    fn name_window(&mut self, ctx: &egui::Context) {
+    /// What a survey that has just been opened asks of the window itself: its name in the title, and a play head at rest.
+    fn meet_survey(&mut self, ctx: &egui::Context) {
         if self.titled == self.app.survey_serial {
             return;
         }
         self.titled = self.app.survey_serial;
+        self.play.stop();
         if let Some(survey) = &self.app.survey {
             let title = format!("{} - Bathyscope", survey.name());
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));

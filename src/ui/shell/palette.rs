@@ -171,6 +171,13 @@ mod tests {
     }
 
     #[test]
+    fn every_command_is_found_first_by_its_own_name() {
+        for action in Action::ALL {
+            assert_eq!(best(action.label()), action.label());
+        }
+    }
+
+    #[test]
     fn letters_in_order_find_a_command() {
         assert_eq!(best("outl"), "Outlier preview");
         assert_eq!(best("preset pub"), "Preset: published");

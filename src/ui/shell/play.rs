@@ -44,6 +44,11 @@ impl Play {
         }
     }
 
+    /// Stays where it is.
+    pub fn stop(&mut self) {
+        self.running = false;
+    }
+
     /// Moves the selection by the time since the last frame.
     pub fn advance(&mut self, ui: &Ui, app: &App, commands: &mut Vec<Command>) {
         if !self.running {
