@@ -43,6 +43,10 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return;
         };
         scales(ui, &products.calibration);
+        let survey = context.app.survey.as_ref();
+        if survey.is_some_and(|survey| survey.soundings.is_empty()) {
+            parts::remark(ui, "This log records no depth to measure a scale against.");
+        }
         for text in &products.calibration.warnings {
             parts::warning(ui, context, text);
         }

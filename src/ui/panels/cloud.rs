@@ -107,7 +107,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
             "Against sonar",
             "Side-scan depth minus recorded depth at the same ping over all points that are kept: median, and 95th percentile of the absolute difference. On a slope part of it is real.",
             format!(
-                "median {} · p95 {}",
+                "{} · p95 {}",
                 text::difference(residuals.median_m),
                 text::difference(residuals.p95_m)
             ),
@@ -148,6 +148,9 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 settings.cloud.alpha2_deg = value;
             },
         );
+    }
+    if settings.cloud.geometry == Geometry::Published {
+        parts::warning(ui, context, &published_depth(settings.cloud.alpha2_deg));
     }
     choice(
         ui,
@@ -190,4 +193,12 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if settings.projection == Projection::Mercator {
         parts::remark(ui, "Mercator metres are longer than ground metres.");
     }
+}
+
+/// What the printed equations make of the depth that they were calibrated on: at the calibration spot r = d, and z = r cos(α2).
+fn published_depth(alpha2_deg: f64) -> String {
+    let percent = 100.0 * (alpha2_deg.to_radians().cos() - 1.0);
+    format!(
+        "Published formula: the depth d at the calibration spot comes out as d cos(α2), {percent:+.2} %."
+    )
 }
