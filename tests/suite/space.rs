@@ -253,6 +253,11 @@ fn middle(window: &Window) -> Pos2 {
     window.get_by_label_contains(name).rect().center()
 }
 
+/// The middle of the pond on the map that was fitted to it: the right edge is left to the legend.
+fn pond_middle(window: &Window) -> Pos2 {
+    middle(window) - vec2(0.5 * 76.0, 0.0)
+}
+
 fn click(window: &mut Window, at: Pos2) {
     window.hover_at(at);
     window.run();
@@ -323,9 +328,9 @@ fn the_views_name_what_they_show_and_look_as_they_did() {
 #[test]
 fn the_pointer_on_the_map_finds_the_nearest_ping() {
     let mut window = open(Room::map());
-    let at = middle(&window);
+    let at = pond_middle(&window);
     click(&mut window, at);
-    // The map is fitted: the middle of the view is the middle of the pond.
+    // The map is fitted to the pond.
     let ping = nearest_ping(20.0, 24.0);
     assert_eq!(window.state().app.hover, Some(Mark::ping(ping)));
     assert_eq!(window.state().app.selection, Some(Mark::ping(ping)));
@@ -341,7 +346,7 @@ fn a_click_with_the_tool_calibrates_at_the_stretch_around_it() {
     let mut window = open(Room::map());
     window.get_by_label("Calibrate by click").click();
     window.run();
-    let at = middle(&window) + vec2(10.0, 0.0);
+    let at = pond_middle(&window) + vec2(10.0, 0.0);
     click(&mut window, at);
     let ping = window.state().app.hover.unwrap().ping;
     let expected = PingRange {
@@ -366,7 +371,7 @@ fn a_click_with_the_tool_calibrates_at_the_stretch_around_it() {
 #[test]
 fn a_numbered_stretch_offers_itself() {
     let mut window = open(Room::map());
-    let badge = middle(&window) - vec2(0.0, 15.5);
+    let badge = pond_middle(&window) - vec2(0.0, 15.5);
     click(&mut window, badge);
     window.get_by_label_contains("flat stretch 2: pings 333 to 373, 2.90 m deep");
     window.get_by_label("Calibrate here").click();
@@ -389,7 +394,7 @@ fn escape_leaves_the_tool() {
     window.run();
     window.key_press(Key::Escape);
     window.run();
-    let at = middle(&window);
+    let at = pond_middle(&window);
     click(&mut window, at);
     let calibrates = |command: &Command| matches!(command, Command::CalibrateAt(_));
     assert!(!window.state().pushed.iter().any(calibrates));
@@ -474,6 +479,34 @@ fn wheel_and_drag_move_the_map_and_a_reveal_brings_a_ping_back() {
     window.state_mut().map.request(ViewRequest::Fit);
     window.run();
     assert_eq!(window.render().unwrap(), before);
+}
+
+#[test]
+fn an_untouched_view_stays_fitted_to_its_frame() {
+    for room in [Room::map, Room::cloud] {
+        let mut window = open(room());
+        let before = window.render().unwrap();
+        for size in [vec2(700.0, 320.0), SIZE] {
+            window.set_size(size);
+            window.run();
+        }
+        assert_eq!(window.render().unwrap(), before);
+        let zoom = |window: &mut Window| {
+            if window.state().shows_cloud {
+                window.state_mut().cloud.request(ViewRequest::ZoomIn);
+            } else {
+                window.state_mut().map.request(ViewRequest::ZoomIn);
+            }
+            window.run();
+        };
+        zoom(&mut window);
+        let near = window.render().unwrap();
+        for size in [vec2(700.0, 320.0), SIZE] {
+            window.set_size(size);
+            window.run();
+        }
+        assert_eq!(window.render().unwrap(), near, "a moved one stays as it is");
+    }
 }
 
 #[test]

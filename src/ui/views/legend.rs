@@ -4,7 +4,7 @@ use super::ticks;
 use crate::app::ViewOptions;
 use crate::render::{depth_colour, depth_share};
 use crate::ui::theme;
-use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, pos2, vec2};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
 /// Width of the colour bar.
 const BAR: f32 = 12.0;
@@ -21,6 +21,15 @@ pub fn font() -> FontId {
     FontId::proportional(11.0)
 }
 
+/// Space between a text and the edge of its plate.
+const PLATE_MARGIN: Vec2 = vec2(4.0, 2.0);
+
+/// Size that [`plate`] takes for a text.
+pub fn plate_size(painter: &Painter, text: &str) -> Vec2 {
+    let galley = painter.layout_no_wrap(text.to_owned(), font(), Color32::WHITE);
+    galley.size() + 2.0 * PLATE_MARGIN
+}
+
 /// Text on a plate; returns the plate.
 pub fn plate(
     painter: &Painter,
@@ -31,9 +40,9 @@ pub fn plate(
     colour: Color32,
 ) -> Rect {
     let galley = painter.layout_no_wrap(text.to_owned(), font(), colour);
-    let rect = anchor.anchor_size(at, galley.size() + vec2(8.0, 4.0));
+    let rect = anchor.anchor_size(at, galley.size() + 2.0 * PLATE_MARGIN);
     painter.rect_filled(rect, 3.0, theme::plate_colour(options));
-    painter.galley(rect.min + vec2(4.0, 2.0), galley, colour);
+    painter.galley(rect.min + PLATE_MARGIN, galley, colour);
     rect
 }
 

@@ -14,7 +14,7 @@ use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera};
 use crate::ui::{ViewContext, ViewRequest, text, theme};
 use axes::Axes;
-use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::CloudPicture;
 use scene::CloudScene;
 use std::sync::Arc;
@@ -32,6 +32,8 @@ type Key = (
 #[derive(Default)]
 pub struct CloudView {
     camera: Option<OrbitCamera>,
+    /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
+    fitted: Option<(OrbitCamera, Vec2)>,
     wish: Option<ViewRequest>,
     scene: Background<Key, Arc<CloudScene>>,
     picture: CloudPicture,
@@ -79,7 +81,7 @@ impl CloudView {
             return "3D point cloud, empty".to_owned();
         };
         let Some(products) = context.app.products.clone() else {
-            empty::say(ui, context, rect, "The point cloud is being built.");
+            empty::wait(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
         };
         self.ask_for_scene(context, &products);
@@ -142,7 +144,10 @@ impl CloudView {
         products: &Products,
         scene: &CloudScene,
     ) -> OrbitCamera {
-        let is_new = self.camera.is_none();
+        let outgrown = self
+            .fitted
+            .is_some_and(|(fitted, size)| self.camera == Some(fitted) && size != rect.size());
+        let is_new = self.camera.is_none() || outgrown;
         let mut camera = self.camera.unwrap_or_default();
         camera.exaggeration = context.app.options.cloud.vertical_exaggeration.max(0.1);
         let wish = self.wish.take();
@@ -159,6 +164,7 @@ impl CloudView {
         );
         if is_new || fits || response.double_clicked() {
             camera.fit(scene.corners, aspect(rect), margin(rect));
+            self.fitted = Some((camera, rect.size()));
         }
         pointer::move_camera(ui, rect, response, &mut camera);
         if let Some(reveal) = context.app.reveal

@@ -4,13 +4,21 @@ use super::overlay::Scene;
 use crate::calibration::{FlatSpot, ScaleMode};
 use crate::ui::theme;
 use crate::ui::views::legend;
-use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use std::ops::Range;
 
 /// Radius of a number's plate, points.
 const BADGE: f32 = 8.5;
 /// Places drawn along a stretch.
 const MOST_PLACES: usize = 48;
+
+/// Where a stretch's name may stand from its middle, best first; its number stands above.
+const SIDES: [(Vec2, Align2); 4] = [
+    (vec2(10.0, 6.0), Align2::LEFT_TOP),
+    (vec2(-10.0, 6.0), Align2::RIGHT_TOP),
+    (vec2(10.0, -26.0), Align2::LEFT_BOTTOM),
+    (vec2(-10.0, -26.0), Align2::RIGHT_BOTTOM),
+];
 
 /// Draws the stretches.
 pub fn paint(painter: &Painter, scene: &Scene<'_>) {
@@ -24,18 +32,45 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>) {
     let calibration = &scene.products.calibration;
     if let Some(spot) = &calibration.flat_spot {
         stretch(painter, scene, &spot.pings, theme::calibration_colour());
-        let text = match calibration.mode {
-            ScaleMode::FlatSpot => "calibrated here",
-            ScaleMode::Header => "flat spot (header scale in use)",
-        };
-        if legend::has_room(scene.rect)
-            && let Some(middle) = middle(scene, &spot.pings)
-        {
-            let colour = theme::calibration_colour();
-            let at = middle + vec2(10.0, 6.0);
-            legend::plate(painter, scene.options, at, Align2::LEFT_TOP, text, colour);
-        }
     }
+}
+
+/// Names the stretch that the calibration was measured on, beside it where nothing else stands; in a tile without such a
+/// place the colour has to do.
+pub fn name_calibrated(painter: &Painter, scene: &Scene<'_>, covered: &[Rect]) {
+    let calibration = &scene.products.calibration;
+    let Some(spot) = &calibration.flat_spot else {
+        return;
+    };
+    let Some(middle) = middle(scene, &spot.pings).filter(|_| legend::has_room(scene.rect)) else {
+        return;
+    };
+    let text = match calibration.mode {
+        ScaleMode::FlatSpot => "calibrated here",
+        ScaleMode::Header => "flat spot (header scale in use)",
+    };
+    let colour = theme::calibration_colour();
+    let size = legend::plate_size(painter, text);
+    let plate_at = |(offset, anchor): (Vec2, Align2)| anchor.anchor_size(middle + offset, size);
+    let free = SIDES.into_iter().filter(|side| {
+        let plate = plate_at(*side);
+        scene.rect.contains_rect(plate) && !covered.iter().any(|other| other.intersects(plate))
+    });
+    if let Some((offset, anchor)) = free.min_by_key(|side| badges_under(scene, plate_at(*side))) {
+        let at = middle + offset;
+        legend::plate(painter, scene.options, at, anchor, text, colour);
+    }
+}
+
+fn badges_under(scene: &Scene<'_>, plate: Rect) -> usize {
+    if !scene.options.map.flat_spots {
+        return 0;
+    }
+    let badges = scene.products.flat_spots.iter();
+    badges
+        .filter_map(|spot| badge_at(scene, &spot.pings))
+        .filter(|at| plate.expand(BADGE).contains(*at))
+        .count()
 }
 
 /// The stretch that a click would calibrate on.

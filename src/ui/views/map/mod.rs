@@ -25,6 +25,8 @@ type Key = (Same<Survey>, Same<Navigation>);
 #[derive(Default)]
 pub struct MapView {
     transform: Option<MapTransform>,
+    /// The transform that showed everything; while it is in force, the view stays fitted to its frame.
+    fitted: Option<MapTransform>,
     wish: Option<ViewRequest>,
     track: Background<Key, Arc<TrackLayer>>,
     depth: Background<Key, DepthLayer>,
@@ -79,12 +81,8 @@ impl MapView {
             return "Map, empty".to_owned();
         };
         let Some(products) = context.app.products.clone() else {
-            empty::say(
-                ui,
-                context,
-                rect,
-                "The track is being placed on the ground.",
-            );
+            let text = "The track is being placed on the ground.";
+            empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
         self.ask_for_layers(ui, context, &survey, &products);
@@ -102,6 +100,7 @@ impl MapView {
             products: &products,
             track: &track,
             depth: self.depth.result(),
+            lost_soundings: context.app.lost_soundings,
             options: &context.app.options,
         };
         paint(ui, context, &scene, &mut self.picture);
@@ -149,7 +148,8 @@ impl MapView {
         track: &TrackLayer,
     ) -> MapTransform {
         let whole = || MapTransform::fit(track.bounds, rect);
-        let mut transform = self.transform.unwrap_or_else(whole);
+        let moved = self.transform.filter(|now| Some(*now) != self.fitted);
+        let mut transform = moved.unwrap_or_else(whole);
         match self.wish.take() {
             Some(ViewRequest::Fit) => transform = whole(),
             Some(ViewRequest::ZoomIn) => transform.zoom(rect, rect.center(), 1.5),
@@ -166,6 +166,7 @@ impl MapView {
             }
         }
         self.transform = Some(transform);
+        self.fitted = Some(whole());
         transform
     }
 }
@@ -185,7 +186,8 @@ fn paint(
         picture.show(&painter, context.render_state, scene);
     }
     flat_spots::paint(&painter, scene);
-    overlay::furniture(&painter, scene);
+    let covered = overlay::furniture(&painter, scene);
+    flat_spots::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
 }
 

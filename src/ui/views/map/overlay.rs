@@ -18,6 +18,8 @@ pub struct Scene<'a> {
     pub products: &'a Products,
     pub track: &'a Arc<TrackLayer>,
     pub depth: Option<&'a DepthLayer>,
+    /// Soundings after the recorder had lost the bottom: they leave the track grey.
+    pub lost_soundings: usize,
     pub options: &'a ViewOptions,
 }
 
@@ -75,38 +77,55 @@ pub fn depth_map(painter: &Painter, scene: &Scene<'_>) {
     painter.image(texture.id(), rect, whole, Color32::WHITE);
 }
 
-/// Scale bar, north arrow and legend.
-pub fn furniture(painter: &Painter, scene: &Scene<'_>) {
+/// Scale bar, north arrow and legend; returns what they cover.
+pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
-    scale_bar(painter, scene);
-    let Some(range_m) = scene.track.range_m else {
-        return;
-    };
-    let corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
-    let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
-    let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
+    let mut covered = vec![scale_bar(painter, scene)];
+    let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
+    if let Some(range_m) = scene.track.range_m {
+        let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
+        let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
+        corner = scale.right_top() - vec2(0.0, 3.0);
+        covered.push(scale);
+    }
+    if let Some(text) = legend_notes(scene) {
+        let colour = scene.text_colour();
+        let anchor = Align2::RIGHT_BOTTOM;
+        covered.push(legend::plate(
+            painter,
+            scene.options,
+            corner,
+            anchor,
+            &text,
+            colour,
+        ));
+    }
+    covered
+}
+
+/// What the colour scale does not say by itself, a line each.
+fn legend_notes(scene: &Scene<'_>) -> Option<String> {
+    let mut notes = Vec::new();
+    if scene.options.map.track {
+        match scene.track.range_m {
+            None => notes.push("grey track:\nno depth".to_owned()),
+            Some(_) if scene.lost_soundings > 0 => {
+                notes.push("grey track:\nbottom lost".to_owned())
+            }
+            Some(_) => {}
+        }
+    }
     if scene.options.map.depth_map
+        && scene.track.range_m.is_some()
         && legend::has_room(scene.rect)
         && let Some(depth) = scene.depth
     {
-        let text = match depth.map {
-            Some(_) => format!(
-                "faded: interpolated,\nup to {} m from a sounding",
-                depth.gap_m
-            ),
-            None => "no depth map:\nthe soundings lie on one line".to_owned(),
-        };
-        let at = pos2(scale.right(), scale.top() - 3.0);
-        let colour = scene.text_colour();
-        legend::plate(
-            painter,
-            scene.options,
-            at,
-            Align2::RIGHT_BOTTOM,
-            &text,
-            colour,
-        );
+        notes.push(match depth.map {
+            Some(_) => format!("faded:\ninterpolated,\nto {} m away", depth.gap_m),
+            None => "no depth\nmap: all on\none line".to_owned(),
+        });
     }
+    (!notes.is_empty()).then(|| notes.join("\n"))
 }
 
 fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
@@ -120,7 +139,7 @@ fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
     painter.text(at, Align2::CENTER_BOTTOM, "N", legend::font(), colour);
 }
 
-fn scale_bar(painter: &Painter, scene: &Scene<'_>) {
+fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
     let length_m = ticks::round_step(48.0 * scene.transform.metres_per_point, 1.0);
     let length = (length_m / scene.transform.metres_per_point) as f32;
     let start = scene.rect.left_bottom() + vec2(40.0, -26.0);
@@ -144,6 +163,7 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) {
         legend::font(),
         stroke.color,
     );
+    plate
 }
 
 /// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; a place beside the track is joined

@@ -12,6 +12,11 @@ use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
 /// How near the pointer must come to the track, points.
 const REACH: f32 = 30.0;
 
+/// Width in which a place stands in one line in degrees and in metres, points.
+const TWO_PLACES: f32 = 360.0;
+/// Width in which the whole read-out stands in one line, points.
+const ONE_LINE: f32 = 620.0;
+
 /// What the pointer is about.
 #[derive(Default)]
 pub struct Pointer {
@@ -181,7 +186,7 @@ impl Pointer {
         let text = read_out(scene, at, ping);
         let corner = scene.rect.left_top() + vec2(6.0, 34.0);
         let colour = theme::canvas_text_colour(scene.options);
-        legend::plate(
+        let plate = legend::plate(
             &painter,
             scene.options,
             corner,
@@ -191,7 +196,7 @@ impl Pointer {
         );
         if let Some(rank) = flat_spots::under(scene, at) {
             if let Some(spot) = scene.products.flat_spots.get(rank) {
-                let below = corner + vec2(0.0, 20.0);
+                let below = plate.left_bottom() + vec2(0.0, 2.0);
                 let text = flat_spots::describe(rank, spot);
                 legend::plate(
                     &painter,
@@ -228,13 +233,18 @@ fn read_out(scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
     let navigation = &scene.products.navigation;
     let position = navigation.to_lon_lat(&scene.survey.track, east_m, north_m);
-    let mut text = format!(
-        "{}   E {east_m:.1} m  N {north_m:.1} m",
-        text::place(position)
-    );
+    // In one line a narrow map would run under the north arrow, or out of its tile.
+    let gap = |needed: f32| match scene.rect.width() < needed {
+        true => "\n",
+        false => "   ",
+    };
+    let place = text::place(position);
+    let between = gap(TWO_PLACES);
+    let mut text = format!("{place}{between}E {east_m:.1} m  N {north_m:.1} m");
     let map = scene.depth.and_then(|depth| depth.map.as_ref());
     if let Some((depth_m, distance_m)) = map.and_then(|(map, _)| map.at(east_m, north_m)) {
-        text += &format!("   depth {depth_m:.2} m (interpolated, sounding {distance_m:.1} m away)");
+        text += gap(ONE_LINE);
+        text += &format!("depth {depth_m:.2} m (interpolated, sounding {distance_m:.1} m away)");
     }
     if let Some(ping) = ping {
         text += &format!("   ping {ping}");

@@ -7,6 +7,8 @@ pub type GroundBounds = [f64; 4];
 
 /// Share of the view that fitted bounds fill.
 const FIT_SHARE: f64 = 0.84;
+/// Width at the right edge that belongs to the legend, points.
+const LEGEND_WIDTH: f32 = 76.0;
 /// Nearest and farthest zoom, metres a screen point.
 const SCALES: [f64; 2] = [1e-4, 1e5];
 
@@ -20,15 +22,18 @@ pub struct MapTransform {
 }
 
 impl MapTransform {
-    /// Shows all of `bounds`.
+    /// Shows all of `bounds`, left of the legend.
     pub fn fit(bounds: GroundBounds, rect: Rect) -> Self {
         let [west, south, east, north] = bounds;
         let [nearest, farthest] = SCALES;
-        let across = (east - west).max(1.0) / f64::from(rect.width().max(1.0));
+        let legend = LEGEND_WIDTH.min(0.25 * rect.width());
+        let across = (east - west).max(1.0) / f64::from((rect.width() - legend).max(1.0));
         let up = (north - south).max(1.0) / f64::from(rect.height().max(1.0));
+        let metres_per_point = (across.max(up) / FIT_SHARE).clamp(nearest, farthest);
+        let aside_m = 0.5 * f64::from(legend) * metres_per_point;
         Self {
-            centre_m: [0.5 * (west + east), 0.5 * (south + north)],
-            metres_per_point: (across.max(up) / FIT_SHARE).clamp(nearest, farthest),
+            centre_m: [0.5 * (west + east) + aside_m, 0.5 * (south + north)],
+            metres_per_point,
         }
     }
 
