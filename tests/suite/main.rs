@@ -21,3 +21,4 @@ mod support;
 mod truth;
 mod waterfall;
 mod window;
+mod window_job;

@@ -11,9 +11,9 @@ use egui_kittest::kittest::Queryable as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-type Window = Harness<'static, Shell>;
+pub(crate) type Window = Harness<'static, Shell>;
 
-fn empty_window() -> Window {
+pub(crate) fn empty_window() -> Window {
     let mut window = Harness::builder()
         .with_size([1400.0, 1000.0])
         .with_max_steps(12)
@@ -22,7 +22,7 @@ fn empty_window() -> Window {
     window
 }
 
-fn demo_window() -> Window {
+pub(crate) fn demo_window() -> Window {
     let mut window = empty_window();
     // Every empty part offers it; the first is that of the steps.
     let button = window.get_all_by_label("Open the demo survey").next();
@@ -31,15 +31,15 @@ fn demo_window() -> Window {
     window
 }
 
-fn app(window: &Window) -> &App {
+pub(crate) fn app(window: &Window) -> &App {
     &window.state().app
 }
 
-fn threshold(window: &Window) -> f32 {
+pub(crate) fn threshold(window: &Window) -> f32 {
     app(window).settings.first_return.threshold
 }
 
-fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+pub(crate) fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.key_press_modifiers(modifiers, key);
     window.run();
 }
@@ -57,7 +57,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn drop_file(window: &mut Window, path: PathBuf) {
+pub(crate) fn drop_file(window: &mut Window, path: PathBuf) {
     let file = Arc::new(Dropped(path));
     window.input_mut().dropped_files.push(file);
     window.run();
