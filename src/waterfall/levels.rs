@@ -1,7 +1,7 @@
 //! Which echo of a survey is shown darkest and which brightest.
 
 use super::axis::is_usable;
-use crate::survey::{Side, Survey};
+use crate::survey::{Side, SideScanState, Survey};
 
 /// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough to read at once.
 const PINGS: usize = 256;
@@ -33,8 +33,12 @@ impl Levels {
     };
 
     /// Levels at which a survey's echoes fill the colours: the 1st and 99th percentile of the echoes of up to 256 pings,
-    /// away from the transmit pulse, with a little headroom. The same survey always gives the same levels.
+    /// away from the transmit pulse, with a little headroom. The same survey always gives the same levels. Noise
+    /// without a bottom stays as recorded: amplified, it would pass for a picture.
     pub fn of(survey: &Survey) -> Self {
+        if survey.side_scan_state != SideScanState::Usable {
+            return Self::RECORDED;
+        }
         let histogram = histogram(survey);
         let [Some(low), Some(high)] =
             [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(&histogram, share))
@@ -143,6 +147,9 @@ mod tests {
         let silent = of_pings(3, |_, _| 1);
         assert_eq!(in_bytes(Levels::of(&silent))[1], 32.0);
         assert_eq!(Levels::of(&of_pings(0, |_, _| 0)), Levels::RECORDED);
+        let mut noise = grey;
+        noise.side_scan_state = SideScanState::Noise { range_m: 1.5 };
+        assert_eq!(Levels::of(&noise), Levels::RECORDED);
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod read_out;
 mod synthetic;
 
 use crate::support;
-use bathyscope::app::{App, Command, Jobs, Mark, Orientation};
+use bathyscope::app::{Action, App, Command, Jobs, Mark, Orientation};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{Side, SideScanState, Survey};
 use bathyscope::ui::views::{ProfileView, WaterfallView};
@@ -156,6 +156,11 @@ fn without_a_survey_or_a_picture_it_says_why() {
     let mut empty = window(App::new(Jobs::Inline), [400.0, 300.0]);
     settle(&mut empty);
     assert!(name(&empty).contains("open a survey"), "{}", name(&empty));
+    empty.get_by_label("Open the demo survey").click();
+    empty.run_steps(2);
+    let pushed = &empty.state().pushed;
+    let opens = |command: &Command| matches!(command, Command::Do(Action::OpenDemo));
+    assert!(pushed.iter().any(opens), "{pushed:?}");
 
     let mut absent = survey_of(Vec::new(), std::iter::empty());
     absent.side_scan_state = SideScanState::Absent;

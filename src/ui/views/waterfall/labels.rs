@@ -27,6 +27,11 @@ impl<'a> Labels<'a> {
         }
     }
 
+    /// Keeps words off a place that is taken by something else.
+    pub fn keep_clear(&mut self, area: Rect) {
+        self.taken.push(area);
+    }
+
     /// Writes a word if there is room.
     pub fn write(&mut self, at: Pos2, anchor: Align2, text: &str, ink: Color32) {
         let (galley, rect) = lay_out(self.painter, at, anchor, text);
@@ -80,6 +85,9 @@ mod tests {
             assert_eq!(written(25.0, 28.0), 1, "it would cover the first");
             assert_eq!(written(20.0, 50.0), 2);
             assert_eq!(written(195.0, 50.0), 2, "it would stick out");
+            labels.keep_clear(Rect::from_min_size(pos2(0.0, 80.0), vec2(200.0, 20.0)));
+            labels.write(pos2(20.0, 75.0), Align2::LEFT_TOP, "10 m", INK);
+            assert_eq!(labels.taken.len(), 3, "it would cover the banner");
         });
         frame.drop_without_applying_deltas();
     }

@@ -32,8 +32,8 @@ pub(super) fn cross_hair(
     }
 }
 
-/// A sentence on the picture that changes its meaning.
-pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) {
+/// A sentence on the picture that changes its meaning; returns what it covers.
+pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
     let galley = painter.layout(
         text.to_owned(),
         egui::FontId::proportional(14.0),
@@ -41,8 +41,10 @@ pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) {
         (rect.width() - 40.0).max(60.0),
     );
     let area = Align2::CENTER_TOP.anchor_size(rect.center_top() + vec2(0.0, 14.0), galley.size());
-    painter.rect_filled(area.expand(8.0), 4.0, Color32::from_black_alpha(200));
+    let ground = area.expand(8.0);
+    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(200));
     painter.galley(area.min, galley, Color32::PLACEHOLDER);
+    ground
 }
 
 /// What keeps the picture from being a picture of the bottom.

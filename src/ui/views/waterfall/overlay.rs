@@ -50,6 +50,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         }
     }
     let mut labels = Labels::new(painter);
+    if let Some(text) = banner(shown) {
+        labels.keep_clear(marks::banner(painter, lens.rect, &text));
+    }
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
     }
@@ -58,12 +61,12 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     for stretch in &stretches {
         stretch.label(&mut labels);
     }
-    if let Some(warning) = marks::warning(shown.survey) {
-        marks::banner(painter, lens.rect, &warning);
-    } else if !shown.has_gpu {
-        let text = "no picture: there is no graphics adapter that can draw it";
-        marks::banner(painter, lens.rect, text);
-    }
+}
+
+/// What keeps the picture from being one, if anything does.
+fn banner(shown: &Shown<'_>) -> Option<String> {
+    let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
+    marks::warning(shown.survey).or_else(|| (!shown.has_gpu).then(no_gpu))
 }
 
 fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {
