@@ -3,10 +3,13 @@
 //! Data flows one way, and so do the dependencies between the rooms below (a test guards it):
 //!
 //! ```text
-//! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --bathymetry--> depth map
-//!                      |                           ^ calibration (pixels per metre)    |
-//!                      '--waterfall: picture tiles                                     '--export
-//! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it.
+//! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --export--> files
+//!   ^                 | |                                      ^
+//!   '-- simulation    | |                                      '-- calibration (pixels per metre)
+//!                     | '--bathymetry: depth map from the recorder's soundings
+//!                     '--waterfall: picture tiles
+//! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
+//! geo (positions and planes), progress, statistics and calendar serve them all.
 //! ```
 //!
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared

@@ -1,4 +1,6 @@
 //! Depth maps from soundings: repeated positions merged, triangulated, and sampled only where something was measured.
+//!
+//! `soundings` takes the depths with their places, `tin` is the triangulated surface, `depth_map` the grid sampled from it.
 
 mod depth_map;
 mod soundings;

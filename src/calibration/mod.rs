@@ -1,4 +1,8 @@
 //! From samples to metres: the flat spot and its pixels per metre, the header's scale, the fit over the whole log.
+//!
+//! `flat_spots` ranks the level stretches of the track, `scale` measures pixels per metre on them and reads the header's,
+//! `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
+//! them side by side and chooses.
 
 mod calibrate;
 mod flat_spots;

@@ -1,4 +1,7 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
+//!
+//! `build` makes the points, with `geometry` for the published feet and `specular` for the one on a slope; `outliers` is
+//! the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement with recorded depths.
 
 mod build;
 mod geometry;

@@ -1,4 +1,6 @@
 //! Files that other programs open: CSV, PLY, LAZ; written aside, then renamed.
+//!
+//! One file a product, `aside` for the renaming; `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
 mod cloud_csv;

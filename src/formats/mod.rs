@@ -1,4 +1,9 @@
 //! Bytes to [`Survey`]: every recorder's format, recognised by content.
+//!
+//! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
+//! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
+//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings. `shelf` and `map` bring
+//! the bytes, `foreign` knows by sight what is not read.
 
 mod assemble;
 mod clock;

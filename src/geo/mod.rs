@@ -1,4 +1,7 @@
-//! WGS84 to local metres and back; the Mercators that recorders and the paper use; units.
+//! WGS84 to metres and back, and units.
+//!
+//! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
+//! `utm` the metres that survey programs expect in a file.
 
 mod local_frame;
 mod mercator;

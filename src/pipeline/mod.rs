@@ -1,4 +1,7 @@
 //! Runs the stages in order, keeps what is still valid, and tells what is stale.
+//!
+//! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
+//! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them.
 
 mod engine;
 mod outputs;

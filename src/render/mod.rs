@@ -1,4 +1,7 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
+//!
+//! `cloud` draws points and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
+//! `camera` orbits, `lod` thins long lines, `ramp` and `colour_map` turn depths and echoes into colours.
 
 mod camera;
 mod cloud;

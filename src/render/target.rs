@@ -1,9 +1,9 @@
 //! An offscreen picture with its own depth buffer.
 
 /// Format of the picture: plain sRGB bytes, which the window shows unchanged.
-pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+pub(super) const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of the depth buffer. With infinite reverse-Z, floats spread their precision evenly over distance.
-pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A colour picture, transparent where nothing is drawn, and its depth buffer. The window's own render pass has no depth
 /// buffer that can be relied on, so 3D is drawn here and then shown as an image.

@@ -1,4 +1,7 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
+//!
+//! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
+//! be believed. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod fitted_track;
