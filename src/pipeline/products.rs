@@ -96,7 +96,14 @@ pub fn run(
         Some(previous) => Stage::first_stale(&previous.settings, settings),
         None => Some(Stage::Navigation),
     };
-    let reuse = |stage: Stage| previous.filter(|_| stale.is_none_or(|first| stage < first));
+    // The first return depends on neither position nor heading: a change of heading source must not run the tracker again.
+    let same_picks = |old: &&Products| {
+        old.settings.image == settings.image && old.settings.first_return == settings.first_return
+    };
+    let reuse = |stage: Stage| match stage {
+        Stage::FirstReturn => previous.filter(same_picks),
+        _ => previous.filter(|_| stale.is_none_or(|first| stage < first)),
+    };
     let mut begin = |stage: Stage| {
         on_stage(stage);
         progress.check()
@@ -111,49 +118,34 @@ pub fn run(
             (Arc::new(navigation), Arc::new(spots))
         }
     };
-    // The first return depends on neither position nor heading: a change of heading source must not run the tracker again.
-    let same_returns = previous.filter(|old| {
-        old.settings.image == settings.image && old.settings.first_return == settings.first_return
-    });
-    let returns = match same_returns {
+    let returns = match reuse(Stage::FirstReturn) {
         Some(old) => old.returns.clone(),
         None => {
             begin(Stage::FirstReturn)?;
-            Arc::new(first_return::detect(
-                survey,
-                &settings.image,
-                &settings.first_return,
-                progress,
-            )?)
+            let Settings {
+                image,
+                first_return,
+                ..
+            } = settings;
+            Arc::new(first_return::detect(survey, image, first_return, progress)?)
         }
     };
     let calibration = match reuse(Stage::Calibration) {
         Some(old) => old.calibration.clone(),
         None => {
             begin(Stage::Calibration)?;
-            let settings = &settings.calibration;
-            Arc::new(calibration::calibrate(
-                survey,
-                &navigation,
-                &returns,
-                &flat_spots,
-                settings,
-                progress,
-            )?)
+            let (spots, how) = (&flat_spots, &settings.calibration);
+            let made = calibration::calibrate(survey, &navigation, &returns, spots, how, progress)?;
+            Arc::new(made)
         }
     };
     let cloud = match reuse(Stage::Cloud) {
         Some(old) => old.cloud.clone(),
         None => {
             begin(Stage::Cloud)?;
-            Arc::new(cloud::build(
-                survey,
-                &navigation,
-                &returns,
-                &calibration,
-                &settings.cloud,
-                progress,
-            )?)
+            let (scale, how) = (&calibration, &settings.cloud);
+            let made = cloud::build(survey, &navigation, &returns, scale, how, progress)?;
+            Arc::new(made)
         }
     };
     let kept = match reuse(Stage::Outliers) {
