@@ -5,8 +5,9 @@ use crate::app::{Command, Jobs, Outcome, Task};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look the same.
-const TOO_FAST: Duration = Duration::from_millis(150);
+/// A dialog that is gone sooner than this was never shown: "cancelled" and "no dialog service" look the same. Nobody reads
+/// and cancels one so fast, and a busy machine takes that long to find out that there is none.
+const TOO_FAST: Duration = Duration::from_millis(600);
 
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,10 +16,16 @@ enum Purpose {
     ExportInto,
 }
 
+/// What a system dialog came back with.
+struct Chosen {
+    path: Option<PathBuf>,
+    /// Time on the worker: frames may come late.
+    took: Duration,
+}
+
 struct Waiting {
     purpose: Purpose,
-    since: Instant,
-    task: Task<Option<PathBuf>>,
+    task: Task<Chosen>,
 }
 
 /// The dialogs of the window; one at a time.
@@ -76,8 +83,12 @@ impl Dialogs {
             Jobs::Threads(_) => {
                 self.waiting = Some(Waiting {
                     purpose,
-                    since: Instant::now(),
-                    task: Task::start(jobs, move |_| system_dialog(purpose)),
+                    task: Task::start(jobs, move |_| {
+                        let asked = Instant::now();
+                        let path = system_dialog(purpose);
+                        let took = asked.elapsed();
+                        Chosen { path, took }
+                    }),
                 });
             }
         }
@@ -88,17 +99,20 @@ impl Dialogs {
         let Some(waiting) = &self.waiting else {
             return;
         };
-        let (purpose, since) = (waiting.purpose, waiting.since);
+        let purpose = waiting.purpose;
         let chosen = match waiting.task.poll() {
             Outcome::Pending => return,
-            Outcome::Done(chosen) => chosen,
+            Outcome::Done(chosen) => Some(chosen),
             Outcome::Failed => None,
         };
         self.waiting = None;
         match chosen {
-            Some(path) => commands.push(command(purpose, path)),
-            None if since.elapsed() < TOO_FAST => self.field = Field::new(purpose, true),
-            None => {}
+            Some(Chosen {
+                path: Some(path), ..
+            }) => commands.push(command(purpose, path)),
+            Some(chosen) if chosen.took >= TOO_FAST => {}
+            // There was no dialog, or its worker died.
+            Some(_) | None => self.field = Field::new(purpose, true),
         }
     }
 
