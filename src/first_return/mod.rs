@@ -118,13 +118,22 @@ impl FirstReturns {
     }
 }
 
-/// Finds the first return on both sides of every ping.
+/// Finds the first return on both sides of every ping. None is in the noise that a unit without a side-scan transducer
+/// records: whatever passed a threshold there would be a point at a made-up depth.
 pub fn detect(
     survey: &Survey,
     image: &ImageSettings,
     settings: &FirstReturnSettings,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
+    if !survey.has_side_scan() {
+        let none = vec![Pick::NONE; survey.side_scan.len()];
+        return Ok(FirstReturns {
+            port: none.clone(),
+            starboard: none,
+            warnings: Vec::new(),
+        });
+    }
     match settings.method {
         Method::Threshold => {
             let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;

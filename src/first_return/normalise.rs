@@ -46,11 +46,18 @@ impl Normalisation {
                 }))
             })
             .try_reduce(|| Extremes::NONE, |a, b| Ok(a.and(b)))?;
+        let Extremes { lowest, highest } = extremes;
+        // A picture without a single value is black.
+        let (lowest, highest) = if lowest > highest {
+            (0, 0)
+        } else {
+            (lowest, highest)
+        };
         Ok(Self {
             samples: image.samples,
             dead_zone_m,
-            lowest: extremes.lowest.min(extremes.highest),
-            highest: extremes.highest,
+            lowest,
+            highest,
         })
     }
 

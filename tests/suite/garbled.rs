@@ -223,7 +223,7 @@ fn config(cases: u32) -> ProptestConfig {
 }
 
 proptest! {
-    #![proptest_config(config(60))]
+    #![proptest_config(config(400))]
 
     #[test]
     fn wild_headers_never_stop_the_pipeline(frames in frames(), settings in settings()) {
@@ -282,6 +282,48 @@ fn odd_logs_are_processed_or_refused() {
             let log = handmade::sl2(&frames);
             let opened = formats::open_bytes(name, log, &Progress::new());
             process(opened, &Settings::preset(preset));
+        }
+    }
+}
+
+/// Five feet of noise is no picture and no bottom, whatever the preset; a log without side-scan has nothing to say of one.
+#[test]
+fn noise_and_absence_give_no_points_beside_the_track() {
+    let noise = |ping: i32| Frame {
+        range_ft: (-5.0, 5.0),
+        ..Frame::new(5, ping * 50)
+    };
+    let logs: [Vec<Frame>; 2] = [
+        (0..40).map(noise).collect(),
+        (0..40).map(|ping| Frame::new(0, ping * 50)).collect(),
+    ];
+    for frames in logs {
+        for preset in [Preset::Published, Preset::Recommended] {
+            let log = handmade::sl2(&frames);
+            let progress = Progress::new();
+            let survey = formats::open_bytes("log.sl2", log, &progress).expect("a log");
+            let products =
+                pipeline::run(&survey, &Settings::preset(preset), None, &progress, |_| ())
+                    .expect("not stopped");
+            let pings = survey.side_scan.len();
+            assert_eq!(
+                (
+                    products.returns.port.len(),
+                    products.returns.starboard.len()
+                ),
+                (pings, pings)
+            );
+            let beside = products
+                .cloud
+                .points
+                .iter()
+                .filter(|point| point.sounding.is_none());
+            assert_eq!(beside.count(), 0);
+            assert!(
+                products.returns.warnings.is_empty(),
+                "{:?}",
+                products.returns.warnings
+            );
         }
     }
 }
