@@ -5,6 +5,7 @@ use super::process::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
 use crate::export::write_aside;
+use crate::pipeline::Settings;
 use crate::ui::{Alone, Shell, offscreen::Studio};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -83,15 +84,13 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         ));
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
-    app.settings = settings;
+    app.settings = settings.clone();
     app.options.theme = match args.theme {
         Theme::Dark => ThemeChoice::Dark,
         Theme::Light => ThemeChoice::Light,
     };
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
-    if let Some(survey) = &app.survey {
-        check_against(survey, &app.settings)?;
-    }
+    calibrate(&mut app, settings)?;
     select(&mut app, args.pings)?;
     let mut shell = Shell::new(app);
     if let Some(alone) = alone(args.view) {
@@ -152,6 +151,27 @@ fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
         Origin::Path(path) => Command::Open(path.clone()),
         Origin::Demo => Command::OpenDemo,
     });
+    wait(app)
+}
+
+/// Calibrates at the flat spot that the settings name. A freshly opened log has forgotten it: in the window, it belonged to
+/// the log before.
+fn calibrate(app: &mut App, settings: Settings) -> Result<(), String> {
+    if settings.calibration.pings.is_none() {
+        return Ok(());
+    }
+    if let Some(survey) = &app.survey {
+        check_against(survey, &settings)?;
+    }
+    app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "flat spot",
+        live: false,
+    });
+    wait(app)
+}
+
+fn wait(app: &mut App) -> Result<(), String> {
     while !app.is_idle() {
         std::thread::sleep(std::time::Duration::from_millis(2));
         app.poll();

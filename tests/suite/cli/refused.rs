@@ -179,6 +179,9 @@ fn settings_that_cannot_be_are_told_with_their_reason() {
         assert!(words.iter().all(|word| told.contains(word)), "{told}");
     }
     assert!(!folder.join("out").exists(), "nothing is written");
+    let beyond = "calibration.pings=5000..6000";
+    let snapshot = ["snapshot", "pond.sl2", "-o", "x.png", "--set", beyond];
+    one_line(folder, &snapshot, &["5000..6000"]);
 }
 
 #[test]
