@@ -30,6 +30,15 @@ pub fn run(args: InfoArgs) -> Result<(), String> {
     }
 }
 
+/// Characters of the longest usual channel name, `side-scan starboard (STBDLF)`.
+const CHANNEL_WIDTH: usize = 28;
+
+/// `1 warning`, `2 warnings`.
+fn counted(count: usize, what: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{ending}")
+}
+
 /// The one line that tells what was found.
 fn side_scan_sentence(survey: &Survey) -> String {
     match survey.side_scan_state {
@@ -37,7 +46,8 @@ fn side_scan_sentence(survey: &Survey) -> String {
             let pings = &survey.side_scan;
             let port = pings.iter().filter(|ping| ping.port.is_some()).count();
             let starboard = pings.iter().filter(|ping| ping.starboard.is_some()).count();
-            format!("{} pings (port {port}, starboard {starboard})", pings.len())
+            let pings = counted(pings.len(), "ping");
+            format!("{pings} (port {port}, starboard {starboard})")
         }
         SideScanState::Absent => "none in this log".to_owned(),
         SideScanState::Noise { range_m } => {
@@ -77,31 +87,35 @@ fn to_text(survey: &Survey) -> String {
     line("side-scan", side_scan_sentence(survey));
     match depth_span(survey) {
         Some((low, high)) => {
-            let count = survey.soundings.len();
-            line(
-                "depth",
-                format!("{low:.2} m to {high:.2} m ({count} soundings)"),
-            );
+            let soundings = counted(survey.soundings.len(), "sounding");
+            line("depth", format!("{low:.2} m to {high:.2} m ({soundings})"));
         }
         None => line("depth", "none recorded".to_owned()),
     }
     match survey.track.fixes.first() {
         Some(fix) => {
             let place = format!("{:.6}, {:.6}", fix.position.lat_deg, fix.position.lon_deg);
-            let (records, distinct) = (survey.track.fixes.len(), distinct_fixes(survey));
+            let records = counted(survey.track.fixes.len(), "record");
+            let distinct = distinct_fixes(survey);
             line(
                 "position",
-                format!("{place} (lat, lon); {distinct} distinct in {records} records"),
+                format!("{place} (lat, lon); {distinct} distinct in {records}"),
             );
         }
         None => line("position", "none recorded".to_owned()),
     }
-    text.push_str("\nchannel                 pings   samples        range              time\n");
+    let (channel, pings) = ("channel", "pings");
+    writeln!(
+        text,
+        "\n{channel:<CHANNEL_WIDTH$} {pings:>6}   samples        range              time"
+    )
+    .expect("writing to a string");
     for channel in &survey.channels {
         writeln!(text, "{}", channel_row(channel)).expect("writing to a string");
     }
     if !survey.warnings.is_empty() {
-        writeln!(text, "\n{} warnings", survey.warnings.len()).expect("writing to a string");
+        writeln!(text, "\n{}", counted(survey.warnings.len(), "warning"))
+            .expect("writing to a string");
     }
     for warning in &survey.warnings {
         let place = warning.place.map_or(String::new(), |(file, offset)| {
@@ -126,7 +140,7 @@ fn channel_row(channel: &Channel) -> String {
         (low, high) => format!("{low} to {high}"),
     };
     format!(
-        "{:<22} {:>6}   {:<13}  {:<17}  {}",
+        "{:<CHANNEL_WIDTH$} {:>6}   {:<13}  {:<17}  {}",
         format!("{} ({})", channel.kind.name(), channel.recorder_name),
         channel.ping_count,
         samples,

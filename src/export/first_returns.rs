@@ -30,11 +30,7 @@ pub fn first_returns_csv(
             number(&mut out, at.lat_deg, 9)?;
             number(&mut out, place.east_m, 3)?;
             number(&mut out, place.north_m, 3)?;
-            number(
-                &mut out,
-                place.heading_rad.to_degrees().rem_euclid(360.0),
-                2,
-            )?;
+            number(&mut out, compass_deg(place.heading_rad), 2)?;
             number(&mut out, f64::from(ping.depth_m), 3)?;
             for side in [Side::Port, Side::Starboard] {
                 let pick = returns.side(side).get(index).filter(|pick| pick.is_some());
@@ -52,11 +48,31 @@ pub fn first_returns_csv(
     })
 }
 
+/// Degrees clockwise from north, 0 to 359.99: rounded to the printed hundredths first, so that no 360.00 is written.
+fn compass_deg(heading_rad: f64) -> f64 {
+    (heading_rad.to_degrees() * 100.0)
+        .round()
+        .rem_euclid(36_000.0)
+        / 100.0
+}
+
 /// A comma and the number, or a comma alone where there is none.
 fn number(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
     if value.is_finite() {
         write!(out, ",{value:.decimals$}")
     } else {
         write!(out, ",")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::compass_deg;
+
+    #[test]
+    fn headings_stay_below_a_full_turn() {
+        assert_eq!(compass_deg(359.996_f64.to_radians()), 0.0);
+        assert_eq!(compass_deg(-90_f64.to_radians()), 270.0);
+        assert!(compass_deg(f64::NAN).is_nan());
     }
 }
