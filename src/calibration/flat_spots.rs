@@ -144,7 +144,8 @@ impl Profile {
         let from_m = self.along_m[pings.start] - margin_m;
         let to_m = self.along_m[pings.end - 1] + margin_m;
         let place = |goal_m: f64| self.along_m.partition_point(|&along_m| along_m < goal_m);
-        place(from_m)..place(to_m)
+        // Where the boat seems not to move, because a log gives one time to all pings, no distance is below the goal.
+        place(from_m).min(pings.start)..place(to_m).max(pings.end)
     }
 
     fn sums(&self, pings: Range<usize>) -> Sums {

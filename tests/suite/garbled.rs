@@ -260,7 +260,13 @@ fn odd_logs_are_processed_or_refused() {
         data: Vec::new(),
         ..frame(ping)
     };
-    let odd: [(&str, Vec<Frame>); 9] = [
+    let odd: [(&str, Vec<Frame>); 10] = [
+        (
+            "all at one time",
+            (0..60)
+                .flat_map(|_| [Frame::new(0, 0), Frame::new(5, 0)])
+                .collect(),
+        ),
         ("no ping", Vec::new()),
         ("one ping", vec![frame(0)]),
         ("two pings", vec![frame(0), frame(1)]),
