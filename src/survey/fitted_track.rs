@@ -11,6 +11,8 @@ use std::ops::Range;
 const MAX_GAP_S: f64 = 5.0;
 /// A position that stays for longer than this counts as several measurements: the boat is slow or at rest.
 const LONG_STAY_S: f64 = 2.0;
+/// A stay counts as no more measurements than this: a damaged clock makes one that lasts for weeks.
+const MOST_PARTS: f64 = 10_000.0;
 /// A step of this length after a long stay means that the stay was a lost position, metres.
 const STALE_JUMP_M: f64 = 5.0;
 /// A fit is trusted this far beyond the fixes, seconds.
@@ -231,7 +233,7 @@ fn places(stays: &[Stay], interval_s: f64) -> Vec<Place> {
     let mut places = Vec::with_capacity(stays.len());
     for stay in stays {
         let length_s = stay.last_s - stay.first_s;
-        let parts = (length_s / LONG_STAY_S).ceil().max(1.0);
+        let parts = (length_s / LONG_STAY_S).ceil().clamp(1.0, MOST_PARTS);
         for part in 0..parts as usize {
             places.push(Place {
                 time_s: stay.first_s + (part as f64 + 0.5) / parts * length_s - interval_s / 2.0,
