@@ -90,8 +90,9 @@ impl Frame {
             .survey
             .as_ref()
             .and_then(|survey| survey.start_unix_s);
-        let step_s =
-            tick_step_s((strips.to_s - strips.from_s) * 90.0 / f64::from(self.all.width()));
+        // In a window too narrow for the strips their width is negative: no room for ticks, not for one a second.
+        let width = f64::from(self.all.width().max(1.0));
+        let step_s = tick_step_s((strips.to_s - strips.from_s) * 90.0 / width);
         let weak = ui.visuals().weak_text_color();
         let font = egui::FontId::proportional(10.0);
         // Ticks stand on round times of day when the recorder knew the time.
