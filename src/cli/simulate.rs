@@ -52,6 +52,14 @@ fn check_prefix(prefix: &Path) -> Result<(), String> {
             prefix.join("pond").display()
         ));
     }
+    // A log beside its truth was simulated and may be simulated again; any other may be somebody's survey.
+    let log = with_ending(prefix, "sl2");
+    if log.exists() && !with_ending(prefix, "truth.csv").exists() {
+        return Err(format!(
+            "a log of that name is there and was not simulated (it has no truth beside it); choose another prefix: {}",
+            log.display()
+        ));
+    }
     match prefix.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(format!(
             "there is no folder to write into; make it first: {}",

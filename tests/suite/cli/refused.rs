@@ -24,6 +24,22 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+#[test]
+fn a_recorded_log_is_not_simulated_over() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    simulated(folder);
+    fs::remove_file(folder.join("pond.truth.csv")).expect("the truth");
+    let before = fs::read(folder.join("pond.sl2")).expect("the log");
+    one_line(
+        folder,
+        &["simulate", "-o", "pond"],
+        &["pond.sl2", "another prefix"],
+    );
+    assert_eq!(fs::read(folder.join("pond.sl2")).expect("the log"), before);
+}
+
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_refused_unopened() {
