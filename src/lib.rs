@@ -6,7 +6,8 @@
 //! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --export--> files
 //!   ^                 | |                                      ^
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
-//!                     | '--bathymetry: depth map from the recorder's soundings
+//!                     | |--bathymetry: depth map from the recorder's soundings
+//!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! geo (positions and planes), progress, statistics and calendar serve them all.
@@ -22,6 +23,7 @@ mod calendar;
 pub mod calibration;
 pub mod cli;
 pub mod cloud;
+pub mod detection;
 pub mod export;
 pub mod first_return;
 pub mod formats;

@@ -15,12 +15,30 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey"]),
     (
+        "detection",
+        &["survey", "geo", "first_return", "calibration"],
+    ),
+    (
         "export",
-        &["survey", "geo", "first_return", "calibration", "cloud"],
+        &[
+            "survey",
+            "geo",
+            "first_return",
+            "calibration",
+            "cloud",
+            "detection",
+        ],
     ),
     (
         "pipeline",
-        &["survey", "first_return", "calibration", "cloud", "export"],
+        &[
+            "survey",
+            "first_return",
+            "calibration",
+            "cloud",
+            "detection",
+            "export",
+        ],
     ),
     (
         "app",
@@ -31,6 +49,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "calibration",
             "cloud",
             "bathymetry",
+            "detection",
             "export",
             "formats",
             "pipeline",

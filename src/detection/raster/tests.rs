@@ -1,0 +1,113 @@
+use super::*;
+use crate::survey::{Bytes, Encoding, Order, PingNav, Projection, SidePing, SideSpan};
+
+/// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p holding `level`.
+fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
+    let bytes: Vec<u8> = (0..pings)
+        .flat_map(|ping| (0..100).map(move |sample| (ping, sample)))
+        .map(|(ping, sample)| level(ping, sample))
+        .collect();
+    let side_scan = (0..pings).map(|ping| SidePing {
+        time_s: ping as f64 * 0.1,
+        depth_m: 2.0,
+        depth_locked: true,
+        port: Some(SideSpan {
+            file: 0,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset: ping as u64 * 100,
+            count: 100,
+            near_m: 0.0,
+            far_m: 10.0,
+        }),
+        starboard: None,
+    });
+    let survey = Survey {
+        side_scan: side_scan.collect(),
+        bytes: vec![Bytes::Held(bytes.into())],
+        ..Survey::default()
+    };
+    let place = PingNav {
+        east_m: 0.0,
+        north_m: 0.0,
+        heading_rad: 0.0,
+        speed_mps: 2.0,
+    };
+    let navigation = Navigation {
+        pings: vec![place; pings],
+        soundings: Vec::new(),
+        projection: Projection::Enu,
+        zero_heading: 0,
+        moving: pings,
+    };
+    (survey, navigation)
+}
+
+#[test]
+fn a_mark_and_its_box_are_the_same_place() {
+    let (survey, navigation) = survey(200, |_, _| 0);
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    assert_eq!(raster.columns(), 250);
+    let mark = Mark {
+        side: Side::Port,
+        pings: 40..52,
+        near_m: 3.2,
+        far_m: 4.8,
+    };
+    let rect = raster.rect_of(&mark);
+    // Twelve pings of 0.2 m are 60 rows of 0.04 m.
+    assert!((rect.y1 - rect.y0 - 60.0).abs() < 0.01, "{rect:?}");
+    assert!((rect.x0 - 80.0).abs() < 1e-3 && (rect.x1 - 120.0).abs() < 1e-3);
+    let back = raster.mark_of(Side::Port, &rect);
+    assert_eq!((back.side, back.pings.clone()), (mark.side, mark.pings));
+    assert!((back.near_m - 3.2).abs() < 1e-5 && (back.far_m - 4.8).abs() < 1e-5);
+    assert_eq!(back.samples(&survey), 32..48);
+}
+
+#[test]
+fn a_bright_patch_lands_in_its_box() {
+    let (survey, navigation) = survey(200, |ping, sample| {
+        u8::from((40..52).contains(&ping) && (32..48).contains(&sample)) * 200
+    });
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    let tile = raster.tile(&survey, Side::Port, 100, 50);
+    let mark = Mark {
+        side: Side::Port,
+        pings: 40..52,
+        near_m: 3.2,
+        far_m: 4.8,
+    };
+    let rect = raster.rect_of(&mark).shifted(-50.0, -100.0);
+    for (index, &pixel) in tile.pixels.iter().enumerate() {
+        let (x, y) = (
+            (index % TILE_PX) as f32 + 0.5,
+            (index / TILE_PX) as f32 + 0.5,
+        );
+        // Interpolation blurs a ping (5 rows) either way, and a pixel in range.
+        let inside = |grow_x: f32, grow_y: f32| {
+            (rect.x0 - grow_x..rect.x1 + grow_x).contains(&x)
+                && (rect.y0 - grow_y..rect.y1 + grow_y).contains(&y)
+        };
+        if inside(-1.5, -3.0) {
+            assert_eq!(pixel, 200, "dark inside at {x}, {y}");
+        }
+        if !inside(1.5, 3.0) {
+            assert_eq!(pixel, 0, "bright outside at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn a_side_that_was_not_recorded_is_dark_and_an_empty_survey_has_no_rows() {
+    let (some, navigation) = survey(20, |_, _| 90);
+    let raster = Raster::new(&some, &navigation, 0.04);
+    let tile = raster.tile(&some, Side::Starboard, 0, 0);
+    assert!(tile.pixels.iter().all(|&pixel| pixel == 0));
+    let (none, navigation) = survey(0, |_, _| 0);
+    let raster = Raster::new(&none, &navigation, 0.04);
+    assert_eq!((raster.rows(), raster.columns()), (0, 0));
+    assert_eq!(
+        raster.tile(&none, Side::Port, 0, 0).pixels.len(),
+        TILE_PX * TILE_PX
+    );
+}
