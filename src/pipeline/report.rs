@@ -143,7 +143,7 @@ impl Report {
             inputs: hash_inputs(survey, progress)?,
             format: survey.source.format.clone(),
             start_unix_s: survey.start_unix_s,
-            preset: settings.is_preset().map_or("changed", Preset::name),
+            preset: settings.matching_preset().map_or("changed", Preset::name),
             settings: settings.clone(),
             counts: Counts {
                 pings: survey.side_scan.len(),

@@ -92,7 +92,7 @@ impl Settings {
     }
 
     /// The preset that these settings are, if any; the choice of the flat spot does not count.
-    pub fn is_preset(&self) -> Option<Preset> {
+    pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.clone();
         plain.calibration.pings = None;
         [Preset::Recommended, Preset::Published]
@@ -238,13 +238,13 @@ mod tests {
             let settings = Settings::preset(preset)
                 .with_assignment("calibration.pings=1..9")
                 .unwrap();
-            assert_eq!(settings.is_preset(), Some(preset));
+            assert_eq!(settings.matching_preset(), Some(preset));
         }
         assert_eq!(
             Settings::default()
                 .with_assignment("cloud.alpha2_deg=12")
                 .unwrap()
-                .is_preset(),
+                .matching_preset(),
             None
         );
     }

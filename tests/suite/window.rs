@@ -155,14 +155,23 @@ fn presets_are_one_click_back_and_can_be_undone() {
     assert!(window.query_by_label("changed").is_some());
     window.get_by_label("Preset published").click();
     window.run();
-    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Published));
+    assert_eq!(
+        app(&window).settings.matching_preset(),
+        Some(Preset::Published)
+    );
     assert!(app(&window).stale().is_none(), "the results follow");
     window.get_by_label("Preset recommended").click();
     window.run();
-    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Recommended));
+    assert_eq!(
+        app(&window).settings.matching_preset(),
+        Some(Preset::Recommended)
+    );
     window.get_by_label("Undo button").click();
     window.run();
-    assert_eq!(app(&window).settings.is_preset(), Some(Preset::Published));
+    assert_eq!(
+        app(&window).settings.matching_preset(),
+        Some(Preset::Published)
+    );
 }
 
 #[test]
