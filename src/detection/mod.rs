@@ -1,12 +1,15 @@
 //! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
 //!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
-//! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels.
+//! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
+//! levels of a tile to one scale.
 
+mod level;
 mod mark;
 mod raster;
 mod rect;
 
+pub use level::level;
 pub use mark::{Detection, Mark};
 pub use raster::{Raster, TILE_PX, Tile};
 pub use rect::{Labelled, Rect, Scored};
