@@ -3,13 +3,16 @@
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
+//! `nms` keeps the surest of boxes that overlap.
 
 mod level;
 mod mark;
+mod nms;
 mod raster;
 mod rect;
 
 pub use level::level;
 pub use mark::{Detection, Mark};
+pub use nms::{Nms, Overlap, suppress};
 pub use raster::{Raster, TILE_PX, Tile};
 pub use rect::{Labelled, Rect, Scored};
