@@ -4,12 +4,14 @@
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `nms` keeps the surest of boxes that overlap.
+//! `review` holds what the analyst decides about the boxes.
 
 mod level;
 mod mark;
 mod nms;
 mod raster;
 mod rect;
+pub mod review;
 
 pub use level::level;
 pub use mark::{Detection, Mark};

@@ -1,0 +1,217 @@
+//! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
+
+use super::{BoxId, Identity, Review, Reviewed, State, held};
+use crate::detection::Mark;
+use crate::survey::Side;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Bytes of the largest file that is read.
+pub const LARGEST_FILE: u64 = 64 << 20;
+/// Number of the layout.
+const VERSION: u32 = 1;
+const MOST_BOXES: usize = 200_000;
+const MOST_CLASSES: usize = 1_000;
+/// Letters of a class name or a model's name.
+const LONGEST_NAME: usize = 200;
+/// Letters of a note.
+const LONGEST_NOTE: usize = 10_000;
+
+/// A file that is no review, or not one of this log.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ReviewError(String);
+
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    version: u32,
+    survey: Identity,
+    classes: Vec<String>,
+    boxes: Vec<StoredBox>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredBox {
+    id: BoxId,
+    side: StoredSide,
+    /// First and last, the last excluded.
+    pings: [usize; 2],
+    near_m: f64,
+    far_m: f64,
+    class: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    score: Option<f32>,
+    state: State,
+    #[serde(default)]
+    edited: bool,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    note: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    model: Option<String>,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum StoredSide {
+    Port,
+    Starboard,
+}
+
+/// Only the layout's number, so that a newer file is told from a broken one.
+#[derive(Deserialize)]
+struct Versioned {
+    version: u32,
+}
+
+impl Review {
+    /// The review as the text of a file.
+    pub fn to_json(&self) -> String {
+        let stored = Stored {
+            version: VERSION,
+            survey: self.identity.clone(),
+            classes: self.classes.clone(),
+            boxes: self.boxes().map(|one| self.stored(one)).collect(),
+        };
+        // Strings, whole and finite numbers only: nothing here can fail to be written.
+        serde_json::to_string_pretty(&stored).unwrap_or_default()
+    }
+
+    fn stored(&self, one: &Reviewed) -> StoredBox {
+        StoredBox {
+            id: one.id,
+            side: match one.mark.side {
+                Side::Port => StoredSide::Port,
+                Side::Starboard => StoredSide::Starboard,
+            },
+            pings: [one.mark.pings.start, one.mark.pings.end],
+            near_m: one.mark.near_m,
+            far_m: one.mark.far_m,
+            class: self.class_name(one.class).to_owned(),
+            score: one.score,
+            state: one.state,
+            edited: one.edited,
+            note: one.note.clone(),
+            model: one.model.as_deref().map(str::to_owned),
+        }
+    }
+
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box makes no sense.
+    pub fn from_json(text: &str, of: &Identity) -> Result<Self, ReviewError> {
+        let refuse = |text: String| Err(ReviewError(text));
+        let versioned: Versioned = serde_json::from_str(text)
+            .map_err(|error| ReviewError(format!("this is no review of boxes: {error}")))?;
+        if versioned.version != VERSION {
+            return refuse(format!(
+                "this review has layout {}, this program reads layout {VERSION}; use the program that wrote it",
+                versioned.version
+            ));
+        }
+        let stored: Stored = serde_json::from_str(text)
+            .map_err(|error| ReviewError(format!("this review is damaged: {error}")))?;
+        if !stored.survey.is_same_log(of) {
+            return refuse(format!(
+                "this review belongs to another log, of {} pings and {} bytes; open that log first: {}",
+                stored.survey.pings, stored.survey.byte_count, stored.survey.file
+            ));
+        }
+        if stored.boxes.len() > MOST_BOXES || stored.classes.len() > MOST_CLASSES {
+            return refuse(format!(
+                "this review has {} boxes of {} classes; at most {MOST_BOXES} of {MOST_CLASSES} are read",
+                stored.boxes.len(),
+                stored.classes.len()
+            ));
+        }
+        Self::check_classes(&stored.classes)?;
+        Self::collect(stored, of)
+    }
+
+    fn check_classes(classes: &[String]) -> Result<(), ReviewError> {
+        let mut seen = HashSet::new();
+        for class in classes {
+            if !is_name(class) || !seen.insert(class) {
+                return Err(ReviewError(
+                    "this review is damaged: a class name is empty, too long or there twice".into(),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn collect(stored: Stored, of: &Identity) -> Result<Self, ReviewError> {
+        let mut review = Review::new(of.clone(), stored.classes);
+        let mut seen = HashSet::new();
+        let mut models: HashSet<Arc<str>> = HashSet::new();
+        for one in stored.boxes {
+            let id = one.id;
+            let wrong =
+                |what: &str| ReviewError(format!("this review is damaged: box {}: {what}", id.0));
+            if !seen.insert(id) || id.0 == u32::MAX {
+                return Err(wrong("its number is there twice or out of range"));
+            }
+            let model = one.model.clone().map(|name| shared(&mut models, name));
+            let read = review.read_box(one, model).map_err(wrong)?;
+            review.next_id = review.next_id.max(id.0 + 1);
+            review.boxes.push(Arc::new(read));
+        }
+        Ok(review)
+    }
+
+    fn read_box(&self, one: StoredBox, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
+        let [start, end] = one.pings;
+        let mark = Mark {
+            side: match one.side {
+                StoredSide::Port => Side::Port,
+                StoredSide::Starboard => Side::Starboard,
+            },
+            pings: start..end,
+            near_m: one.near_m,
+            far_m: one.far_m,
+        };
+        let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
+        let class = self.classes.iter().position(|class| *class == one.class);
+        let has_model_name = model.as_deref().is_none_or(is_name);
+        let is_by_hand = model.is_none();
+        match class {
+            _ if !is_held => Err("its pings or ranges lie outside the log"),
+            None => Err("its class is not in the list"),
+            _ if !one.score.is_none_or(|score| (0.0..=1.0).contains(&score)) => {
+                Err("its score is not between 0 and 1")
+            }
+            _ if !has_model_name || one.note.chars().count() > LONGEST_NOTE => {
+                Err("its note or the name of its model is too long")
+            }
+            _ if (one.state == State::Added && !is_by_hand)
+                || (is_by_hand && matches!(one.state, State::Proposed | State::Accepted)) =>
+            {
+                Err("its state does not fit where it came from")
+            }
+            Some(class) => Ok(Reviewed {
+                id: one.id,
+                mark,
+                class,
+                score: one.score,
+                state: one.state,
+                edited: one.edited,
+                note: one.note,
+                model,
+            }),
+        }
+    }
+}
+
+fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().count() <= LONGEST_NAME
+}
+
+fn shared(models: &mut HashSet<Arc<str>>, name: String) -> Arc<str> {
+    if let Some(known) = models.get(name.as_str()) {
+        return known.clone();
+    }
+    let model: Arc<str> = name.into();
+    models.insert(model.clone());
+    model
+}

@@ -1,0 +1,196 @@
+//! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a file of its own.
+//!
+//! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are there, `queue` the order
+//! in which boxes are looked at, `file` how a review is kept. The log itself is never touched.
+
+mod adopt;
+mod edit;
+mod file;
+mod queue;
+
+pub use edit::Edit;
+pub use file::{LARGEST_FILE, ReviewError};
+pub use queue::{Counts, Filter, Queue, Sort};
+
+use super::Mark;
+use crate::survey::Survey;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Number of a box, never given twice in a review.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct BoxId(pub u32);
+
+/// Where a box stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum State {
+    /// By a model; nobody has decided yet.
+    Proposed,
+    /// By a model, and right.
+    Accepted,
+    /// Nothing there: a hard negative for training.
+    Rejected,
+    /// Missed by the model and drawn by hand.
+    Added,
+}
+
+impl State {
+    /// All states in the order of the work.
+    pub const ALL: [State; 4] = [
+        State::Proposed,
+        State::Accepted,
+        State::Rejected,
+        State::Added,
+    ];
+
+    /// `proposed`, `accepted`, `rejected` or `added`.
+    pub fn name(self) -> &'static str {
+        match self {
+            State::Proposed => "proposed",
+            State::Accepted => "accepted",
+            State::Rejected => "rejected",
+            State::Added => "added",
+        }
+    }
+
+    /// Whether it says that there is an object.
+    pub fn is_object(self) -> bool {
+        matches!(self, State::Accepted | State::Added)
+    }
+}
+
+/// A box with what is decided about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reviewed {
+    /// Its number.
+    pub id: BoxId,
+    /// Where: the echo and its shadow.
+    pub mark: Mark,
+    /// Index into [`Review::classes`].
+    pub class: usize,
+    /// Confidence of the last model that saw it, 0 to 1; `None` while none has.
+    pub score: Option<f32>,
+    /// Where it stands.
+    pub state: State,
+    /// Class, place or note were changed by hand: a new model does not take it away.
+    pub edited: bool,
+    /// The analyst's remark.
+    pub note: String,
+    /// The model that proposed it; `None` for a box drawn by hand.
+    pub model: Option<Arc<str>>,
+}
+
+impl Reviewed {
+    /// Whether the analyst has touched it; a new model leaves such a box as it is.
+    pub fn is_kept(&self) -> bool {
+        self.state != State::Proposed || self.edited
+    }
+}
+
+/// Which log a review belongs to. A log that was renamed or moved is still the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// File name of the log, without its folder.
+    pub file: String,
+    /// Bytes of all its files.
+    pub byte_count: u64,
+    /// Side-scan pings.
+    pub pings: usize,
+}
+
+impl Identity {
+    /// That of an open survey.
+    pub fn of(survey: &Survey) -> Self {
+        let file = survey.source.files.first();
+        let name = file.and_then(|file| file.file_name());
+        Self {
+            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            byte_count: survey.source.byte_count,
+            pings: survey.side_scan.len(),
+        }
+    }
+
+    /// Whether both are the same recording.
+    pub fn is_same_log(&self, other: &Self) -> bool {
+        self.byte_count == other.byte_count && self.pings == other.pings
+    }
+}
+
+/// All boxes of a survey. Boxes are shared between the versions that undo keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Review {
+    identity: Identity,
+    classes: Vec<String>,
+    boxes: Vec<Arc<Reviewed>>,
+    next_id: u32,
+}
+
+impl Review {
+    /// An empty review with the classes that a box can have.
+    pub fn new(identity: Identity, classes: Vec<String>) -> Self {
+        Self {
+            identity,
+            classes,
+            boxes: Vec::new(),
+            next_id: 1,
+        }
+    }
+
+    /// The log that it belongs to.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Names of the classes.
+    pub fn classes(&self) -> &[String] {
+        &self.classes
+    }
+
+    /// Name of a class; empty for an index that has none.
+    pub fn class_name(&self, class: usize) -> &str {
+        self.classes.get(class).map_or("", String::as_str)
+    }
+
+    /// The boxes in the order in which they came.
+    pub fn boxes(&self) -> impl ExactSizeIterator<Item = &Reviewed> {
+        self.boxes.iter().map(AsRef::as_ref)
+    }
+
+    /// A box by its number.
+    pub fn get(&self, id: BoxId) -> Option<&Reviewed> {
+        self.position(id).map(|index| self.boxes[index].as_ref())
+    }
+
+    /// The number that the next box gets.
+    pub fn next_id(&self) -> BoxId {
+        BoxId(self.next_id)
+    }
+
+    fn position(&self, id: BoxId) -> Option<usize> {
+        self.boxes.iter().position(|one| one.id == id)
+    }
+
+    fn take_id(&mut self) -> BoxId {
+        let id = BoxId(self.next_id);
+        self.next_id = self.next_id.saturating_add(1);
+        id
+    }
+}
+
+/// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing is left of it.
+fn held(mark: &Mark, pings: usize) -> Option<Mark> {
+    let (start, end) = (mark.pings.start, mark.pings.end.min(pings));
+    let (near_m, far_m) = (mark.near_m.max(0.0), mark.far_m);
+    let is_sound = start < end && far_m.is_finite() && far_m > near_m;
+    is_sound.then_some(Mark {
+        side: mark.side,
+        pings: start..end,
+        near_m,
+        far_m,
+    })
+}
+
+#[cfg(test)]
+mod tests;
