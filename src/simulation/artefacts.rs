@@ -31,18 +31,33 @@ pub struct Fish {
     pub side: Side,
     /// First ping of the row.
     pub first_ping: u64,
-    /// Its slant range as a share of the depth at that ping.
+    /// Its slant range when it is abeam, as a share of the depth at that ping.
     pub depth_share: f64,
-    /// How much farther away it is in this ping, metres.
-    pub farther_m: f64,
+    /// How far it has swum outward since then, metres.
+    pub outward_m: f64,
+    /// How far ahead of the boat it is, metres; negative astern.
+    pub ahead_m: f64,
     /// Strength of its echo over that of a level bottom's edge, dB.
     pub strength_db: f64,
 }
 
 /// Length of the stretch with a gain drop, metres.
 const GAIN_DROP_M: f64 = 10.0;
-/// Longest row of pings that a fish is heard in, and that a dropout takes.
-const LONGEST_ROW: u64 = 5;
+/// Longest row of pings that a dropout takes.
+const LONGEST_DROPOUT: u64 = 5;
+/// Longest row of pings that a fish is heard in. In the real river recording, echoes in the water column are up to a dozen
+/// pings long, a metre of the boat's way: a fish of some length, or one that keeps up with the boat for a while.
+const LONGEST_FISH: u64 = 8;
+/// Fastest that a fish swims away or nearer, metres a second: cruising, two lengths of a fish of 15 cm.
+const FISH_SPEED_MPS: f64 = 0.3;
+
+impl Fish {
+    /// Slant range over water of a depth, metres: the arch that a point makes on the picture of a boat that passes it.
+    pub fn range_m(&self, depth_m: f64) -> f64 {
+        let abeam_m = self.depth_share * depth_m + self.outward_m;
+        (abeam_m * abeam_m + self.ahead_m * self.ahead_m).sqrt()
+    }
+}
 
 /// The plan for a survey.
 pub struct Plan<'a> {
@@ -85,7 +100,7 @@ impl<'a> Plan<'a> {
             gain: self.gain(travelled_m),
             roll_rad: self.roll_rad(time_s),
             missing: self
-                .row(ping, artefacts.dropouts, Purpose::Dropouts)
+                .row(ping, artefacts.dropouts, LONGEST_DROPOUT, Purpose::Dropouts)
                 .is_some(),
             interference: Random::new(self.seed, Purpose::Interference, ping)
                 .chance(artefacts.interference),
@@ -117,33 +132,38 @@ impl<'a> Plan<'a> {
     }
 
     fn fish(&self, ping: u64) -> Option<Fish> {
-        let first_ping = self.row(ping, self.scene.artefacts.fish, Purpose::Fish)?;
+        let share = self.scene.artefacts.fish;
+        let first_ping = self.row(ping, share, LONGEST_FISH, Purpose::Fish)?;
         let mut random = Random::new(self.seed, Purpose::Fish, first_ping.wrapping_add(1 << 40));
         let side = if random.chance(0.5) {
             Side::Port
         } else {
             Side::Starboard
         };
-        // A fish passes on a shallow arc: a little farther away at both ends of its row.
-        let off = (ping - first_ping) as f64 - 1.5;
+        let track = &self.scene.track;
+        let abeam = random.between(0.0, LONGEST_FISH as f64 - 1.0);
+        let pings = (ping - first_ping) as f64 - abeam;
+        let outward_mps = random.between(-FISH_SPEED_MPS, FISH_SPEED_MPS);
         Some(Fish {
             side,
             first_ping,
-            depth_share: random.between(0.3, 0.85),
-            farther_m: 0.007 * off * off,
+            // Anywhere in the water, down to the bottom: as much of it lies at a range as the half circle there is long.
+            depth_share: random.unit().sqrt(),
+            outward_m: outward_mps * pings / track.ping_rate_hz,
+            ahead_m: -pings * track.speed_mps / track.ping_rate_hz,
             strength_db: random.between(-14.0, -2.0),
         })
     }
 
-    /// The start of the row of troubled pings that holds this ping. Rows are 1 to 5 pings long and together take a share
-    /// of all pings.
-    fn row(&self, ping: u64, share: f64, purpose: Purpose) -> Option<u64> {
-        let mean_length = 0.5 * (1.0 + LONGEST_ROW as f64);
-        (0..LONGEST_ROW).find_map(|back| {
+    /// The start of the row of troubled pings that holds this ping. Rows are 1 to `longest` pings long and together take a
+    /// share of all pings.
+    fn row(&self, ping: u64, share: f64, longest: u64, purpose: Purpose) -> Option<u64> {
+        let mean_length = 0.5 * (1.0 + longest as f64);
+        (0..longest).find_map(|back| {
             let start = ping.checked_sub(back)?;
             let mut random = Random::new(self.seed, purpose, start);
             let starts = random.chance(share / mean_length);
-            (starts && back < 1 + random.bits() % LONGEST_ROW).then_some(start)
+            (starts && back < 1 + random.bits() % longest).then_some(start)
         })
     }
 }
@@ -175,12 +195,17 @@ mod tests {
         let share = |meets: &dyn Fn(&Trouble) -> bool| {
             troubles.iter().filter(|trouble| meets(trouble)).count() as f64 / count as f64
         };
-        let fish = share(&|trouble| trouble.fish.is_some());
+        let with_fish = share(&|trouble| trouble.fish.is_some());
         let missing = share(&|trouble| trouble.missing);
         let interference = share(&|trouble| trouble.interference);
-        assert!((fish - 0.03).abs() < 0.004, "{fish}");
+        assert!((with_fish - 0.03).abs() < 0.004, "{with_fish}");
         assert!((missing - 0.02).abs() < 0.003, "{missing}");
         assert!((interference - 0.015).abs() < 0.002, "{interference}");
+        let fish: Vec<Fish> = troubles.iter().filter_map(|trouble| trouble.fish).collect();
+        let deep = fish.iter().filter(|fish| fish.depth_share > 0.9).count();
+        // 1 - 0.9^2 of a half disc lies in its outer tenth.
+        let deep = deep as f64 / fish.len() as f64;
+        assert!((deep - 0.19).abs() < 0.05, "{deep}");
         let steepest = troubles
             .iter()
             .map(|trouble| trouble.roll_rad.abs())

@@ -110,7 +110,7 @@ fn round(offset: f64) -> f64 {
 /// All objects of the scene: those it names, then those scattered beside the lines.
 pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<Placed> {
     let mut random = Random::new(seed, Purpose::Objects, 0);
-    let scattered = (0..scene.scattered_objects).map(|_| scatter_clear_of(path, &mut random));
+    let scattered = (0..scene.scattered_objects).map(|_| scatter(path, &mut random));
     let all: Vec<ObjectSettings> = scene.objects.iter().cloned().chain(scattered).collect();
     all.into_iter()
         .enumerate()
@@ -118,28 +118,14 @@ pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<Placed> {
         .collect()
 }
 
-/// How far scattered objects stay away from the way, metres: none is under the boat.
-const CLEAR_M: f64 = 2.5;
-/// Places that are tried for a scattered object.
-const TRIES: usize = 20;
+/// How far scattered objects lie off the way at most, metres. They may lie under the boat: nobody knows where they are
+/// before the survey, and there the object is what is first heard.
+const OFF_M: f64 = 7.0;
 
-/// A random object beside the way; the last place tried where lines are too dense to stay clear of them.
-fn scatter_clear_of(path: &Path, random: &mut Random) -> ObjectSettings {
-    let mut object = scatter(path, random);
-    for _ in 1..TRIES {
-        if path.distance_m([object.east_m, object.north_m]) >= CLEAR_M {
-            break;
-        }
-        object = scatter(path, random);
-    }
-    object
-}
-
-/// A random object 3 to 7 m beside a random point of the way.
+/// A random object beside or below a random point of the way.
 fn scatter(path: &Path, random: &mut Random) -> ObjectSettings {
     let pose = path.at(random.unit() * path.length_m());
-    let side = if random.chance(0.5) { 1.0 } else { -1.0 };
-    let off = side * random.between(3.0, 7.0);
+    let off = random.between(-OFF_M, OFF_M);
     let [forward_east, forward_north] = pose.forward();
     let kind = ObjectKind::ALL[(random.bits() % 4) as usize];
     let (length_m, width_m, height_m) = match kind {

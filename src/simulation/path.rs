@@ -102,13 +102,6 @@ impl Path {
         self.length_m
     }
 
-    /// Distance of a place from the nearest point of the way, metres, to about 0.1 m.
-    pub fn distance_m(&self, place: [f64; 2]) -> f64 {
-        let points = (0..=self.length_m as usize).map(|metre| self.at(metre as f64));
-        let distances = points.map(|pose| distance(place, [pose.east_m, pose.north_m]));
-        distances.fold(f64::INFINITY, f64::min)
-    }
-
     /// Where the boat is after `travelled_m` metres (held at both ends).
     pub fn at(&self, travelled_m: f64) -> Pose {
         let mut rest = travelled_m.clamp(0.0, self.length_m);

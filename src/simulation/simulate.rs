@@ -234,11 +234,11 @@ impl<'a> Run<'a> {
         (echo, bytes)
     }
 
-    /// Slant range (metres) and strength (dB) of a fish above the ground, where this side hears one.
+    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side hears one.
     fn fish(&self, trouble: &Trouble, side: Side, first_return_m: f64) -> Option<[f64; 2]> {
         let fish = trouble.fish.filter(|fish| fish.side == side)?;
-        let range_m = fish.depth_share * self.true_depth_m(fish.first_ping) + fish.farther_m;
-        (range_m < first_return_m - FISH_CLEARANCE_M).then_some([range_m, fish.strength_db])
+        let range_m = fish.range_m(self.true_depth_m(fish.first_ping));
+        (range_m < first_return_m).then_some([range_m, fish.strength_db])
     }
 
     /// True depth under the boat at a ping.
@@ -290,8 +290,6 @@ impl<'a> Run<'a> {
     }
 }
 
-/// A fish keeps this far away from the ground, metres.
-const FISH_CLEARANCE_M: f64 = 0.1;
 /// Weed this little behind the ground still changes its edge, metres.
 const WEED_MARGIN_M: f64 = 0.1;
 

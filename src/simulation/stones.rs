@@ -6,8 +6,9 @@ use super::random::{Purpose, mix};
 const CELL_M: f64 = 1.6;
 /// Smallest and largest radius of a stone, metres.
 const RADIUS_M: (f64, f64) = (0.08, 0.28);
-/// Height of a stone as a share of its radius: half buried and worn.
-const HEIGHT_SHARE: f64 = 0.45;
+/// Height of a stone as a share of its radius. Stones of a river lie on their flat side, about 0.6 of their length high, and
+/// half of that is in the ground.
+const HEIGHT_SHARE: f64 = 0.6;
 
 /// Strewn stones.
 pub struct Stones {
@@ -58,6 +59,6 @@ mod tests {
         }
         let share = covered as f64 / f64::from(places * places);
         assert!((0.02..0.08).contains(&share), "{share}");
-        assert!((0.08..0.13).contains(&highest), "{highest}");
+        assert!((0.12..0.17).contains(&highest), "{highest}");
     }
 }

@@ -28,7 +28,7 @@ pub fn run() {
     let columns: Vec<Vec<String>> = kinds
         .iter()
         .map(|scene| {
-            let ponds: Vec<KnownSurvey> = (0..seeds.unwrap_or(SEEDS))
+            let ponds: Vec<KnownSurvey> = (1..=seeds.unwrap_or(SEEDS))
                 .map(|seed| KnownSurvey::new(scene, seed))
                 .collect();
             column(&ponds, &combinations)
