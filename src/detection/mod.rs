@@ -5,9 +5,11 @@
 //! levels of a tile to one scale.
 //! `nms` keeps the surest of boxes that overlap.
 //! `review` holds what the analyst decides about the boxes.
+//! `metrics` measures predicted boxes against true ones.
 
 mod level;
 mod mark;
+pub mod metrics;
 mod nms;
 mod raster;
 mod rect;

@@ -6,6 +6,7 @@ mod calibration;
 mod cli;
 mod cloud;
 mod damage;
+mod detection_metrics;
 mod export;
 mod first_return;
 mod formats;

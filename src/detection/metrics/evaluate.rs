@@ -1,0 +1,191 @@
+//! All figures of one set of pictures.
+
+use super::confusion::{Confusion, confusion};
+use super::mistakes::{FalseAlarm, Miss, Shown};
+use super::precision::{Counts, CurvePoint, average_precision, curve};
+use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
+use super::{Image, Matching, MetricSettings};
+use rayon::prelude::*;
+
+/// One class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClassReport {
+    /// At the score of the settings.
+    pub counts: Counts,
+    /// Average precision at the IoU of the settings; NaN without truths.
+    pub ap: f64,
+    /// Mean of the average precisions at IoU 0.5, 0.55 .. 0.95; NaN without truths.
+    pub ap_50_95: f64,
+    /// For every score, falling.
+    pub curve: Vec<CurvePoint>,
+}
+
+/// Boxes of one size, all classes. A truth whose area is a limit counts on both sides of it, as in COCO.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SizeReport {
+    /// Square roots of the smallest and the largest area, pixels; infinite for the largest boxes.
+    pub side_px: [f64; 2],
+    /// At the score of the settings.
+    pub counts: Counts,
+    /// Mean over the classes at the IoU of the settings; NaN without truths.
+    pub map: f64,
+    /// Mean over the classes at IoU 0.5, 0.55 .. 0.95; NaN without truths.
+    pub map_50_95: f64,
+}
+
+/// How well predictions agree with truths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Evaluation {
+    /// One entry a class.
+    pub classes: Vec<ClassReport>,
+    /// All classes together.
+    pub counts: Counts,
+    /// Mean of the classes' `ap`; NaN without truths.
+    pub map: f64,
+    /// Mean of the classes' `ap_50_95`; NaN without truths.
+    pub map_50_95: f64,
+    /// All classes as one, for every score, falling.
+    pub curve: Vec<CurvePoint>,
+    /// From small to large.
+    pub sizes: Vec<SizeReport>,
+    /// What was taken for what.
+    pub confusion: Confusion,
+    /// By falling score.
+    pub false_alarms: Vec<FalseAlarm>,
+    /// Picture by picture.
+    pub misses: Vec<Miss>,
+}
+
+/// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
+pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
+    let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
+    let rankings = rank(&images, classes, settings, settings.iou, &ANY_SIZE);
+    let ap_50_95 = ap_50_95(&images, classes, settings, &ANY_SIZE);
+    let reports: Vec<ClassReport> = rankings
+        .iter()
+        .zip(ap_50_95)
+        .map(|(ranking, ap_50_95)| ClassReport {
+            counts: Counts::of(ranking.shown(settings.score), ranking.truths),
+            ap: average_precision(&ranking.ranked, ranking.truths, settings.ap),
+            ap_50_95,
+            curve: curve(&ranking.ranked, ranking.truths),
+        })
+        .collect();
+    let shown = rankings
+        .iter()
+        .flat_map(|ranking| ranking.shown(settings.score));
+    let shown = Shown::new(&images, shown);
+    Evaluation {
+        counts: total(reports.iter().map(|report| report.counts)),
+        map: mean(reports.iter().map(|report| report.ap), settings),
+        map_50_95: mean(reports.iter().map(|report| report.ap_50_95), settings),
+        curve: joint_curve(&rankings),
+        sizes: sizes(&images, classes, settings),
+        confusion: confusion(&images, &shown, classes, settings),
+        false_alarms: shown.false_alarms(&images, settings),
+        misses: shown.misses(&images),
+        classes: reports,
+    }
+}
+
+/// The boxes whose class is known. Indices must stay, so that a box of no class becomes one that nothing looks at.
+fn within(boxes: &Image, classes: usize) -> Image {
+    let mut boxes = boxes.clone();
+    for truth in &mut boxes.truth {
+        truth.ignored |= truth.class >= classes;
+    }
+    boxes
+}
+
+fn rank(
+    images: &[Image],
+    classes: usize,
+    settings: &MetricSettings,
+    threshold: f64,
+    sizes: &Sizes,
+) -> Vec<Ranking> {
+    (0..classes)
+        .into_par_iter()
+        .map(|class| Ranking::new(images, class, settings, threshold, sizes))
+        .collect()
+}
+
+/// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as there.
+fn thresholds() -> [f64; 10] {
+    let step = (0.95 - 0.5) / 9.0;
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|index| match index {
+        9 => 0.95,
+        _ => f64::from(index) * step + 0.5,
+    })
+}
+
+/// One entry a class.
+fn ap_50_95(
+    images: &[Image],
+    classes: usize,
+    settings: &MetricSettings,
+    sizes: &Sizes,
+) -> Vec<f64> {
+    let mut sums = vec![0.0; classes];
+    for threshold in thresholds() {
+        let rankings = rank(images, classes, settings, threshold, sizes);
+        for (sum, ranking) in sums.iter_mut().zip(&rankings) {
+            *sum += average_precision(&ranking.ranked, ranking.truths, settings.ap);
+        }
+    }
+    let count = thresholds().len() as f64;
+    sums.into_iter().map(|sum| sum / count).collect()
+}
+
+fn total(counts: impl Iterator<Item = Counts>) -> Counts {
+    counts.fold(Counts::default(), Counts::plus)
+}
+
+/// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no class has truths.
+fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64 {
+    let all: Vec<f64> = precisions.collect();
+    let known = all.iter().filter(|ap| !ap.is_nan());
+    let sum: f64 = known.clone().sum();
+    let count = match settings.matching {
+        Matching::Coco => known.count(),
+        Matching::DarknetVoc if known.count() == 0 => 0,
+        Matching::DarknetVoc => all.len(),
+    };
+    sum / count as f64
+}
+
+fn joint_curve(rankings: &[Ranking]) -> Vec<CurvePoint> {
+    let all = rankings.iter().flat_map(|ranking| &ranking.ranked);
+    let mut all: Vec<Ranked> = all.copied().collect();
+    all.sort_by(|a, b| b.score.total_cmp(&a.score));
+    curve(&all, rankings.iter().map(|ranking| ranking.truths).sum())
+}
+
+fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<SizeReport> {
+    let edges = settings.size_edges_px.iter().copied();
+    let edges: Vec<f64> = [0.0]
+        .into_iter()
+        .chain(edges)
+        .chain([f64::INFINITY])
+        .collect();
+    let report = |edges: &[f64]| {
+        let areas = edges[0] * edges[0]..=edges[1] * edges[1];
+        let rankings = rank(images, classes, settings, settings.iou, &areas);
+        let counts = rankings
+            .iter()
+            .map(|ranking| Counts::of(ranking.shown(settings.score), ranking.truths));
+        let ap = rankings
+            .iter()
+            .map(|ranking| average_precision(&ranking.ranked, ranking.truths, settings.ap));
+        SizeReport {
+            side_px: [edges[0], edges[1]],
+            counts: total(counts),
+            map: mean(ap, settings),
+            map_50_95: mean(
+                ap_50_95(images, classes, settings, &areas).into_iter(),
+                settings,
+            ),
+        }
+    };
+    edges.windows(2).map(report).collect()
+}

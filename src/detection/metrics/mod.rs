@@ -1,0 +1,123 @@
+//! How well predicted boxes agree with true ones.
+//!
+//! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score, `precision` makes curves and
+//! average precision of them, `confusion` says what was taken for what, `mistakes` lists what to look at, and [`evaluate`]
+//! lays them side by side.
+//!
+//! Two rules are in use and give different numbers from the same boxes: Darknet's (the published figures') and COCO's.
+//! [`MetricSettings::darknet`] equals `mean_average_precision` and [`MetricSettings::coco`] equals `pycocotools` (tests).
+
+mod confusion;
+mod evaluate;
+mod matching;
+mod mistakes;
+mod precision;
+mod ranking;
+
+pub use confusion::Confusion;
+pub use evaluate::{ClassReport, Evaluation, SizeReport, evaluate};
+pub use mistakes::{Cause, FalseAlarm, Miss};
+pub use precision::{ApMethod, Counts, CurvePoint};
+
+use super::{Rect, Scored};
+
+/// A true box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Truth {
+    /// Index into the class names.
+    pub class: usize,
+    /// Where, pixels.
+    pub rect: Rect,
+    /// Neither to be found nor to be missed: a crowd, or an object that nobody could name. Any number of boxes may lie in
+    /// it (COCO's `iscrowd`, VOC's `difficult`).
+    pub ignored: bool,
+}
+
+/// The boxes of one picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    /// What is there.
+    pub truth: Vec<Truth>,
+    /// What was proposed, in any order; of equal scores the first counts first.
+    pub predicted: Vec<Scored>,
+}
+
+/// Which prediction belongs to which true box of its class. Predictions choose by falling score.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Matching {
+    /// Darknet and VOC: a prediction takes the truth that it overlaps most, by more than the threshold; when that one is
+    /// taken it is a false alarm, even where another would do. A class without truths counts as 0 in the mean.
+    DarknetVoc,
+    /// COCO: a prediction takes the best truth that is still free, at the threshold or above. A class without truths does
+    /// not count in the mean.
+    Coco,
+}
+
+impl Matching {
+    /// Whether an overlap makes a match.
+    fn passes(self, iou: f64, threshold: f64) -> bool {
+        match self {
+            Matching::DarknetVoc => iou > threshold,
+            // An IoU of 1 passes a threshold of 1 despite rounding.
+            Matching::Coco => iou >= threshold.min(1.0 - 1e-10),
+        }
+    }
+}
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetricSettings {
+    /// Which prediction belongs to which truth.
+    pub matching: Matching,
+    /// How a precision-recall curve becomes a number.
+    pub ap: ApMethod,
+    /// Intersection over union that makes a match, 0 to 1.
+    pub iou: f64,
+    /// Confidence from which a box is shown: counts, confusion and mistakes are at it; curves and AP are not.
+    pub score: f32,
+    /// The surest boxes of a class in a picture that count; all when `None`.
+    pub max_detections: Option<usize>,
+    /// Limits between sizes: square roots of box areas, pixels, growing.
+    pub size_edges_px: Vec<f64>,
+}
+
+impl MetricSettings {
+    /// As `detector map -points 0` of Darknet measures: all points, more than IoU 0.5, score 0.25.
+    pub fn darknet() -> Self {
+        Self {
+            matching: Matching::DarknetVoc,
+            ap: ApMethod::AllPoint,
+            iou: 0.5,
+            score: 0.25,
+            max_detections: None,
+            size_edges_px: vec![32.0, 96.0],
+        }
+    }
+
+    /// As COCO measures: 101 points, IoU 0.5 and above, 100 boxes of a class in a picture.
+    pub fn coco() -> Self {
+        Self {
+            matching: Matching::Coco,
+            ap: ApMethod::Coco101,
+            max_detections: Some(100),
+            ..Self::darknet()
+        }
+    }
+}
+
+/// Area of a box in double precision, square pixels.
+fn area(rect: &Rect) -> f64 {
+    let side = |from: f32, to: f32| (f64::from(to) - f64::from(from)).max(0.0);
+    side(rect.x0, rect.x1) * side(rect.y0, rect.y1)
+}
+
+/// Intersection over union in double precision, so that 0.5 is 0.5; over the first box alone when the second is a crowd.
+fn iou(predicted: &Rect, truth: &Rect, crowd: bool) -> f64 {
+    let shared = area(&predicted.intersection(truth));
+    let joint = if crowd {
+        area(predicted)
+    } else {
+        area(predicted) + area(truth) - shared
+    };
+    if joint > 0.0 { shared / joint } else { 0.0 }
+}
