@@ -1,0 +1,157 @@
+"""Varies a batch of chips on the device that trains: geometry first, then what sonars and gains do to a picture.
+
+Rows may be mirrored (the boat may come from either end); columns never: range grows outward and shadows fall outward.
+"""
+
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+
+from data import ABSENT, IGNORE, Chips
+
+# Below this visible share a cut box is no longer a truth, and below the second nothing at all.
+TRUTH_SHARE, TRACE_SHARE = 0.45, 0.08
+SMALLEST_PX = 3.0
+
+
+@dataclass
+class Strength:
+    """How far to vary. Shares are probabilities per chip; `calm()` is used for the last stretch of a training."""
+
+    mosaic: float = 0.3
+    scale: float = 1.25
+    stretch: float = 1.1
+    shift: float = 0.1
+    gamma: float = 0.35
+    gain: float = 0.25
+    ramp: float = 0.5
+    speckle: float = 0.2
+    row_gain: float = 0.12
+    blur: float = 0.15
+    dropouts: float = 0.2
+
+    def calm(self) -> "Strength":
+        """Nearly the data as it is: no mosaic, little change of scale and light."""
+        return Strength(0.0, 1.06, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1)
+
+
+class Augmenter:
+    """Draws varied batches from chips that lie on a device."""
+
+    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator):
+        self.chips, self.strength, self.generator = chips, strength, generator
+        self.device = chips.images.device
+
+    def uniform(self, *shape: int, low: float = 0.0, high: float = 1.0) -> torch.Tensor:
+        """Seeded uniform numbers on the device."""
+        return torch.rand(*shape, generator=self.generator, device=self.device) * (high - low) + low
+
+    def log_uniform(self, *shape: int, factor: float) -> torch.Tensor:
+        """Seeded factors between 1/factor and factor, symmetric in the logarithm."""
+        return factor ** self.uniform(*shape, low=-1.0, high=1.0)
+
+    def batch(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Varied pictures `[batch, 1, side, side]` in 0..1 and their boxes `[batch, slots, 5]`."""
+        images, boxes = self.compose(index)
+        return self.light(images), compact(boxes)
+
+    def quadrants(self, count: int) -> torch.Tensor:
+        """The four rectangles `[batch, 4, 4]` (x1, y1, x2, y2) of each picture; without a mosaic the first fills it."""
+        side = float(self.chips.side)
+        split = self.uniform(count, 2, low=0.3, high=0.7) * side
+        whole = self.uniform(count, 1) >= self.strength.mosaic
+        x, y = torch.where(whole, torch.full_like(split, side), split).unbind(1)
+        zero, full = torch.zeros_like(x), torch.full_like(x, side)
+        rectangles = [(zero, zero, x, y), (x, zero, full, y), (zero, y, x, full), (x, y, full, full)]
+        return torch.stack([torch.stack(r, 1) for r in rectangles], 1)
+
+    def compose(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Places one chip, or parts of four, in each picture, scaled, shifted and mirrored along track."""
+        count, side = len(index), self.chips.side
+        rectangles = self.quadrants(count)
+        parts = 4 if self.strength.mosaic > 0 else 1
+        out, boxes = torch.zeros(count, 1, side, side, device=self.device), []
+        for part in range(parts):
+            source = index if part == 0 else index[torch.randperm(count, generator=self.generator, device=self.device)]
+            rectangle = rectangles[:, part]
+            scale, offset, mirrored = self.placement(rectangle)
+            picture = sample(self.chips.images[source], scale, offset, mirrored)
+            out = torch.where(inside(rectangle, side), picture, out)
+            boxes.append(place(self.chips.boxes[source], rectangle, scale, offset, mirrored, side))
+        return out, torch.cat(boxes, 1)
+
+    def placement(self, rectangle: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+        """Scale and offset `[batch, 2]` (columns, rows) of a source chip in its rectangle, and whether rows are mirrored."""
+        count, side, strength = len(rectangle), self.chips.side, self.strength
+        scale = self.log_uniform(count, 1, factor=strength.scale).repeat(1, 2)
+        scale[:, 1] *= self.log_uniform(count, factor=strength.stretch)
+        corner, size = rectangle[:, :2], rectangle[:, 2:] - rectangle[:, :2]
+        offset = corner - self.uniform(count, 2) * (scale * side - size)
+        offset = offset + self.uniform(count, 2, low=-1.0, high=1.0) * strength.shift * side * (size >= side)
+        return scale, offset, self.uniform(count) < 0.5
+
+    def light(self, x: torch.Tensor) -> torch.Tensor:
+        """Gamma, gain, a slope over range, gain per ping, speckle, blur and lost pings."""
+        count, _, rows, columns = x.shape
+        s = self.strength
+        x = x.clamp(0, 1) ** (1.0 + s.gamma) ** self.uniform(count, 1, 1, 1, low=-1.0, high=1.0)
+        gain = torch.exp(self.uniform(count, 1, 1, 1, low=-1.0, high=1.0) * s.gain)
+        outward = torch.linspace(-0.5, 0.5, columns, device=self.device).view(1, 1, 1, columns)
+        ramp = torch.exp(self.uniform(count, 1, 1, 1, low=-1.0, high=1.0) * s.ramp * outward)
+        x = x * gain * ramp * (1 + self.noise(count, 1, rows, 1) * self.uniform(count, 1, 1, 1) * s.row_gain)
+        blurred = F.avg_pool2d(F.pad(x, (1, 1, 1, 1), mode="replicate"), 3, 1)
+        x = torch.where(self.uniform(count, 1, 1, 1) < s.blur, blurred, x)
+        x = x * (1 + self.noise(count, 1, rows, columns) * self.uniform(count, 1, 1, 1) * s.speckle)
+        lost = self.uniform(count, 1, rows, 1) < 0.02 * (self.uniform(count, 1, 1, 1) < s.dropouts)
+        return x.masked_fill(lost, 0.0).clamp(0, 1)
+
+    def noise(self, *shape: int) -> torch.Tensor:
+        """Seeded normal numbers on the device."""
+        return torch.randn(*shape, generator=self.generator, device=self.device)
+
+
+def sample(images: torch.Tensor, scale: torch.Tensor, offset: torch.Tensor, mirrored: torch.Tensor) -> torch.Tensor:
+    """Draws each u8 chip at `out = offset + scale * source`, rows mirrored first where asked; black outside."""
+    count, side = images.shape[0], images.shape[-1]
+    # grid_sample wants the inverse in coordinates of -1..1: source = (out - offset) / scale.
+    factor = 1.0 / scale
+    constant = (side / 2 - offset) / scale * 2 / side - 1
+    sign = torch.stack([torch.ones_like(scale[:, 0]), torch.where(mirrored, -1.0, 1.0)], 1)
+    theta = torch.zeros(count, 2, 3, device=images.device)
+    theta[:, 0, 0], theta[:, 1, 1] = (factor * sign).unbind(1)
+    theta[:, :, 2] = constant * sign
+    grid = F.affine_grid(theta, [count, 1, side, side], align_corners=False)
+    return F.grid_sample(images.unsqueeze(1).float() / 255, grid, align_corners=False)
+
+
+def inside(rectangle: torch.Tensor, side: int) -> torch.Tensor:
+    """Mask `[batch, 1, side, side]` of the pixels whose centre lies in the rectangle."""
+    at = torch.arange(side, device=rectangle.device) + 0.5
+    columns = (at >= rectangle[:, 0:1]) & (at < rectangle[:, 2:3])
+    rows = (at >= rectangle[:, 1:2]) & (at < rectangle[:, 3:4])
+    return (rows[:, :, None] & columns[:, None, :]).unsqueeze(1)
+
+
+def place(boxes, rectangle, scale, offset, mirrored, side: int) -> torch.Tensor:
+    """Moves boxes as `sample` moves pixels, cuts them at the rectangle and demotes those that lose too much."""
+    kind, x1, y1, x2, y2 = boxes.unbind(-1)
+    up = mirrored[:, None]
+    y1, y2 = torch.where(up, side - y2, y1), torch.where(up, side - y1, y2)
+    moved = torch.stack([x1, y1, x2, y2], -1) * scale[:, None].repeat(1, 1, 2) + offset[:, None].repeat(1, 1, 2)
+    low, high = rectangle[:, None, :2], rectangle[:, None, 2:]
+    cut = torch.cat([torch.minimum(torch.maximum(moved[..., :2], low), high), torch.minimum(torch.maximum(moved[..., 2:], low), high)], -1)
+    size = cut[..., 2:] - cut[..., :2]
+    share = size.prod(-1) / (moved[..., 2:] - moved[..., :2]).prod(-1).clamp(min=1e-6)
+    gone = (kind == ABSENT) | (share < TRACE_SHARE)
+    doubtful = (kind == IGNORE) | (share < TRUTH_SHARE) | (size.amin(-1) < SMALLEST_PX)
+    kind = torch.where(gone, torch.full_like(kind, ABSENT), torch.where(doubtful, torch.full_like(kind, IGNORE), kind))
+    return torch.cat([kind[..., None], cut], -1)
+
+
+def compact(boxes: torch.Tensor) -> torch.Tensor:
+    """Drops the slots that no picture of the batch needs."""
+    order = boxes[..., 0].argsort(dim=1, descending=True)
+    boxes = boxes.gather(1, order[..., None].expand_as(boxes))
+    used = int((boxes[..., 0] != ABSENT).sum(1).max())
+    return boxes[:, : max(used, 1)]

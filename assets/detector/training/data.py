@@ -1,0 +1,103 @@
+"""Chips and their boxes in memory, read from the folder that `bathyscope simulate --dataset DIR` writes.
+
+    DIR/images/{train,val,test}/NNNNNN.png   8-bit grey; rows run along track, columns outward in slant range
+    DIR/labels/{train,val,test}/NNNNNN.txt   `class cx cy w h` per line, fractions of the chip; a box holds echo and shadow
+    DIR/classes.txt                          one class name per line
+    DIR/manifest.json                        how the data was made (`pixel_m` among it)
+"""
+
+import json
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+
+# In the class column of `Chips.boxes`: an object of unknown or too little content (no loss, no truth), and an empty slot.
+IGNORE, ABSENT = -1, -2
+DEFAULT_PIXEL_M = 0.04
+
+
+@dataclass
+class Chips:
+    """`images [n, side, side]` as u8 and `boxes [n, slots, 5]`: class (or IGNORE, ABSENT), x1, y1, x2, y2 in pixels."""
+
+    images: torch.Tensor
+    boxes: torch.Tensor
+    names: list[str]
+
+    def __len__(self) -> int:
+        return len(self.images)
+
+    @property
+    def side(self) -> int:
+        """Rows and columns of a chip."""
+        return self.images.shape[-1]
+
+    def to(self, device) -> "Chips":
+        """The same chips in the memory of `device`."""
+        return Chips(self.images.to(device), self.boxes.to(device), self.names)
+
+    def first(self, count: int) -> "Chips":
+        """At most `count` chips, spread evenly."""
+        if count >= len(self):
+            return self
+        pick = torch.linspace(0, len(self) - 1, count).long()
+        return Chips(self.images[pick], self.boxes[pick], [self.names[i] for i in pick.tolist()])
+
+
+def read_label(path: Path, side: int) -> np.ndarray:
+    """The boxes of one YOLO file, `[n, 5]`: class, x1, y1, x2, y2 in pixels. A missing file means an empty chip."""
+    if not path.exists():
+        return np.zeros((0, 5), np.float32)
+    rows = [line.split() for line in path.read_text().splitlines() if line.strip()]
+    rows = np.array(rows, dtype=np.float32).reshape(-1, 5)
+    centre, half = rows[:, 1:3] * side, rows[:, 3:5] * side / 2
+    return np.concatenate([rows[:, :1], centre - half, centre + half], 1)
+
+
+def read_picture(path: Path) -> np.ndarray:
+    """One grey picture, `[rows, columns]` u8."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("L"))
+
+
+def pad_boxes(boxes: list[np.ndarray]) -> torch.Tensor:
+    """Boxes of different counts as one array, filled up with ABSENT."""
+    slots = max([1] + [len(b) for b in boxes])
+    padded = np.zeros((len(boxes), slots, 5), np.float32)
+    padded[:, :, 0] = ABSENT
+    for row, b in zip(padded, boxes):
+        row[: len(b)] = b
+    return torch.from_numpy(padded)
+
+
+def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
+    """All chips of one split, decoded by every core."""
+    paths = sorted((root / "images" / split).glob("*.png"))[:limit]
+    if not paths:
+        raise SystemExit(f"no chips to read: write them with `bathyscope simulate --dataset`, looked in {root / 'images' / split}")
+    images = torch.empty(len(paths), *read_picture(paths[0]).shape, dtype=torch.uint8)
+
+    def read(index: int) -> np.ndarray:
+        images[index] = torch.from_numpy(read_picture(paths[index]).copy())
+        return read_label(root / "labels" / split / (paths[index].stem + ".txt"), images.shape[-1])
+
+    # Decoding a PNG releases Python's lock, so threads are enough, and no picture is copied between processes.
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        boxes = list(pool.map(read, range(len(paths))))
+    return Chips(images, pad_boxes(boxes), [path.stem for path in paths])
+
+
+def read_names(root: Path) -> list[str]:
+    """The class names, in the order of the labels' numbers."""
+    return (root / "classes.txt").read_text().split()
+
+
+def read_manifest(root: Path) -> dict:
+    """How the data was made; empty where nothing says."""
+    path = root / "manifest.json"
+    return json.loads(path.read_text()) if path.exists() else {}

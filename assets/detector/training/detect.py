@@ -1,0 +1,60 @@
+"""Runs a network over chips and keeps the boxes that survive non-maximum suppression, as Bathyscope does at inference."""
+
+import numpy as np
+import torch
+
+from data import Chips
+from network import Decoded
+
+LOWEST_SCORE = 0.01
+NMS_IOU = 0.45
+MOST_CANDIDATES = 300
+
+
+def box_iou(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """IoU of corner boxes: `[n, 4]` and `[m, 4]` give `[n, m]`."""
+    shared = np.minimum(a[:, None, 2:], b[None, :, 2:]) - np.maximum(a[:, None, :2], b[None, :, :2])
+    shared = shared.clip(0).prod(2)
+    areas = (a[:, 2:] - a[:, :2]).prod(1)[:, None] + (b[:, 2:] - b[:, :2]).prod(1)[None]
+    return shared / np.maximum(areas - shared, 1e-9)
+
+
+def suppress(detections: np.ndarray, agnostic: bool, limit: float = NMS_IOU) -> np.ndarray:
+    """Plain greedy suppression of rows `x1 y1 x2 y2 score class`, within a class or, `agnostic`, across classes."""
+    detections = detections[np.argsort(-detections[:, 4], kind="stable")]
+    overlap = box_iou(detections[:, :4], detections[:, :4]) > limit
+    if not agnostic:
+        overlap &= detections[:, 5][:, None] == detections[:, 5][None]
+    keep = np.ones(len(detections), bool)
+    for row in range(len(detections)):
+        if keep[row]:
+            keep[row + 1 :] &= ~overlap[row, row + 1 :]
+    return detections[keep]
+
+
+@torch.no_grad()
+def candidates(decoded: Decoded, images: torch.Tensor) -> list[np.ndarray]:
+    """Before suppression: per chip rows `x1 y1 x2 y2 score class` in pixels, every class above the lowest score."""
+    boxes, confs = decoded(images.unsqueeze(1).float() / 255)
+    count = min(MOST_CANDIDATES, confs[0].numel())
+    score, flat = confs.flatten(1).topk(count, dim=1)
+    box, kind = flat // confs.shape[2], flat % confs.shape[2]
+    picked = boxes.squeeze(2).gather(1, box[..., None].expand(-1, -1, 4)) * decoded.side
+    rows = torch.cat([picked, score[..., None], kind[..., None].float()], 2).float().cpu().numpy()
+    return [chip[chip[:, 4] >= LOWEST_SCORE] for chip in rows]
+
+
+def detect(network: torch.nn.Module, anchors: list, chips: Chips, batch: int = 64) -> list[np.ndarray]:
+    """Candidates of every chip, by a network in evaluation mode on its own device."""
+    device = next(network.parameters()).device
+    decoded = Decoded(network, torch.tensor(anchors), chips.side).to(device).eval()
+    found = []
+    for at in range(0, len(chips), batch):
+        found += candidates(decoded, chips.images[at : at + batch].to(device))
+    return found
+
+
+def truths(chips: Chips) -> list[np.ndarray]:
+    """Truth boxes per chip, rows `x1 y1 x2 y2 class` in pixels."""
+    boxes = chips.boxes.cpu().numpy()
+    return [np.concatenate([b[b[:, 0] >= 0, 1:], b[b[:, 0] >= 0, :1]], 1) for b in boxes]

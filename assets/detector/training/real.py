@@ -1,0 +1,105 @@
+"""Real tiles as chips: packed side by side for training, one by one for measuring.
+
+`real.npz` is written by `real_tiles.py`: tiles of 256 x 256 turned so that range grows to the right, a split by recording,
+and for each effigy a box of its echo alone and one extended over its shadow.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+
+from data import IGNORE, Chips, pad_boxes
+
+CLASS = "effigy"
+SLIVER_PX = 6.0
+
+
+@dataclass
+class Tiles:
+    """`images [n, rows, columns]` u8; `echo` and `extended [m, 5]`: tile, x1, y1, x2, y2; the rest one per tile."""
+
+    images: np.ndarray
+    echo: np.ndarray
+    extended: np.ndarray
+    split: np.ndarray
+    names: np.ndarray
+    pixel_m: float
+
+    def whole(self) -> np.ndarray:
+        """Which tiles cut no effigy at their edge (those without any included)."""
+        cut = (self.echo[:, 1:].min(1) < 2) | (self.echo[:, 1:].max(1) > self.images.shape[1] - 2)
+        return ~np.isin(np.arange(len(self.images)), self.echo[cut, 0])
+
+    def boxes(self, tile: int, extended: bool) -> np.ndarray:
+        """Corner boxes `[k, 4]` of one tile."""
+        rows = self.extended if extended else self.echo
+        return rows[rows[:, 0] == tile, 1:]
+
+
+def read_tiles(path: Path) -> Tiles:
+    """The tiles that `real_tiles.py` stored."""
+    with np.load(path) as arrays:
+        return Tiles(*(arrays[name] for name in ("images", "echo", "extended", "split", "names")), float(arrays["pixel_m"]))
+
+
+def resized(tiles: Tiles, tile: int, scale: float) -> np.ndarray:
+    """One tile at `scale` times its own resolution, area-averaged when smaller."""
+    side = max(1, round(tiles.images.shape[1] * scale))
+    return np.asarray(Image.fromarray(tiles.images[tile]).resize((side, side), Image.Resampling.BOX if scale < 1 else Image.Resampling.BILINEAR))
+
+
+def single_chips(tiles: Tiles, split: str, extended: bool, whole: bool, meta: dict) -> Chips:
+    """Each tile of a split at the network's resolution in the middle of a black chip; `whole` leaves out cut effigies."""
+    side, kind = meta["side"], meta["names"].index(CLASS)
+    chosen = np.flatnonzero((tiles.split == split) & (tiles.whole() | (not whole)))
+    images, boxes = [], []
+    for tile in chosen:
+        scale = tiles.pixel_m / meta["pixel_m"]
+        pixels = resized(tiles, tile, scale)
+        canvas, corner = np.zeros((side, side), np.uint8), (side - len(pixels)) // 2
+        paste(canvas, pixels, corner, corner)
+        images.append(canvas)
+        moved = tiles.boxes(tile, extended) * scale + corner
+        boxes.append(np.concatenate([np.full((len(moved), 1), kind), moved], 1).astype(np.float32))
+    return Chips(torch.from_numpy(np.stack(images)), pad_boxes(boxes), [str(tiles.names[tile]) for tile in chosen])
+
+
+def paste(canvas: np.ndarray, pixels: np.ndarray, x: int, y: int) -> None:
+    """Copies what fits of a picture to (x, y), which may lie outside."""
+    side = len(canvas)
+    x1, y1, x2, y2 = max(x, 0), max(y, 0), min(x + pixels.shape[1], side), min(y + pixels.shape[0], side)
+    if x1 < x2 and y1 < y2:
+        canvas[y1:y2, x1:x2] = pixels[y1 - y : y2 - y, x1 - x : x2 - x]
+
+
+def packed_chips(tiles: Tiles, count: int, meta: dict, seed: int) -> Chips:
+    """Training chips tiled with random train tiles at random scales, so that a batch of real data is as full as any other."""
+    rng, side, kind = np.random.default_rng(seed), meta["side"], meta["names"].index(CLASS)
+    chosen, images, boxes = np.flatnonzero(tiles.split == "train"), [], []
+    for _ in range(count):
+        canvas, rows = np.zeros((side, side), np.uint8), []
+        scale = tiles.pixel_m / meta["pixel_m"] * rng.uniform(0.75, 1.4)
+        step = max(1, round(tiles.images.shape[1] * scale))
+        start = -rng.integers(0, step, 2)
+        for y in range(start[1], side, step):
+            for x in range(start[0], side, step):
+                tile = rng.choice(chosen)
+                paste(canvas, resized(tiles, tile, scale), x, y)
+                rows += [(kind, *box) for box in tiles.boxes(tile, True) * scale + np.array([x, y, x, y])]
+        images.append(canvas)
+        boxes.append(cut_boxes(np.array(rows, np.float32).reshape(-1, 5), side))
+    return Chips(torch.from_numpy(np.stack(images)), pad_boxes(boxes), [f"real{index:05}" for index in range(count)])
+
+
+def cut_boxes(rows: np.ndarray, side: int) -> np.ndarray:
+    """Boxes cut at the chip; those that lose more than half or are slivers become IGNORE, those outside vanish."""
+    cut = rows.copy()
+    cut[:, 1:] = cut[:, 1:].clip(0, side)
+    area = (rows[:, 3] - rows[:, 1]) * (rows[:, 4] - rows[:, 2])
+    share = (cut[:, 3] - cut[:, 1]) * (cut[:, 4] - cut[:, 2]) / np.maximum(area, 1e-6)
+    sliver = np.minimum(cut[:, 3] - cut[:, 1], cut[:, 4] - cut[:, 2]) < SLIVER_PX
+    cut[(share < 0.5) | sliver, 0] = IGNORE
+    return cut[share > 0.02]

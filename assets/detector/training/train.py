@@ -1,0 +1,287 @@
+"""Trains a detector on simulated chips, with real tiles mixed in, then measures and exports it.
+
+    python train.py --data DIR --network tiny --init coco_tiny.npz --minutes 7 --out OUT [--real real.npz]
+    python train.py --data DIR --network yolov4 --width 0.25 --minutes 8 --out OUT [--real real.npz]
+
+The learning rate follows a cosine over the wall clock (`--minutes`) or over `--steps`, whichever is nearer its end; with
+`--steps` alone a run on the CPU repeats exactly. `--state FILE` keeps a checkpoint from which the same command goes on.
+OUT receives NAME.onnx, NAME.json, metrics.json, errors.json, errors.png, log.csv and weights.npz.
+"""
+
+import argparse
+import copy
+import csv
+import json
+import math
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import torch
+
+import real
+from anchors import per_head
+from augment import Augmenter, Strength
+from data import DEFAULT_PIXEL_M, Chips, read_manifest, read_names, read_split
+from darknet_weights import load_coco
+from detect import detect, suppress, truths
+from evaluate import evaluate
+from export import export
+from loss import Yolov4Loss
+from metrics import precision_table
+from network import build
+from weights import fill, read_meta, save_weights
+
+WARMUP = 0.03  # share of the run over which the learning rate rises
+LAST_RATE = 0.01  # final learning rate as a share of the first
+EMA_KEEP = 0.999
+CLIP_NORM = 20.0
+LOOK_CHIPS = 400  # validation chips for the looks during training
+
+
+class Trainer:
+    """A network in training, its running average and everything a checkpoint must hold."""
+
+    def __init__(self, network, anchors: list, args, device):
+        self.args, self.device = args, device
+        self.network = network.to(device, memory_format=torch.channels_last)
+        self.average = copy.deepcopy(self.network).eval()
+        self.loss = Yolov4Loss([torch.tensor(a, device=device) for a in anchors], network.strides, network.reach)
+        self.forward = torch.compile(self.network) if args.compile else self.network
+        decayed = [p for p in self.network.parameters() if p.ndim == 4]
+        plain = [p for p in self.network.parameters() if p.ndim != 4]
+        groups = [{"params": decayed, "weight_decay": args.decay}, {"params": plain, "weight_decay": 0.0}]
+        self.optimizer = torch.optim.AdamW(groups, lr=args.rate, betas=(0.9, 0.99), fused=(device.type == "cuda"))
+        self.generator = torch.Generator(device).manual_seed(args.seed)
+        self.steps, self.seconds = 0, 0.0
+
+    def progress(self) -> float:
+        """How much of the run is over, 0 to 1."""
+        by_clock = self.seconds / (self.args.minutes * 60) if self.args.minutes else 0.0
+        by_steps = self.steps / self.args.steps if self.args.steps else 0.0
+        return min(1.0, max(by_clock, by_steps))
+
+    def rate(self) -> float:
+        """The learning rate now: a linear rise, then half a cosine."""
+        done = self.progress()
+        if done < WARMUP:
+            return self.args.rate * max(done / WARMUP, 1e-3)
+        fall = (1 + math.cos(math.pi * (done - WARMUP) / (1 - WARMUP))) / 2
+        return self.args.rate * (LAST_RATE + (1 - LAST_RATE) * fall)
+
+    def step(self, images: torch.Tensor, boxes: torch.Tensor) -> dict[str, torch.Tensor]:
+        """One update; returns the loss terms, still on the device."""
+        for group in self.optimizer.param_groups:
+            group["lr"] = self.rate()
+        images = images.contiguous(memory_format=torch.channels_last)
+        with torch.autocast(self.device.type, torch.bfloat16, enabled=not self.args.float32):
+            heads = self.forward(images)
+        terms = self.loss(heads, boxes)
+        self.optimizer.zero_grad(set_to_none=True)
+        terms["total"].backward()
+        torch.nn.utils.clip_grad_norm_(self.network.parameters(), CLIP_NORM)
+        self.optimizer.step()
+        self.steps += 1
+        self.follow()
+        return {name: value.detach() for name, value in terms.items()}
+
+    @torch.no_grad()
+    def follow(self) -> None:
+        """Moves the running average towards the network, quickly at first."""
+        keep = min(EMA_KEEP, (1 + self.steps) / (10 + self.steps))
+        ours, theirs = self.average.state_dict(), self.network.state_dict()
+        floats = [name for name, value in ours.items() if value.is_floating_point()]
+        torch._foreach_lerp_([ours[name] for name in floats], [theirs[name] for name in floats], 1 - keep)
+
+    def save(self, path: Path) -> None:
+        """Writes the checkpoint aside, then in place, so that a stop leaves the old one."""
+        parts = {"network": self.network, "average": self.average, "optimizer": self.optimizer}
+        state = {name: part.state_dict() for name, part in parts.items()}
+        state |= {"steps": self.steps, "seconds": self.seconds, "random": self.generator.get_state()}
+        aside = path.with_suffix(".part")
+        torch.save(state, aside)
+        aside.replace(path)
+
+    def load(self, path: Path) -> None:
+        """Goes on from a checkpoint."""
+        state = torch.load(path, map_location=self.device)
+        for name in ("network", "average", "optimizer"):
+            getattr(self, name).load_state_dict(state[name])
+        self.generator.set_state(state["random"].cpu())
+        self.steps, self.seconds = state["steps"], state["seconds"]
+
+
+class Batches:
+    """Endless varied batches, a fixed share of them from real chips."""
+
+    def __init__(self, synthetic: Chips, real_chips: Chips | None, args, generator: torch.Generator):
+        self.sources = [(synthetic, args.batch)]
+        if real_chips is not None and args.real_share > 0:
+            count = round(args.batch * args.real_share)
+            self.sources = [(synthetic, args.batch - count), (real_chips, count)]
+        self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
+        self.calm = False
+
+    def next(self) -> tuple[torch.Tensor, torch.Tensor]:
+        """Pictures and boxes of one batch."""
+        strength, images, boxes = self.strength.calm() if self.calm else self.strength, [], []
+        for chips, count in self.sources:
+            device = chips.images.device
+            index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
+            picture, box = Augmenter(chips, strength, self.generator).batch(index)
+            images.append(picture)
+            boxes.append(box)
+        slots = max(b.shape[1] for b in boxes)
+        boxes = [torch.nn.functional.pad(b, (0, 0, 0, slots - b.shape[1]), value=-2.0) for b in boxes]
+        return torch.cat(images), torch.cat(boxes)
+
+
+def look(trainer: Trainer, chips: Chips, meta: dict) -> float:
+    """mAP50 of the running average on some validation chips."""
+    found = [suppress(rows, agnostic=False) for rows in detect(trainer.average, meta["anchors"], chips)]
+    return precision_table(found, truths(chips), meta["names"], ious=(0.5,))["map50"]
+
+
+def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log) -> None:
+    """Trains until the budget is spent; looks at the validation chips and keeps the checkpoint now and then."""
+    args, device = trainer.args, trainer.device
+    looks, began, shown, kept = 0, time.monotonic() - trainer.seconds, 0.0, time.monotonic()
+    writer, seen, since, terms = csv.writer(log), 0, time.monotonic(), {}
+    while trainer.progress() < 1.0:
+        batches.calm = trainer.progress() > 1 - args.settle
+        trainer.network.train()
+        terms = trainer.step(*batches.next())
+        trainer.seconds, seen = time.monotonic() - began, seen + args.batch
+        if args.state and time.monotonic() - kept > args.keep_seconds:
+            trainer.save(args.state)
+            kept = time.monotonic()
+        due = trainer.progress() * args.looks >= looks + 1
+        if due or time.monotonic() - shown > 10:
+            shown = time.monotonic()
+            precision = look(trainer, val, meta) if due else None
+            looks = int(trainer.progress() * args.looks)
+            values = [round(float(terms[name]), 4) for name in ("total", "box", "object", "class")]
+            speed = round(seen / (time.monotonic() - since))
+            writer.writerow([trainer.steps, round(trainer.seconds, 1), f"{trainer.rate():.2e}", *values, speed, precision])
+            log.flush()
+            print(f"step {trainer.steps} at {trainer.seconds:.0f} s: loss {values}, {speed} chips/s, mAP50 {precision}", flush=True)
+            seen, since = 0, time.monotonic()
+            trainer.seconds = time.monotonic() - began
+    if device.type == "cuda":
+        torch.cuda.synchronize()
+    if args.state:
+        trainer.save(args.state)
+
+
+def starting_network(args, names: list[str]) -> tuple[torch.nn.Module, str]:
+    """The network, from scratch or from `--init` (the COCO cut, or a `weights.npz` of ours), and a sentence about it."""
+    torch.manual_seed(args.seed)
+    network = build(args.network, len(names), args.width)
+    if not args.init:
+        return network, "from scratch"
+    if read_meta(args.init):
+        missed = fill(network, args.init)
+        return network, f"from {Path(args.init).name}, {len(missed)} arrays anew"
+    if args.network == "yolov4":
+        raise SystemExit("the COCO weights are of YOLOv4-tiny: use them with --network tiny or tiny3l")
+    load_coco(network, args.init)
+    return network, "backbone from the official YOLOv4-tiny COCO weights (yolov4-tiny.conv.29)"
+
+
+def arguments() -> argparse.Namespace:
+    """What the command line says."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--data", type=Path, required=True, help="folder written by `bathyscope simulate --dataset`")
+    add("--out", type=Path, required=True, help="folder for the results")
+    add("--network", default="tiny", choices=["tiny", "tiny3l", "yolov4"])
+    add("--width", type=float, default=0.25, help="channels of yolov4, as a share of the published ones")
+    add("--name", help="name of the exported files (default: the network's)")
+    add("--init", help="coco_tiny.npz or a weights.npz to start from")
+    add("--real", type=Path, help="real.npz written by real_tiles.py: measured, and trained on with --real-share")
+    add("--real-share", type=float, default=0.15, help="share of each batch from real tiles")
+    add("--minutes", type=float, default=0.0, help="budget of wall-clock time for training")
+    add("--steps", type=int, default=0, help="budget of updates")
+    add("--batch", type=int, default=64)
+    add("--rate", type=float, default=1e-3, help="highest learning rate (AdamW)")
+    add("--decay", type=float, default=0.01, help="weight decay of the convolutions")
+    add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
+    add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
+    add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
+    add("--state", type=Path, help="checkpoint file to keep and to go on from")
+    add("--keep-seconds", type=float, default=60.0)
+    add("--limit", type=int, help="read only so many chips of each split")
+    add("--seed", type=int, default=1)
+    add("--threads", type=int, default=0, help="CPU threads of torch (0: its own choice)")
+    add("--device", default="cuda" if torch.cuda.is_available() else "cpu")
+    add("--compile", action="store_true", help="torch.compile the network (a minute's start)")
+    add("--float32", action="store_true", help="no bf16 autocast")
+    args = parser.parse_args()
+    if not args.minutes and not args.steps:
+        parser.error("give a budget: --minutes or --steps")
+    return args
+
+
+def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
+    """Reads all data and settles what the network must know: names, anchors, resolution."""
+    began = time.monotonic()
+    train, val, test = (read_split(args.data, split, args.limit) for split in ("train", "val", "test"))
+    tiles = real.read_tiles(args.real) if args.real else None
+    manifest, rows = read_manifest(args.data), train.boxes[train.boxes[..., 0] >= 0].numpy()
+    heads = 2 if args.network == "tiny" else 3
+    anchors, fit = per_head(rows[:, 3:5] - rows[:, 1:3], heads, args.seed)
+    meta = {
+        "name": args.name or args.network, "network": args.network, "width": args.width if args.network == "yolov4" else 1.0,
+        "names": read_names(args.data), "anchors": anchors, "side": train.side,
+        "pixel_m": manifest.get("pixel_m", DEFAULT_PIXEL_M),
+    }  # fmt: skip
+    spent = time.monotonic() - began
+    print(f"{len(train)} + {len(val)} + {len(test)} chips, {len(rows)} boxes, anchors fit {fit:.3f}, read in {spent:.1f} s", flush=True)
+    return train, val, test, tiles, meta
+
+
+def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dict:
+    """How the network came about, for the sidecar and the model card."""
+    return {
+        "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
+        "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
+        "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle,
+        "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": read_manifest(args.data),
+    }  # fmt: skip
+
+
+def main() -> None:
+    """Trains, measures, exports."""
+    args = arguments()
+    if args.threads:
+        torch.set_num_threads(args.threads)
+    torch.backends.cudnn.benchmark = True
+    torch.set_float32_matmul_precision("high")
+    device = torch.device(args.device)
+    args.out.mkdir(parents=True, exist_ok=True)
+    train, val, test, tiles, meta = prepare(args)
+    network, start = starting_network(args, meta["names"])
+    trainer = Trainer(network, meta["anchors"], args, device)
+    if args.state and args.state.exists():
+        trainer.load(args.state)
+        start += f", gone on from step {trainer.steps}"
+    real_chips = None
+    if tiles is not None and args.real_share > 0:
+        real_chips = real.packed_chips(tiles, 1500 if device.type == "cuda" else 100, meta, args.seed).to(device)
+    batches = Batches(train.to(device), real_chips, args, trainer.generator)
+    with open(args.out / "log.csv", "a", newline="") as log:
+        run(trainer, batches, val.first(LOOK_CHIPS), meta, log)
+    sizes = {"train": len(train), "val": len(val), "test": len(test)}
+    meta["training"] = provenance(args, trainer, sizes, start)
+    report = evaluate(trainer.average, meta, val, test, tiles, args.out)
+    meta["thresholds"] = {"score": report["score_chosen_on_val"], "iou": 0.45, "nms": "plain", "class_agnostic": True}
+    save_weights(trainer.average, meta, args.out / "weights.npz")
+    chips = test.images[:4].unsqueeze(1).numpy().astype(np.float32) / 255
+    report["export"] = export(trainer.average, meta, args.out, chips)
+    (args.out / "metrics.json").write_text(json.dumps(report, indent=1) + "\n")
+    print(json.dumps({"test": report["test"]["at_score"], "precision": report["test"]["precision"], "export": report["export"]}, indent=1))
+
+
+if __name__ == "__main__":
+    main()
