@@ -39,7 +39,9 @@ actions! {
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     Export, "Export products…", Some("Ctrl+E"), "Writes cloud, first returns and report into a folder.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
-    Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings.";
+    OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
+    SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
+    Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
     Help, "Keys and commands", Some("F1"), "Shows this list.";
@@ -50,6 +52,7 @@ actions! {
     FocusCloud, "3D cloud", Some("3"), "Moves the keyboard to the 3D cloud.";
     Maximise, "Maximise view", Some("F11"), "Gives the whole centre to the focused view, or gives it back.";
     LayoutSurvey, "Layout: survey", None, "Waterfall above, map and 3D cloud below.";
+    LayoutReview, "Layout: review", None, "A large waterfall above, map and 3D cloud below.";
     LayoutWaterfall, "Layout: waterfall only", None, "Shows the waterfall alone.";
     LayoutMap, "Layout: map only", None, "Shows the map alone.";
     LayoutCloud, "Layout: 3D cloud only", None, "Shows the 3D cloud alone.";
@@ -71,6 +74,16 @@ actions! {
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
+    NextBox, "Next box", Some("Tab"), "Selects the next box in the queue.";
+    PreviousBox, "Previous box", Some("Shift+Tab"), "Selects the box before in the queue.";
+    AcceptBox, "Accept box", Some("A"), "There is an object: on to the next undecided box.";
+    RejectBox, "Reject box", Some("R"), "There is nothing: on to the next undecided box.";
+    UndecideBox, "Take the decision back", Some("U"), "Makes the selected box undecided again.";
+    EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges.";
+    NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
+    SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
+    RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
+    LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box.";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
     CalibrationReset, "Calibrate at the flattest stretch", None, "Forgets the stretch that was picked by hand.";
     OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";

@@ -1,7 +1,11 @@
 //! What each command does to the state.
 
-use super::{Action, App, Command, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice};
+use super::reviewing::Step;
+use super::{
+    Action, App, Command, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice, Tool,
+};
 use crate::calibration::PingRange;
+use crate::detection::review::Edit;
 use crate::pipeline::{Preset, Settings};
 use std::path::PathBuf;
 
@@ -22,7 +26,10 @@ impl App {
             Command::CalibrateAt(pings) => self.calibrate_at(pings),
             Command::Show(options) => self.options = *options,
             Command::Hover(mark) => self.hover = mark,
-            Command::Select(mark) => self.selection = mark,
+            Command::Select(mark) => {
+                self.selection = mark;
+                self.reviewing.selected = None;
+            }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
             Command::Tell(text) => self.tell(text, true),
@@ -32,6 +39,12 @@ impl App {
                 }
             }
             Command::Export(folder) => self.export(folder),
+            Command::Edit { edit, live } => self.edit(&edit, live),
+            Command::SelectBox(id) => self.select_box(id),
+            Command::Nudge(nudge) => self.nudge_box(nudge),
+            Command::LineUp(queue) => self.set_queue(*queue),
+            Command::OpenReview(path) => self.open_review(path),
+            Command::SaveReview(path) => self.save_review(path),
             // Views and their arrangement belong to the shell.
             Command::Focus(_) | Command::Layout(_) => {}
         }
@@ -62,11 +75,16 @@ impl App {
             self.tell(error.to_string(), true);
             return;
         }
-        self.history.record(&self.settings, &settings, label, live);
+        let before = self.step_now();
+        let after = Step {
+            settings: settings.clone(),
+            ..before.clone()
+        };
+        self.history.record(&before, &after, label, live);
         self.set(settings, live);
     }
 
-    fn set(&mut self, settings: Settings, live: bool) {
+    pub(super) fn set(&mut self, settings: Settings, live: bool) {
         let changed = settings != self.settings;
         self.settings = settings;
         let same_returns = self.products.as_ref().is_some_and(|products| {
@@ -94,7 +112,7 @@ impl App {
         self.change(settings, "flat spot", false);
     }
 
-    fn reveal(&mut self, mark: Mark) {
+    pub(super) fn reveal(&mut self, mark: Mark) {
         let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.selection = Some(mark);
         self.reveal = Some(Reveal { mark, serial });
@@ -104,13 +122,13 @@ impl App {
         match action {
             Action::OpenDemo => self.start_loading(Origin::Demo),
             Action::Undo => {
-                if let Some(settings) = self.history.undo(&self.settings) {
-                    self.set(settings, false);
+                if let Some(step) = self.history.undo(&self.step_now()) {
+                    self.take_step(step);
                 }
             }
             Action::Redo => {
-                if let Some(settings) = self.history.redo(&self.settings) {
-                    self.set(settings, false);
+                if let Some(step) = self.history.redo(&self.step_now()) {
+                    self.take_step(step);
                 }
             }
             Action::Update => self.update(),
@@ -164,6 +182,16 @@ impl App {
             }
             Action::PresetRecommended => self.use_preset(Preset::Recommended),
             Action::PresetPublished => self.use_preset(Preset::Published),
+            Action::NextBox => self.step_box(1),
+            Action::PreviousBox => self.step_box(-1),
+            Action::AcceptBox => self.decide(Edit::Accept),
+            Action::RejectBox => self.decide(Edit::Reject),
+            Action::UndecideBox => self.edit_selected(Edit::Undecide),
+            Action::SwapSide => self.edit_selected(Edit::SwapSide),
+            Action::RemoveBox => self.remove_box(),
+            Action::EditBox => self.take_tool(Tool::Edit),
+            Action::NewBox => self.take_tool(Tool::Draw),
+            Action::LeaveTool => self.leave_tool(),
             // Windows, dialogs, layout and cameras belong to the shell.
             _ => {}
         }

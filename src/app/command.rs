@@ -1,7 +1,8 @@
 //! Everything the window can ask for.
 
-use super::{Action, LayoutPreset, Mark, View, ViewOptions};
+use super::{Action, LayoutPreset, Mark, Nudge, View, ViewOptions};
 use crate::calibration::PingRange;
+use crate::detection::review::{BoxId, Edit, Queue};
 use crate::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -47,6 +48,23 @@ pub enum Command {
     Layout(LayoutPreset),
     /// Write all products into a folder.
     Export(PathBuf),
+    /// Decide about a box or correct it. One undo step ends with the first edit that is not `live`.
+    Edit {
+        /// What is done.
+        edit: Edit,
+        /// The analyst is still dragging.
+        live: bool,
+    },
+    /// Select a box and bring it into all views, or select none.
+    SelectBox(Option<BoxId>),
+    /// Move the selected box by keys.
+    Nudge(Nudge),
+    /// Sort and filter the boxes.
+    LineUp(Box<Queue>),
+    /// Read the review of the open survey's boxes from a file.
+    OpenReview(PathBuf),
+    /// Write the review into a file.
+    SaveReview(PathBuf),
     /// Tell the analyst a sentence.
     Tell(String),
     /// Forget a notice.

@@ -11,6 +11,7 @@ mod history;
 mod loader;
 mod options;
 mod preview;
+mod reviewing;
 mod state;
 mod task;
 mod work;
@@ -24,5 +25,6 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
+pub use reviewing::{Nudge, PIXEL_M, Reviewing, Tool, middle};
 pub use state::{App, Jobs, Mark, Notice, Reveal};
 pub use task::{Outcome, Task};

@@ -32,6 +32,8 @@ impl View {
 pub enum LayoutPreset {
     /// Waterfall above, map and cloud below.
     Survey,
+    /// A large waterfall above, map and cloud below.
+    Review,
     /// One view alone.
     Only(View),
 }

@@ -2,6 +2,7 @@
 
 use super::loader::Loading;
 use super::preview::Previewer;
+use super::reviewing::{Reviewing, Step};
 use super::work::Exporting;
 use super::{Figures, History, LoadStatus, Task, ViewOptions};
 use crate::first_return::FirstReturns;
@@ -98,7 +99,9 @@ pub struct App {
     pub notices: Vec<Notice>,
     /// Counts and residuals of `products`; those of the last products until the new ones are counted.
     pub figures: Option<Figures>,
-    pub(super) history: History<Settings>,
+    /// The boxes and what is decided about them.
+    pub reviewing: Reviewing,
+    pub(super) history: History<Step>,
     pub(super) engine: Engine,
     pub(super) previewer: Previewer,
     pub(super) loading: Option<Loading>,
@@ -130,6 +133,7 @@ impl App {
             recent: Vec::new(),
             notices: Vec::new(),
             figures: None,
+            reviewing: Reviewing::default(),
             history: History::default(),
             engine,
             previewer: Previewer::default(),
@@ -196,5 +200,6 @@ impl App {
             && !self.previewer.is_busy()
             && self.counting.is_none()
             && self.exporting.is_none()
+            && !self.reviewing.is_busy()
     }
 }

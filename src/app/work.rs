@@ -48,6 +48,7 @@ impl App {
             Some(Outcome::Pending) | None => {}
         }
         self.poll_export();
+        self.poll_review();
     }
 
     fn poll_loading(&mut self) {
@@ -62,6 +63,7 @@ impl App {
     }
 
     fn take_survey(&mut self, survey: Survey, origin: Origin) {
+        let is_file = matches!(origin, Origin::Path(_));
         if let Origin::Path(path) = origin {
             self.remember(path);
         }
@@ -70,6 +72,7 @@ impl App {
         self.depth_span_m = locked()
             .map(|sounding| [sounding.depth_m, sounding.depth_m])
             .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
+        self.reviewing.start(&survey);
         self.survey = Some(Arc::new(survey));
         self.survey_serial += 1;
         self.products = None;
@@ -83,6 +86,9 @@ impl App {
         self.settings.calibration.pings = None;
         self.history = History::default();
         self.previewer.forget();
+        if is_file {
+            self.look_for_review();
+        }
         self.process();
     }
 
@@ -97,6 +103,7 @@ impl App {
     fn take_products(&mut self, products: Products) {
         self.preview = None;
         if let Some(survey) = &self.survey {
+            self.reviewing.follow(survey, &products.navigation);
             let (survey, counted) = (survey.clone(), products.clone());
             self.counting = Some(Task::start(&self.jobs, move |progress| {
                 Figures::of(&survey, &counted, progress).ok()

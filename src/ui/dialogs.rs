@@ -1,4 +1,4 @@
-//! Choosing a log or a folder: the system's dialog on a worker, and a path field where there is none.
+//! Choosing a log, a review or a folder: the system's dialog on a worker, and a path field where there is none.
 
 use super::ViewContext;
 use crate::app::{Command, Jobs, Outcome, Task};
@@ -14,6 +14,8 @@ const TOO_FAST: Duration = Duration::from_millis(600);
 enum Purpose {
     OpenLog,
     ExportInto,
+    OpenReview,
+    SaveReview,
 }
 
 /// What a system dialog came back with.
@@ -33,6 +35,8 @@ struct Waiting {
 pub(super) struct Dialogs {
     waiting: Option<Waiting>,
     field: Option<Field>,
+    /// Name that a file to be written gets unless another is chosen.
+    proposed: Option<PathBuf>,
 }
 
 /// The path field: what for, what was typed, and whether it stands in for the system's dialog.
@@ -43,10 +47,11 @@ struct Field {
 }
 
 impl Field {
-    fn new(purpose: Purpose, instead: bool) -> Option<Self> {
+    fn new(purpose: Purpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
+        let proposed = proposed.filter(|_| purpose == Purpose::SaveReview);
         Some(Self {
             purpose,
-            path: String::new(),
+            path: proposed.map_or_else(String::new, |path| path.display().to_string()),
             instead,
         })
     }
@@ -63,9 +68,20 @@ impl Dialogs {
         self.ask(Purpose::ExportInto, jobs);
     }
 
+    /// Asks for a review of the open survey.
+    pub fn pick_review(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenReview, jobs);
+    }
+
+    /// Asks for the file that the review is to be kept in.
+    pub fn name_review(&mut self, proposed: PathBuf, jobs: &Jobs) {
+        self.proposed = Some(proposed);
+        self.ask(Purpose::SaveReview, jobs);
+    }
+
     /// Shows the path field.
     pub fn ask_for_path(&mut self) {
-        self.field = Field::new(Purpose::OpenLog, false);
+        self.field = Field::new(Purpose::OpenLog, false, None);
     }
 
     /// Whether the path field is shown.
@@ -79,13 +95,14 @@ impl Dialogs {
         }
         match jobs {
             // Tests and pictures never reach the system's dialog: it would wait for somebody.
-            Jobs::Inline => self.field = Field::new(purpose, false),
+            Jobs::Inline => self.field = Field::new(purpose, false, self.proposed.as_ref()),
             Jobs::Threads(_) => {
+                let proposed = self.proposed.clone();
                 self.waiting = Some(Waiting {
                     purpose,
                     task: Task::start(jobs, move |_| {
                         let asked = Instant::now();
-                        let path = system_dialog(purpose);
+                        let path = system_dialog(purpose, proposed);
                         let took = asked.elapsed();
                         Chosen { path, took }
                     }),
@@ -112,7 +129,7 @@ impl Dialogs {
             }) => commands.push(command(purpose, path)),
             Some(chosen) if chosen.took >= TOO_FAST => {}
             // There was no dialog, or its worker died.
-            Some(_) | None => self.field = Field::new(purpose, true),
+            Some(_) | None => self.field = Field::new(purpose, true, self.proposed.as_ref()),
         }
     }
 
@@ -125,6 +142,8 @@ impl Dialogs {
         let (title, name, verb) = match purpose {
             Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
+            Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
+            Purpose::SaveReview => ("Save the review", "File to write", "Save"),
         };
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
             ui.set_width(480.0);
@@ -161,11 +180,13 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
     match purpose {
         Purpose::OpenLog => Command::Open(path),
         Purpose::ExportInto => Command::Export(path),
+        Purpose::OpenReview => Command::OpenReview(path),
+        Purpose::SaveReview => Command::SaveReview(path),
     }
 }
 
 /// Waits for the system's dialog; `None` when it was cancelled or there is none.
-fn system_dialog(purpose: Purpose) -> Option<PathBuf> {
+fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
     match purpose {
         Purpose::OpenLog => rfd::FileDialog::new()
             .set_title("Open a sonar log")
@@ -180,5 +201,20 @@ fn system_dialog(purpose: Purpose) -> Option<PathBuf> {
         Purpose::ExportInto => rfd::FileDialog::new()
             .set_title("Write the products into")
             .pick_folder(),
+        Purpose::OpenReview => rfd::FileDialog::new()
+            .set_title("Open a review of boxes")
+            .add_filter("Reviews", &["json"])
+            .pick_file(),
+        Purpose::SaveReview => {
+            let mut dialog = rfd::FileDialog::new().set_title("Save the review of boxes");
+            if let Some(path) = &proposed {
+                let name = path.file_name().unwrap_or_default();
+                dialog = dialog.set_file_name(name.to_string_lossy());
+                if let Some(folder) = path.parent() {
+                    dialog = dialog.set_directory(folder);
+                }
+            }
+            dialog.save_file()
+        }
     }
 }

@@ -15,6 +15,7 @@ mod golden;
 mod handmade;
 mod navigation;
 mod real_window;
+mod review;
 mod river;
 mod simulation;
 mod space;

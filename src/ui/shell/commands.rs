@@ -3,6 +3,9 @@
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, LayoutPreset, View};
 
+/// Said when there is nothing to save or write.
+const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with N";
+
 impl Shell {
     /// Carries out a command.
     pub(super) fn carry_out(&mut self, ctx: &egui::Context, command: Command) {
@@ -27,6 +30,10 @@ impl Shell {
                 self.app.apply(Command::Tell(text.to_owned()));
             }
             Action::Export => self.dialogs.pick_folder(self.app.jobs()),
+            Action::OpenReview if self.app.survey.is_some() => {
+                self.dialogs.pick_review(self.app.jobs());
+            }
+            Action::SaveReview => self.save_review(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),
             Action::Help => self.help_open = !self.help_open,
@@ -36,6 +43,7 @@ impl Shell {
             Action::FocusCloud => self.layout.focus(View::Cloud),
             Action::Maximise => self.layout.toggle_maximised(self.layout.target()),
             Action::LayoutSurvey => self.layout.arrange(LayoutPreset::Survey),
+            Action::LayoutReview => self.layout.arrange(LayoutPreset::Review),
             Action::LayoutWaterfall => self.only(View::Waterfall),
             Action::LayoutMap => self.only(View::Map),
             Action::LayoutCloud => self.only(View::Cloud),
@@ -47,6 +55,20 @@ impl Shell {
             other => self.app.apply(Command::Do(other)),
         }
         ctx.request_repaint();
+    }
+
+    /// Writes the review where it is kept, or asks where that is to be.
+    fn save_review(&mut self) {
+        match (self.app.review_path(), &self.app.reviewing.path) {
+            (_, Some(path)) => {
+                let path = path.clone();
+                self.app.apply(Command::SaveReview(path));
+            }
+            (Some(path), None) if self.app.reviewing.has_boxes() => {
+                self.dialogs.name_review(path, self.app.jobs());
+            }
+            _ => self.app.apply(Command::Tell(NO_BOXES.to_owned())),
+        }
     }
 
     fn only(&mut self, view: View) {

@@ -18,6 +18,25 @@ const MOUSE: &[(&str, &str)] = &[
     ),
 ];
 
+/// Keys that mean something else while a box is selected.
+const BOX_KEYS: &[(&str, &str, &str)] = &[
+    (
+        "Class of the box",
+        "1 to 9",
+        "While a box is selected the digits name its class; Escape gives them back to the views.",
+    ),
+    (
+        "Move the box",
+        "Arrows",
+        "While a box is edited: a ping along the track, a pixel across it; ten with Shift.",
+    ),
+    (
+        "Resize the box",
+        "Ctrl+Arrows",
+        "While a box is edited: moves its right and lower edges; ten steps with Shift.",
+    ),
+];
+
 /// Draws the page while it is open.
 pub fn ui(ctx: &egui::Context, open: &mut bool) {
     if *open && ctx.input(|input| input.key_pressed(egui::Key::Escape)) {
@@ -47,6 +66,8 @@ pub fn ui(ctx: &egui::Context, open: &mut bool) {
                         )
                     });
                     table(ui, "commands", actions);
+                    ui.separator();
+                    table(ui, "boxes", BOX_KEYS.iter().copied());
                 });
         });
 }

@@ -1,7 +1,8 @@
 //! Keys of the command table, turned into commands.
 
-use crate::app::{Action, Command};
-use egui::{Key, KeyboardShortcut, Modifiers, Ui};
+use crate::app::{Action, App, Command, Nudge, Tool};
+use crate::detection::review::Edit;
+use egui::{FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
 use std::sync::LazyLock;
 
 /// All shortcuts, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
@@ -55,11 +56,17 @@ fn is_of_text(action: Action) -> bool {
     matches!(action, Action::Undo | Action::Redo)
 }
 
-/// Pushes a command for each key of the table that was pressed.
-pub fn collect(ui: &mut Ui, commands: &mut Vec<Command>) {
+/// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first.
+pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Command>) {
     let typing = ui.text_edit_focused();
     // A focused slider or button steps with arrows and acts on Space.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
+    if !typing {
+        name_box(ui, app, commands);
+        if !control_focused {
+            move_box(ui, app, commands);
+        }
+    }
     for (shortcut, action) in SHORTCUTS.iter() {
         if typing && is_of_text(*action) {
             continue;
@@ -67,8 +74,90 @@ pub fn collect(ui: &mut Ui, commands: &mut Vec<Command>) {
         if is_plain(shortcut) && (typing || (control_focused && is_control_key(shortcut))) {
             continue;
         }
+        if !has_meaning(app, *action, control_focused, help_open) {
+            continue;
+        }
         if ui.input_mut(|input| input.consume_shortcut(shortcut)) {
             commands.push(Command::Do(*action));
+            if shortcut.logical_key == Key::Tab {
+                // egui has seen it too, and would walk to the next control.
+                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            }
+        }
+    }
+}
+
+/// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
+/// control has the keyboard; Escape closes the help page.
+fn has_meaning(app: &App, action: Action, control_focused: bool, help_open: bool) -> bool {
+    let reviewing = &app.reviewing;
+    match action {
+        Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
+        Action::LeaveTool => {
+            !help_open && (reviewing.tool != Tool::Look || reviewing.selected.is_some())
+        }
+        _ => true,
+    }
+}
+
+const DIGITS: [Key; 9] = [
+    Key::Num1,
+    Key::Num2,
+    Key::Num3,
+    Key::Num4,
+    Key::Num5,
+    Key::Num6,
+    Key::Num7,
+    Key::Num8,
+    Key::Num9,
+];
+
+/// While a box is selected the digits name its class, and no view.
+fn name_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+    let Some(id) = app.reviewing.selected else {
+        return;
+    };
+    let classes = app.reviewing.review.classes().len();
+    for (class, key) in DIGITS.into_iter().enumerate() {
+        let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        if pressed && class < classes {
+            commands.push(Command::Edit {
+                edit: Edit::Relabel(id, class),
+                live: false,
+            });
+        }
+    }
+}
+
+/// While a box is edited the arrows move it, and no ping.
+fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+    if app.reviewing.tool != Tool::Edit || app.reviewing.selected.is_none() {
+        return;
+    }
+    let arrows = [
+        (Key::ArrowLeft, -1, 0),
+        (Key::ArrowRight, 1, 0),
+        (Key::ArrowUp, 0, -1),
+        (Key::ArrowDown, 0, 1),
+    ];
+    // Those with most modifiers first: a plain arrow would match with Shift held too.
+    let held = [
+        (Modifiers::COMMAND | Modifiers::SHIFT, 10, true),
+        (Modifiers::COMMAND, 1, true),
+        (Modifiers::SHIFT, 10, false),
+        (Modifiers::NONE, 1, false),
+    ];
+    for (key, right, down) in arrows {
+        for (modifiers, steps, resize) in held {
+            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
+                // egui has seen it too, and would walk to a control.
+                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+                commands.push(Command::Nudge(Nudge {
+                    right: right * steps,
+                    down: down * steps,
+                    resize,
+                }));
+            }
         }
     }
 }

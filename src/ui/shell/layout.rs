@@ -40,12 +40,17 @@ fn tree(preset: LayoutPreset) -> Tree<View> {
     };
     let root = match preset {
         LayoutPreset::Only(view) => tab(view, &mut tiles),
-        LayoutPreset::Survey => {
+        LayoutPreset::Survey | LayoutPreset::Review => {
             let waterfall = tab(View::Waterfall, &mut tiles);
             let map = tab(View::Map, &mut tiles);
             let cloud = tab(View::Cloud, &mut tiles);
+            let share = if preset == LayoutPreset::Review {
+                0.74
+            } else {
+                0.55
+            };
             let below = tiles.insert_horizontal_tile(vec![map, cloud]);
-            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], 0.55);
+            let split = Linear::new_binary(LinearDir::Vertical, [waterfall, below], share);
             tiles.insert_container(Container::Linear(split))
         }
     };

@@ -8,6 +8,7 @@ use egui::{Button, Ui};
 const FILE: &[Action] = &[Action::Open, Action::OpenPath, Action::OpenDemo];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
+    Action::LayoutReview,
     Action::LayoutWaterfall,
     Action::LayoutMap,
     Action::LayoutCloud,
@@ -41,6 +42,19 @@ const PROCESSING: &[Action] = &[
     Action::Cancel,
 ];
 
+const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview];
+const BOXES: &[Action] = &[
+    Action::NextBox,
+    Action::PreviousBox,
+    Action::AcceptBox,
+    Action::RejectBox,
+    Action::UndecideBox,
+    Action::EditBox,
+    Action::NewBox,
+    Action::SwapSide,
+    Action::RemoveBox,
+];
+
 /// Draws the bar.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     egui::containers::menu::MenuBar::new().ui(ui, |ui| {
@@ -48,6 +62,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.menu_button("Edit", |ui| edit(ui, context));
         ui.menu_button("View", |ui| view(ui, context));
         ui.menu_button("Survey", |ui| survey(ui, context));
+        ui.menu_button("Review", |ui| review(ui, context));
         ui.menu_button("Help", |ui| {
             entries(ui, context, &[Action::Palette, Action::Help]);
         });
@@ -153,6 +168,20 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     entries(ui, context, STEPS);
+}
+
+fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let is_open = context.app.survey.is_some();
+    let has_boxes = context.app.reviewing.has_boxes();
+    for &action in BOXES {
+        let enabled = is_open && (has_boxes || action == Action::NewBox);
+        titled(ui, context, action, action.label(), enabled);
+    }
+    ui.separator();
+    for &action in REVIEW_FILES {
+        let enabled = is_open && (has_boxes || action == Action::OpenReview);
+        titled(ui, context, action, action.label(), enabled);
+    }
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {

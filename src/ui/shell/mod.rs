@@ -134,7 +134,7 @@ impl Shell {
         self.dialogs.poll(&mut commands);
         drop::collect(ui, &mut commands);
         if !self.palette.is_open() && !self.dialogs.is_open() {
-            keys::collect(ui, &mut commands);
+            keys::collect(ui, &self.app, self.help_open, &mut commands);
         }
         self.play.advance(ui, &self.app, &mut commands);
         self.draw(ui, render_state, &mut commands);

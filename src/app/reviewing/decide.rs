@@ -1,0 +1,248 @@
+//! Decisions and corrections, and moving on to the next box.
+
+use super::{Step, Tool, middle};
+use crate::app::{App, Orientation};
+use crate::detection::Mark;
+use crate::detection::review::{BoxId, Edit, Queue, Review};
+use crate::survey::Side;
+use std::sync::Arc;
+
+/// A step of the arrow keys on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Nudge {
+    /// Steps to the right.
+    pub right: i32,
+    /// Steps down.
+    pub down: i32,
+    /// Moves the right and lower edges alone.
+    pub resize: bool,
+}
+
+impl App {
+    /// What undo would come back to.
+    pub(in crate::app) fn step_now(&self) -> Step {
+        Step {
+            settings: self.settings.clone(),
+            review: self.reviewing.review.clone(),
+        }
+    }
+
+    /// Goes back or forward to a step, and to the box that it is about.
+    pub(in crate::app) fn take_step(&mut self, step: Step) {
+        if !Arc::ptr_eq(&step.review, &self.reviewing.review) {
+            let changed = first_difference(&self.reviewing.review, &step.review);
+            self.reviewing.set(step.review);
+            if let Some(id) = changed {
+                self.select_box(Some(id));
+            }
+        }
+        self.set(step.settings, false);
+    }
+
+    /// Makes `review` the boxes in force, as one undo step that ends with the first change that is not `live`.
+    pub(in crate::app) fn take_review(
+        &mut self,
+        review: Arc<Review>,
+        label: &'static str,
+        live: bool,
+    ) {
+        let before = self.step_now();
+        let after = Step {
+            review: review.clone(),
+            ..before.clone()
+        };
+        self.history.record(&before, &after, label, live);
+        self.reviewing.set(review);
+    }
+
+    /// Carries out an edit. A drag passes many places, all but the last `live`.
+    pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
+        let now = &self.reviewing.review;
+        let next_id = now.next_id();
+        let after = now.apply(edit);
+        let is_new = matches!(edit, Edit::Add { .. }) && after.is_some();
+        // The end of a drag moves nothing and still ends its step.
+        let after = after.map_or_else(|| now.clone(), Arc::new);
+        self.take_review(after, edit.label(), live);
+        match edit {
+            Edit::Relabel(_, class) => self.reviewing.class = *class,
+            Edit::Add { .. } if is_new => {
+                self.reviewing.tool = Tool::Look;
+                self.select_box(Some(next_id));
+            }
+            _ => {}
+        }
+    }
+
+    /// Selects a box and brings it into all views, or selects none.
+    pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
+        self.reviewing.selected = id;
+        let Some((survey, one)) = self.survey.as_ref().zip(self.reviewing.selected_box()) else {
+            self.reviewing.selected = None;
+            if self.reviewing.tool == Tool::Edit {
+                self.reviewing.tool = Tool::Look;
+            }
+            return;
+        };
+        let mark = middle(survey, &one.mark);
+        self.reveal(mark);
+    }
+
+    /// The next box in line, or the one before; at the ends it stays.
+    pub(in crate::app) fn step_box(&mut self, by: isize) {
+        let line = self.reviewing.line();
+        let here = self.reviewing.selected;
+        let here = here.and_then(|id| line.iter().position(|one| *one == id));
+        let last = line.len().saturating_sub(1);
+        let next = match here {
+            Some(here) => here.saturating_add_signed(by).min(last),
+            None if by < 0 => last,
+            None => 0,
+        };
+        if let Some(id) = line.get(next).copied() {
+            self.select_box(Some(id));
+        }
+    }
+
+    /// Decides about the selected box and moves on to the next undecided one. Without a selected box it only moves on: nobody
+    /// decides about a box unseen.
+    pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
+        let line = self.reviewing.line().to_vec();
+        let here = self.reviewing.selected;
+        if let Some(id) = here {
+            self.edit(&edit(id), false);
+        }
+        if let Some(next) = self.reviewing.next_open(&line, here) {
+            self.select_box(Some(next));
+        }
+    }
+
+    /// Edits the selected box, if there is one.
+    pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
+        match self.reviewing.selected {
+            Some(id) => self.edit(&edit(id), false),
+            None => self.tell("select a box first, with Tab or a click".to_owned(), true),
+        }
+    }
+
+    /// Removes a box drawn by hand; rejects one that a model proposed.
+    pub(in crate::app) fn remove_box(&mut self) {
+        let by_hand = self
+            .reviewing
+            .selected_box()
+            .filter(|one| one.model.is_none());
+        match by_hand.map(|one| one.id) {
+            Some(id) => self.edit(&Edit::Remove(id), false),
+            None => self.decide(Edit::Reject),
+        }
+    }
+
+    /// Takes a tool, or lays it down when it is in hand.
+    pub(in crate::app) fn take_tool(&mut self, tool: Tool) {
+        if self.survey.is_none() {
+            return;
+        }
+        if tool == Tool::Edit && self.reviewing.selected.is_none() {
+            self.tell("select a box first, with Tab or a click".to_owned(), true);
+            return;
+        }
+        let in_hand = self.reviewing.tool == tool;
+        self.reviewing.tool = if in_hand { Tool::Look } else { tool };
+    }
+
+    /// Lays the tool down; without a tool in hand, deselects the box.
+    pub(in crate::app) fn leave_tool(&mut self) {
+        if self.reviewing.tool == Tool::Look {
+            self.select_box(None);
+        }
+        self.reviewing.tool = Tool::Look;
+    }
+
+    /// Sorts and filters.
+    pub(in crate::app) fn set_queue(&mut self, queue: Queue) {
+        self.reviewing.queue = queue;
+        self.reviewing.line_up();
+    }
+
+    /// Moves the selected box by whole pings along the track and pixels of the raster across it.
+    pub(in crate::app) fn nudge_box(&mut self, nudge: Nudge) {
+        let Some(one) = self.reviewing.selected_box() else {
+            return;
+        };
+        let (along, across) = match self.options.waterfall.orientation {
+            Orientation::Horizontal => (nudge.right, nudge.down),
+            Orientation::Vertical => (nudge.down, nudge.right),
+        };
+        let mark = nudged(&one.mark, along, across, nudge.resize);
+        let edit = Edit::Reshape(one.id, mark);
+        self.edit(&edit, false);
+    }
+}
+
+/// Right and down on the screen are later and to starboard.
+fn nudged(mark: &Mark, along: i32, across: i32, resize: bool) -> Mark {
+    let pings = along as isize;
+    let across_m = f64::from(across) * super::PIXEL_M;
+    let mut moved = mark.clone();
+    moved.pings.end = mark.pings.end.saturating_add_signed(pings);
+    if !resize {
+        moved.pings.start = mark.pings.start.saturating_add_signed(pings);
+        // At the log's start the box is held as it is.
+        if moved.pings.start == 0 {
+            moved.pings.end = moved.pings.end.max(mark.pings.len());
+        }
+    }
+    match (mark.side, resize) {
+        (Side::Starboard, true) => moved.far_m += across_m,
+        // The lower or right edge of a box to port is the near one.
+        (Side::Port, true) => moved.near_m -= across_m,
+        (side, false) => {
+            let outward_m = if side == Side::Port {
+                -across_m
+            } else {
+                across_m
+            };
+            let outward_m = outward_m.max(-mark.near_m);
+            moved.near_m += outward_m;
+            moved.far_m += outward_m;
+        }
+    }
+    moved
+}
+
+/// The first box that differs between two versions and is there in the second.
+fn first_difference(from: &Review, to: &Review) -> Option<BoxId> {
+    to.boxes()
+        .find(|one| from.get(one.id) != Some(*one))
+        .map(|one| one.id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrows_move_a_box_as_it_looks() {
+        let port = Mark {
+            side: Side::Port,
+            pings: 2..12,
+            near_m: 5.0,
+            far_m: 7.0,
+        };
+        let moved = nudged(&port, 1, 10, false);
+        assert_eq!(moved.pings, 3..13);
+        assert!((moved.near_m - 4.6).abs() < 1e-9, "towards starboard");
+        assert!((moved.far_m - 6.6).abs() < 1e-9);
+        assert_eq!(nudged(&port, -10, 0, false).pings, 0..10);
+        assert_eq!(nudged(&port, 0, 1000, false).near_m, 0.0);
+        let larger = nudged(&port, 3, -10, true);
+        assert_eq!(larger.pings, 2..15);
+        assert!((larger.near_m - 5.4).abs() < 1e-9 && larger.far_m == 7.0);
+        let starboard = Mark {
+            side: Side::Starboard,
+            ..port
+        };
+        assert!((nudged(&starboard, 0, 10, false).near_m - 5.4).abs() < 1e-9);
+        assert!((nudged(&starboard, 0, 10, true).far_m - 7.4).abs() < 1e-9);
+    }
+}

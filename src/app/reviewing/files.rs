@@ -1,0 +1,135 @@
+//! The file that a review is kept in, beside the log and never in it.
+
+use crate::app::{App, Outcome, Task};
+use crate::detection::review::{Identity, LARGEST_FILE, Review};
+use crate::export;
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// End of the name of a review's file.
+const SUFFIX: &str = "review.json";
+
+/// A review being read.
+pub(super) struct Opening {
+    path: PathBuf,
+    /// Found beside the log: nobody asked for it.
+    unasked: bool,
+    task: Task<Result<Review, String>>,
+}
+
+impl App {
+    /// Where the review is or would be kept: its file, or one beside the log that is named after it.
+    pub fn review_path(&self) -> Option<PathBuf> {
+        let beside = || {
+            let log = self.survey.as_ref()?.source.files.first()?;
+            Some(log.with_extension(SUFFIX))
+        };
+        self.reviewing.path.clone().or_else(beside)
+    }
+
+    /// Writes the review.
+    pub(in crate::app) fn save_review(&mut self, path: PathBuf) {
+        if let Some(survey) = &self.survey
+            && survey.source.files.contains(&path)
+        {
+            let text = format!(
+                "that is the log itself; choose another name: {}",
+                path.display()
+            );
+            self.tell(text, true);
+            return;
+        }
+        let text = self.reviewing.review.to_json();
+        let written = export::write_aside(&path, |mut file| {
+            file.write_all(text.as_bytes())?;
+            file.write_all(b"\n")
+        });
+        match written {
+            Ok(()) => {
+                let boxes = self.reviewing.review.boxes().len();
+                self.tell(format!("Saved {boxes} boxes to {}", path.display()), false);
+                self.reviewing.saved = self.reviewing.review.clone();
+                self.reviewing.path = Some(path);
+            }
+            Err(error) => self.tell(error.to_string(), true),
+        }
+    }
+
+    /// Starts reading a review of the open survey.
+    pub(in crate::app) fn open_review(&mut self, path: PathBuf) {
+        self.read_review(path, false);
+    }
+
+    /// Starts reading the review beside the log, if there is one and nothing is at hand already.
+    pub(in crate::app) fn look_for_review(&mut self) {
+        if let Some(path) = self.review_path()
+            && !self.reviewing.has_boxes()
+            && path.is_file()
+        {
+            self.read_review(path, true);
+        }
+    }
+
+    fn read_review(&mut self, path: PathBuf, unasked: bool) {
+        let Some(survey) = &self.survey else {
+            let text = "open the log first, then the review of its boxes";
+            return self.tell(text.to_owned(), true);
+        };
+        let (identity, from) = (Identity::of(survey), path.clone());
+        let task = Task::start(&self.jobs, move |_| {
+            read(&from, &identity).map_err(|text| format!("{text}: {}", from.display()))
+        });
+        self.reviewing.opening = Some(Opening {
+            path,
+            unasked,
+            task,
+        });
+    }
+
+    /// Collects a review that was read.
+    pub(in crate::app) fn poll_review(&mut self) {
+        let Some(opening) = &self.reviewing.opening else {
+            return;
+        };
+        let read = match opening.task.poll() {
+            Outcome::Pending => return,
+            Outcome::Done(read) => read,
+            Outcome::Failed => Err("reading the review failed unexpectedly".to_owned()),
+        };
+        let Some(opening) = self.reviewing.opening.take() else {
+            return;
+        };
+        match read {
+            Ok(review) => {
+                let boxes = review.boxes().len();
+                let review = Arc::new(review);
+                self.take_review(review.clone(), "open review", false);
+                self.reviewing.saved = review;
+                let path = opening.path.display();
+                let text = match opening.unasked {
+                    true => format!("Found {boxes} boxes beside the log: {path}"),
+                    false => format!("Opened {boxes} boxes: {path}"),
+                };
+                self.tell(text, false);
+                self.reviewing.path = Some(opening.path);
+            }
+            Err(text) => self.tell(text, true),
+        }
+    }
+}
+
+fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
+    let cannot = |error: std::io::Error| format!("cannot read the review: {error}");
+    let mut text = String::new();
+    let file = File::open(path).map_err(cannot)?;
+    // One byte more than allowed tells a file that is too large from one that just fits.
+    file.take(LARGEST_FILE + 1)
+        .read_to_string(&mut text)
+        .map_err(cannot)?;
+    if text.len() as u64 > LARGEST_FILE {
+        return Err("the file is too large to be a review of boxes".to_owned());
+    }
+    Review::from_json(&text, identity).map_err(|error| error.to_string())
+}

@@ -1,0 +1,247 @@
+//! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
+//!
+//! `decide` carries out edits and moves on to the next box, `files` keeps the review, `detect` asks a model, `export` writes
+//! what other programs read.
+
+mod decide;
+mod files;
+
+pub use decide::Nudge;
+
+use super::Mark;
+use crate::detection::review::{BoxId, Counts, Identity, Queue, Review, Reviewed, State};
+use crate::detection::{self, Raster};
+use crate::pipeline::Settings;
+use crate::survey::{Navigation, Survey};
+use files::Opening;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Class of a box that is drawn before any model has named one.
+const NAMELESS_CLASS: &str = "object";
+/// Side of a pixel of the raster that boxes are compared and shown in, metres.
+pub const PIXEL_M: f64 = 0.04;
+/// Reviews of other logs kept at hand while the window is open.
+const PARKED: usize = 10;
+
+/// What a drag in the waterfall does to boxes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tool {
+    /// Nothing: it moves the picture.
+    #[default]
+    Look,
+    /// Moves the selected box, or its edges.
+    Edit,
+    /// Draws a new box.
+    Draw,
+}
+
+/// What undo goes back to.
+#[derive(Clone)]
+pub(super) struct Step {
+    pub settings: Settings,
+    pub review: Arc<Review>,
+}
+
+/// A review is the same when it is the same version, which undo brings back as it was.
+impl PartialEq for Step {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.review, &other.review) && self.settings == other.settings
+    }
+}
+
+/// A review of another log, for when that is opened again.
+struct Parked {
+    review: Arc<Review>,
+    saved: Arc<Review>,
+    path: Option<PathBuf>,
+}
+
+/// The boxes and what is done with them.
+pub struct Reviewing {
+    /// The boxes and the decisions.
+    pub review: Arc<Review>,
+    /// The box that keys act on.
+    pub selected: Option<BoxId>,
+    /// Order, filter and confidence threshold.
+    pub queue: Queue,
+    /// What a drag does.
+    pub tool: Tool,
+    /// The file that the review is kept in, once it has one.
+    pub path: Option<PathBuf>,
+    line: Vec<BoxId>,
+    counts: Counts,
+    /// Class of the next box that is drawn: that of the last one that was named.
+    class: usize,
+    raster: Option<(Arc<Navigation>, Arc<Raster>)>,
+    /// The version in the file, or the empty one.
+    saved: Arc<Review>,
+    parked: Vec<Parked>,
+    opening: Option<Opening>,
+}
+
+impl Default for Reviewing {
+    fn default() -> Self {
+        let review = Arc::new(empty(&Survey::default()));
+        Self {
+            saved: review.clone(),
+            review,
+            selected: None,
+            queue: Queue::default(),
+            tool: Tool::default(),
+            path: None,
+            line: Vec::new(),
+            counts: Counts::default(),
+            class: 0,
+            raster: None,
+            parked: Vec::new(),
+            opening: None,
+        }
+    }
+}
+
+fn empty(survey: &Survey) -> Review {
+    Review::new(Identity::of(survey), vec![NAMELESS_CLASS.to_owned()])
+}
+
+impl Reviewing {
+    /// Whether there is anything to review.
+    pub fn has_boxes(&self) -> bool {
+        self.review.boxes().len() > 0
+    }
+
+    /// The selected box.
+    pub fn selected_box(&self) -> Option<&Reviewed> {
+        self.review.get(self.selected?)
+    }
+
+    /// The boxes to look at, in order.
+    pub fn line(&self) -> &[BoxId] {
+        &self.line
+    }
+
+    /// How far the work is.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Class that the next box drawn gets.
+    pub fn class(&self) -> usize {
+        self.class
+            .min(self.review.classes().len().saturating_sub(1))
+    }
+
+    /// The survey's raster; `None` until it is known where the pings lie.
+    pub fn raster(&self) -> Option<&Arc<Raster>> {
+        self.raster.as_ref().map(|(_, raster)| raster)
+    }
+
+    /// Whether decisions are in no file yet.
+    pub fn is_unsaved(&self) -> bool {
+        !Arc::ptr_eq(&self.review, &self.saved)
+    }
+
+    /// Whether a review is being read.
+    pub(super) fn is_busy(&self) -> bool {
+        self.opening.is_some()
+    }
+
+    /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
+    pub fn size_m(&self, mark: &detection::Mark) -> [f64; 2] {
+        size_m(self.raster().map(AsRef::as_ref), mark)
+    }
+
+    /// Takes another version of the boxes.
+    fn set(&mut self, review: Arc<Review>) {
+        self.review = review;
+        if self.selected_box().is_none() {
+            self.selected = None;
+        }
+        self.line_up();
+    }
+
+    /// Lines the boxes up anew.
+    fn line_up(&mut self) {
+        let raster = self.raster().cloned();
+        let longer_m = |mark: &detection::Mark| {
+            let [along_m, across_m] = size_m(raster.as_deref(), mark);
+            along_m.max(across_m)
+        };
+        self.line = self.queue.line_up(&self.review, longer_m);
+        self.counts = Counts::of(&self.review, &self.queue);
+    }
+
+    /// Lays the raster out where pings lie elsewhere than before.
+    pub(super) fn follow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
+        let is_known = |(known, _): &(Arc<Navigation>, _)| Arc::ptr_eq(known, navigation);
+        if !self.raster.as_ref().is_some_and(is_known) {
+            let raster = Raster::new(survey, navigation, PIXEL_M);
+            self.raster = Some((navigation.clone(), Arc::new(raster)));
+            self.line_up();
+        }
+    }
+
+    /// Starts on another survey; the boxes of the last one come back when that is opened again.
+    pub(super) fn start(&mut self, survey: &Survey) {
+        let last = std::mem::take(self);
+        let identity = Identity::of(survey);
+        self.parked = last.parked;
+        self.queue.sort = last.queue.sort;
+        self.queue.threshold = last.queue.threshold;
+        if last.review.boxes().len() > 0 {
+            self.parked.push(Parked {
+                review: last.review,
+                saved: last.saved,
+                path: last.path,
+            });
+        }
+        let is_same = |parked: &Parked| *parked.review.identity() == identity;
+        if let Some(index) = self.parked.iter().rposition(is_same) {
+            let parked = self.parked.remove(index);
+            self.saved = parked.saved;
+            self.path = parked.path;
+            self.set(parked.review);
+        } else {
+            self.saved = Arc::new(empty(survey));
+            self.set(self.saved.clone());
+        }
+        let surplus = self.parked.len().saturating_sub(PARKED);
+        self.parked.drain(..surplus);
+    }
+
+    /// The next box in line after `id` that is undecided, around the end of the line.
+    fn next_open(&self, line: &[BoxId], id: Option<BoxId>) -> Option<BoxId> {
+        let at = id.and_then(|id| line.iter().position(|one| *one == id));
+        let after = at.map_or(0, |at| at + 1);
+        let around = line[after..].iter().chain(&line[..after]);
+        let is_open = |one: &BoxId| {
+            let found = self.review.get(*one);
+            Some(*one) != id && found.is_some_and(|found| found.state == State::Proposed)
+        };
+        around.copied().find(|one| is_open(one))
+    }
+}
+
+fn size_m(raster: Option<&Raster>, mark: &detection::Mark) -> [f64; 2] {
+    let along_m = raster.map_or(f64::NAN, |raster| {
+        let rect = raster.rect_of(mark);
+        f64::from(rect.y1 - rect.y0) * raster.pixel_m()
+    });
+    [along_m, mark.far_m - mark.near_m]
+}
+
+/// The middle of a box as a place in the survey.
+pub fn middle(survey: &Survey, mark: &detection::Mark) -> Mark {
+    let ping = usize::midpoint(mark.pings.start, mark.pings.end.saturating_sub(1));
+    let span = survey.span(ping, mark.side);
+    let sample = span
+        .map(|span| (span, span.sample_at(0.5 * (mark.near_m + mark.far_m))))
+        .filter(|(span, sample)| (0.0..f64::from(span.count)).contains(sample))
+        .map(|(_, sample)| sample as f32);
+    Mark {
+        ping,
+        side: sample.map(|_| mark.side),
+        sample,
+        point: None,
+    }
+}
