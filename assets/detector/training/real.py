@@ -4,6 +4,7 @@
 and for each effigy a box of its echo alone and one extended over its shadow.
 """
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from data import IGNORE, Chips, pad_boxes
 
 CLASS = "effigy"
 SLIVER_PX = 6.0
+# How much larger or smaller than it is a tile is shown in training: its scale is known to about a fifth.
+SCALES, SCALE_STEPS = (0.75, 1.4), 8
 
 
 @dataclass
@@ -45,10 +48,21 @@ def read_tiles(path: Path) -> Tiles:
         return Tiles(*(arrays[name] for name in ("images", "echo", "extended", "split", "names")), float(arrays["pixel_m"]))
 
 
+def levelled(pixels: np.ndarray) -> np.ndarray:
+    """The picture at the level of every chip, as `src/detection/level.rs` brings it: the 95th percentile of the pixels
+    above 0 becomes 180, by a gain between 0.5 and 4."""
+    below = np.bincount(pixels.ravel(), minlength=256)[1:].cumsum()
+    if not below[-1]:
+        return pixels
+    gain = np.clip(180.0 / (1 + np.searchsorted(below, math.ceil(0.95 * below[-1]))), 0.5, 4.0)
+    return np.minimum(np.round(pixels * gain), 255).astype(np.uint8)
+
+
 def resized(tiles: Tiles, tile: int, scale: float) -> np.ndarray:
-    """One tile at `scale` times its own resolution, area-averaged when smaller."""
+    """One tile at `scale` times its own resolution, area-averaged when smaller, at the level of a chip."""
     side = max(1, round(tiles.images.shape[1] * scale))
-    return np.asarray(Image.fromarray(tiles.images[tile]).resize((side, side), Image.Resampling.BOX if scale < 1 else Image.Resampling.BILINEAR))
+    how = Image.Resampling.BOX if scale < 1 else Image.Resampling.BILINEAR
+    return levelled(np.asarray(Image.fromarray(tiles.images[tile]).resize((side, side), how)))
 
 
 def single_chips(tiles: Tiles, split: str, extended: bool, whole: bool, meta: dict) -> Chips:
@@ -77,21 +91,27 @@ def paste(canvas: np.ndarray, pixels: np.ndarray, x: int, y: int) -> None:
 
 def packed_chips(tiles: Tiles, count: int, meta: dict, seed: int) -> Chips:
     """Training chips tiled with random train tiles at random scales, so that a batch of real data is as full as any other."""
-    rng, side, kind = np.random.default_rng(seed), meta["side"], meta["names"].index(CLASS)
-    chosen, images, boxes = np.flatnonzero(tiles.split == "train"), [], []
+    rng, chosen, images, boxes = np.random.default_rng(seed), np.flatnonzero(tiles.split == "train"), [], []
+    scales = tiles.pixel_m / meta["pixel_m"] * np.geomspace(*SCALES, SCALE_STEPS)
+    pictures = {(tile, scale): resized(tiles, tile, scale) for tile in chosen for scale in scales}
     for _ in range(count):
-        canvas, rows = np.zeros((side, side), np.uint8), []
-        scale = tiles.pixel_m / meta["pixel_m"] * rng.uniform(0.75, 1.4)
-        step = max(1, round(tiles.images.shape[1] * scale))
-        start = -rng.integers(0, step, 2)
-        for y in range(start[1], side, step):
-            for x in range(start[0], side, step):
-                tile = rng.choice(chosen)
-                paste(canvas, resized(tiles, tile, scale), x, y)
-                rows += [(kind, *box) for box in tiles.boxes(tile, True) * scale + np.array([x, y, x, y])]
+        canvas, rows = pack(tiles, pictures, chosen, rng.choice(scales), meta, rng)
         images.append(canvas)
-        boxes.append(cut_boxes(np.array(rows, np.float32).reshape(-1, 5), side))
+        boxes.append(cut_boxes(np.array(rows, np.float32).reshape(-1, 5), meta["side"]))
     return Chips(torch.from_numpy(np.stack(images)), pad_boxes(boxes), [f"real{index:05}" for index in range(count)])
+
+
+def pack(tiles: Tiles, pictures: dict, chosen: np.ndarray, scale: float, meta: dict, rng) -> tuple[np.ndarray, list]:
+    """One canvas full of tiles side by side, and the boxes on it, which may reach beyond its edge."""
+    side, kind, step = meta["side"], meta["names"].index(CLASS), len(pictures[chosen[0], scale])
+    canvas, rows = np.zeros((side, side), np.uint8), []
+    start = -rng.integers(0, step, 2)
+    for y in range(start[1], side, step):
+        for x in range(start[0], side, step):
+            tile = rng.choice(chosen)
+            paste(canvas, pictures[tile, scale], x, y)
+            rows += [(kind, *box) for box in tiles.boxes(tile, True) * scale + np.array([x, y, x, y])]
+    return canvas, rows
 
 
 def cut_boxes(rows: np.ndarray, side: int) -> np.ndarray:

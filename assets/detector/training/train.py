@@ -37,6 +37,7 @@ WARMUP = 0.03  # share of the run over which the learning rate rises
 LAST_RATE = 0.01  # final learning rate as a share of the first
 EMA_KEEP = 0.999
 CLIP_NORM = 20.0
+LOG_COLUMNS = ("step", "seconds", "rate", "total", "box", "object", "class", "chips_per_second", "map50")
 LOOK_CHIPS = 400  # validation chips for the looks during training
 
 
@@ -148,6 +149,8 @@ def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log) -> None
     args, device = trainer.args, trainer.device
     looks, began, shown, kept = 0, time.monotonic() - trainer.seconds, 0.0, time.monotonic()
     writer, seen, since, terms = csv.writer(log), 0, time.monotonic(), {}
+    if not log.tell():
+        writer.writerow(LOG_COLUMNS)
     while trainer.progress() < 1.0:
         batches.calm = trainer.progress() > 1 - args.settle
         trainer.network.train()
@@ -275,7 +278,7 @@ def main() -> None:
     sizes = {"train": len(train), "val": len(val), "test": len(test)}
     meta["training"] = provenance(args, trainer, sizes, start)
     report = evaluate(trainer.average, meta, val, test, tiles, args.out)
-    meta["thresholds"] = {"score": report["score_chosen_on_val"], "iou": 0.45, "nms": "plain", "class_agnostic": True}
+    meta["thresholds"] = {"score": report["score"], "iou": 0.45, "nms": "plain", "class_agnostic": True}
     save_weights(trainer.average, meta, args.out / "weights.npz")
     chips = test.images[:4].unsqueeze(1).numpy().astype(np.float32) / 255
     report["export"] = export(trainer.average, meta, args.out, chips)
