@@ -2,14 +2,14 @@
 
 use super::offset::{blocks, range_offset_m};
 use super::robust::robust_line;
-use super::scale::{Usable, header_scale, pixels_per_metre, range_changes, usable_picks};
+use super::scale::{Usable, header_scale, range_changes, usable_picks};
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, Scale, ScaleMode, flat_spots,
 };
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, spread_about};
-use crate::survey::{Navigation, Survey};
+use crate::survey::{Navigation, Side, Survey};
 
 /// Picks that a fit over the log needs, at least.
 const MIN_FIT_PICKS: usize = 50;
@@ -30,17 +30,15 @@ pub fn calibrate(
     progress.advance(1);
     progress.check()?;
     let flat_spot = match settings.pings {
-        Some(chosen) => flat_spots::describe(survey, navigation, chosen.start..chosen.end),
+        Some(chosen) => flat_spots::describe(survey, navigation, &picks, chosen.start..chosen.end),
         None => spots.first().cloned(),
     };
-    let ppd = flat_spot
-        .as_ref()
-        .and_then(|spot| pixels_per_metre(&picks, &spot.pings));
+    let measured = flat_spot.as_ref().is_some_and(|spot| spot.ppd.is_some());
     let header = header_scale(survey);
     let fit = depth_fit(&picks);
     progress.advance(1);
     let mode = match settings.mode {
-        ScaleMode::FlatSpot if ppd.is_none() => ScaleMode::Header,
+        ScaleMode::FlatSpot if !measured => ScaleMode::Header,
         mode => mode,
     };
     let offset_m = match (mode, settings.offset) {
@@ -51,12 +49,15 @@ pub fn calibrate(
     if mode != settings.mode {
         warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
     }
+    let ppd = flat_spot.as_ref().and_then(|spot| spot.ppd);
     warnings.extend(disagreement(ppd, header));
     warnings.extend(changing_range(survey, mode));
+    if mode == ScaleMode::FlatSpot {
+        warnings.extend(flat_spot.as_ref().and_then(|spot| selection(survey, spot)));
+    }
     Ok(Calibration {
         mode,
         flat_spot,
-        ppd,
         header,
         fit,
         offset_m,
@@ -105,6 +106,25 @@ fn disagreement(ppd: Option<Scale>, header: Option<Scale>) -> Option<String> {
             100.0 * spread / header.px_per_m,
         )
     })
+}
+
+/// Where half the pings of a flat spot give no usable pick on a side that was recorded.
+fn selection(survey: &Survey, spot: &FlatSpot) -> Option<String> {
+    let recorded = survey.side_scan.get(spot.pings.start)?;
+    let poorer = Side::BOTH
+        .into_iter()
+        .zip(spot.picks)
+        .filter(|(side, _)| recorded.side(*side).is_some())
+        .min_by_key(|(_, picks)| *picks);
+    poorer
+        .filter(|(_, picks)| 2 * picks < spot.pings.len())
+        .map(|(side, picks)| {
+            format!(
+                "Only {picks} of {} pings of the flat spot have a usable first return to {}: its scale rests on a selection; choose another stretch.",
+                spot.pings.len(),
+                side.name(),
+            )
+        })
 }
 
 fn changing_range(survey: &Survey, mode: ScaleMode) -> Option<String> {

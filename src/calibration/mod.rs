@@ -4,9 +4,11 @@
 //! `offset` finds the constant between ranges and recorded depths, `robust` fits the line over the log, and `calibrate` lays
 //! them side by side and chooses.
 
+mod agreement;
 mod calibrate;
 mod flat_spots;
 mod offset;
+mod profile;
 mod robust;
 mod scale;
 
@@ -95,7 +97,7 @@ impl TryFrom<String> for PingRange {
     }
 }
 
-/// A stretch of the track where the recorded depth hardly changes.
+/// A stretch of the track where the recorded depth hardly changes, and what the first returns say there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlatSpot {
     /// Side-scan pings of the stretch.
@@ -106,6 +108,10 @@ pub struct FlatSpot {
     pub slope: f64,
     /// Standard deviation of the recorded depth about its line, metres.
     pub scatter_m: f64,
+    /// First returns that may calibrate, port and starboard: not flagged, not at the search limit.
+    pub picks: [usize; 2],
+    /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
+    pub ppd: Option<Scale>,
 }
 
 /// A scale with its spread, in u8 samples a metre.
@@ -137,10 +143,8 @@ pub struct DepthFit {
 pub struct Calibration {
     /// Which scale is in force.
     pub mode: ScaleMode,
-    /// Where `ppd` was measured, if anywhere.
+    /// Where pixels per metre were measured, if anywhere.
     pub flat_spot: Option<FlatSpot>,
-    /// Pixels per metre at the flat spot.
-    pub ppd: Option<Scale>,
     /// The scale that the log's headers imply (median over the log).
     pub header: Option<Scale>,
     /// Range against depth over the whole log.
@@ -149,4 +153,11 @@ pub struct Calibration {
     pub offset_m: f64,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
+}
+
+impl Calibration {
+    /// Pixels per metre at the flat spot.
+    pub fn ppd(&self) -> Option<Scale> {
+        self.flat_spot.as_ref()?.ppd
+    }
 }

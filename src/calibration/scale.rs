@@ -10,6 +10,9 @@ use std::ops::Range;
 /// or stopped at the edge of the dead zone.
 const RATIO_LIMIT: f64 = 1.6;
 
+/// Picks that a scale rests on, at least, as a share of what the stretch could give: fewer are accidents of the search.
+const MIN_SHARE: f64 = 0.05;
+
 /// A pick that may calibrate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Usable {
@@ -59,10 +62,18 @@ fn usable_pick(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<
     })
 }
 
-/// `PPD = p / d`: the median over all usable picks of the stretch, both sides; `None` when there are none.
-pub(super) fn pixels_per_metre(picks: &[Usable], pings: &Range<usize>) -> Option<Scale> {
-    let inside = picks.iter().filter(|pick| pings.contains(&pick.ping));
-    scale_of(inside.map(Usable::px_per_m).collect())
+/// The picks of a stretch, of picks in ping order.
+pub(super) fn inside<'a>(picks: &'a [Usable], pings: &Range<usize>) -> &'a [Usable] {
+    let place = |ping: usize| picks.partition_point(|pick| pick.ping < ping);
+    &picks[place(pings.start)..place(pings.end).max(place(pings.start))]
+}
+
+/// `PPD = p / d`: the median over the usable picks of a stretch of `pings` pings, both sides; `None` when they are too few to
+/// stand for it.
+pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> {
+    let enough = picks.len() as f64 >= MIN_SHARE * (2 * pings) as f64;
+    let values = || picks.iter().map(Usable::px_per_m).collect();
+    enough.then(values).and_then(scale_of)
 }
 
 /// The scale that the headers state, over all sides of all pings.

@@ -20,7 +20,7 @@ pub fn slant_range_m(
     let Some(span) = survey.span(ping, side) else {
         return f64::NAN;
     };
-    match (calibration.mode, calibration.ppd) {
+    match (calibration.mode, calibration.ppd()) {
         (ScaleMode::FlatSpot, Some(ppd)) => f64::from(sample) / ppd.px_per_m,
         _ => span.range_m(f64::from(sample)) - calibration.offset_m,
     }

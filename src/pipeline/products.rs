@@ -11,11 +11,11 @@ use std::sync::Arc;
 /// A stage of the pipeline, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// Position and heading of every ping, and the flat stretches of the track.
+    /// Position and heading of every ping.
     Navigation,
     /// First return on both sides.
     FirstReturn,
-    /// Scales.
+    /// Flat stretches of the track, and scales.
     Calibration,
     /// Points.
     Cloud,
@@ -109,13 +109,12 @@ pub fn run(
         progress.check()
     };
 
-    let (navigation, flat_spots) = match reuse(Stage::Navigation) {
-        Some(old) => (old.navigation.clone(), old.flat_spots.clone()),
+    let navigation = match reuse(Stage::Navigation) {
+        Some(old) => old.navigation.clone(),
         None => {
             begin(Stage::Navigation)?;
-            let navigation = navigate(survey, &settings.heading, settings.projection, progress)?;
-            let spots = calibration::flat_spots(survey, &navigation, FLAT_SPOTS, progress)?;
-            (Arc::new(navigation), Arc::new(spots))
+            let (how, plane) = (&settings.heading, settings.projection);
+            Arc::new(navigate(survey, how, plane, progress)?)
         }
     };
     let returns = match reuse(Stage::FirstReturn) {
@@ -130,13 +129,15 @@ pub fn run(
             Arc::new(first_return::detect(survey, image, first_return, progress)?)
         }
     };
-    let calibration = match reuse(Stage::Calibration) {
-        Some(old) => old.calibration.clone(),
+    let (flat_spots, calibration) = match reuse(Stage::Calibration) {
+        Some(old) => (old.flat_spots.clone(), old.calibration.clone()),
         None => {
             begin(Stage::Calibration)?;
-            let (spots, how) = (&flat_spots, &settings.calibration);
-            let made = calibration::calibrate(survey, &navigation, &returns, spots, how, progress)?;
-            Arc::new(made)
+            let spots = rank(survey, previous, &navigation, &returns, progress)?;
+            let how = &settings.calibration;
+            let made =
+                calibration::calibrate(survey, &navigation, &returns, &spots, how, progress)?;
+            (spots, Arc::new(made))
         }
     };
     let cloud = match reuse(Stage::Cloud) {
@@ -164,4 +165,22 @@ pub fn run(
         cloud,
         kept,
     })
+}
+
+/// The flat stretches. They depend on track and picks only: choosing one of them, or a scale, leaves the ranking as it is.
+fn rank(
+    survey: &Survey,
+    previous: Option<&Products>,
+    navigation: &Arc<Navigation>,
+    returns: &Arc<FirstReturns>,
+    progress: &Progress,
+) -> Result<Arc<Vec<FlatSpot>>, Cancelled> {
+    let same_inputs = |old: &&Products| {
+        Arc::ptr_eq(&old.navigation, navigation) && Arc::ptr_eq(&old.returns, returns)
+    };
+    if let Some(old) = previous.filter(same_inputs) {
+        return Ok(old.flat_spots.clone());
+    }
+    let spots = calibration::flat_spots(survey, navigation, returns, FLAT_SPOTS, progress)?;
+    Ok(Arc::new(spots))
 }

@@ -216,12 +216,12 @@ impl CalibrationReport {
         let Calibration {
             mode,
             flat_spot,
-            ppd,
             header,
             fit,
             offset_m,
             ..
         } = calibration;
+        let ppd = calibration.ppd();
         Self {
             mode: *mode,
             ppd_px_per_m: ppd.map(|scale| scale.px_per_m),

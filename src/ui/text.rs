@@ -1,6 +1,7 @@
 //! Numbers, places and times as the analyst reads them.
 
 use crate::calendar;
+use crate::calibration::FlatSpot;
 use crate::geo::LonLat;
 
 /// What stands where there is no value.
@@ -35,6 +36,26 @@ pub fn difference(value_m: f64) -> String {
     } else {
         format!("{value_m:.2} m")
     }
+}
+
+/// How flat a stretch is and what its first returns say, in two lines.
+pub fn flat_stretch(spot: &FlatSpot) -> String {
+    let [port, starboard] = spot.picks;
+    let scale = match spot.ppd {
+        Some(ppd) => format!(
+            "PPD {:.2} ±{:.2} px/m from",
+            ppd.px_per_m, ppd.spread_px_per_m
+        ),
+        None => "too few for a scale:".to_owned(),
+    };
+    format!(
+        "pings {}..{}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm\n{scale} {port} first returns to port, {starboard} to starboard",
+        spot.pings.start,
+        spot.pings.end,
+        spot.depth_m,
+        100.0 * spot.slope.abs(),
+        100.0 * spot.scatter_m,
+    )
 }
 
 /// Decimal degrees with the hemisphere, to about 0.1 m: `36.877100° N 111.516300° W`.

@@ -94,7 +94,6 @@ fn products(nav: Vec<PingNav>) -> Products {
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,
             flat_spot: None,
-            ppd: None,
             header: None,
             fit: None,
             offset_m: 0.0,

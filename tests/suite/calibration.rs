@@ -2,15 +2,16 @@
 
 use crate::support::real_data;
 use crate::truth::KnownSurvey;
-use bathyscope::calibration::{Calibration, PingRange, ScaleMode, calibrate, flat_spots};
+use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots};
 use bathyscope::cloud::PointSource;
 use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
-use bathyscope::pipeline::{self, Preset, Settings};
+use bathyscope::pipeline::{self, Preset, Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Artefacts, Scene};
 use bathyscope::survey::{Projection, Side, navigate};
+use std::sync::Arc;
 
 /// A survey whose range does not change.
 fn pond(scene: Scene, seed: u64) -> KnownSurvey {
@@ -46,7 +47,7 @@ fn calibrated(pond: &KnownSurvey, returns: &FirstReturns, settings: &Settings) -
     let progress = Progress::new();
     let navigation =
         navigate(&pond.survey, &settings.heading, Projection::Enu, &progress).expect("a track");
-    let spots = flat_spots(&pond.survey, &navigation, 5, &progress).expect("spots");
+    let spots = flat_spots(&pond.survey, &navigation, returns, 5, &progress).expect("spots");
     calibrate(
         &pond.survey,
         &navigation,
@@ -72,10 +73,17 @@ fn the_flattest_stretch_lies_on_the_terrace() {
             &progress,
         )
         .expect("a track");
-        let spots = flat_spots(&pond.survey, &navigation, 6, &progress).expect("spots");
+        let spots = flat_spots(
+            &pond.survey,
+            &navigation,
+            &true_returns(&pond, 0.0),
+            6,
+            &progress,
+        )
+        .expect("spots");
         assert!(spots.len() >= 3);
         for (index, spot) in spots.iter().enumerate() {
-            let apart = |other: &bathyscope::calibration::FlatSpot| {
+            let apart = |other: &FlatSpot| {
                 other.pings.end <= spot.pings.start || spot.pings.end <= other.pings.start
             };
             assert!(spots[..index].iter().all(apart), "{spots:?}");
@@ -116,7 +124,7 @@ fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() 
     }
     let calibration = calibrated(&pond, &returns, &Settings::preset(Preset::Published));
     assert_eq!(calibration.mode, ScaleMode::FlatSpot);
-    let ppd = calibration.ppd.expect("a scale");
+    let ppd = calibration.ppd().expect("a scale");
     let truth = 1.0 / pond.truth.pings[0].metres_per_sample;
     assert!(
         (ppd.px_per_m / truth - 1.0).abs() < 0.006,
@@ -246,4 +254,136 @@ fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom
     println!("river: all {all:?}, sand {sand:?}");
     assert!(all.n > 4000 && all.median_m.abs() < 0.35, "{all:?}");
     assert!(sand.n > 1000 && sand.median_m.abs() < 0.1, "{sand:?}");
+}
+
+/// The ranked stretches of a pond for some picks.
+fn ranked(pond: &KnownSurvey, returns: &FirstReturns) -> Vec<FlatSpot> {
+    let progress = Progress::new();
+    let heading = Default::default();
+    let navigation = navigate(&pond.survey, &heading, Projection::Enu, &progress).expect("a track");
+    flat_spots(&pond.survey, &navigation, returns, 6, &progress).expect("spots")
+}
+
+#[test]
+fn a_stretch_whose_first_returns_are_flagged_or_scattered_on_one_side_falls_behind() {
+    let pond = pond(Scene::gentle(), 4);
+    let plain = true_returns(&pond, 0.0);
+    let first = ranked(&pond, &plain)[0].clone();
+    assert_eq!(first.picks, [first.pings.len(); 2]);
+    let spoil: [fn(usize, &mut Pick); 2] = [
+        // Two in three are nearer than the margin allows, as over boulders.
+        |index, pick| pick.canopy = index % 3 != 0,
+        |index, pick| pick.sample *= [0.95, 1.05][index % 2],
+    ];
+    for spoil in spoil {
+        for side in Side::BOTH {
+            let mut returns = plain.clone();
+            let picks = match side {
+                Side::Port => &mut returns.port,
+                Side::Starboard => &mut returns.starboard,
+            };
+            for index in first.pings.clone() {
+                spoil(index, &mut picks[index]);
+            }
+            let best = ranked(&pond, &returns)[0].pings.clone();
+            let shared = best
+                .end
+                .min(first.pings.end)
+                .saturating_sub(best.start.max(first.pings.start));
+            assert!(
+                4 * shared < first.pings.len(),
+                "{side:?}: {best:?} for {:?}",
+                first.pings
+            );
+        }
+    }
+}
+
+#[test]
+fn a_stretch_tells_its_first_returns() {
+    let pond = pond(Scene::steep(), 1);
+    let mut returns = true_returns(&pond, 0.05);
+    for pick in returns.starboard.iter_mut().step_by(5) {
+        pick.canopy = true;
+    }
+    for spot in ranked(&pond, &returns) {
+        let mut ratios: Vec<f64> = Vec::new();
+        let mut counts = [0; 2];
+        for (side, count) in Side::BOTH.into_iter().zip(&mut counts) {
+            for ping in spot.pings.clone() {
+                let pick = returns.side(side)[ping];
+                if !pick.canopy {
+                    *count += 1;
+                    let depth_m = f64::from(pond.survey.side_scan[ping].depth_m);
+                    ratios.push(f64::from(pick.sample) / depth_m);
+                }
+            }
+        }
+        assert_eq!(spot.picks, counts);
+        ratios.sort_by(f64::total_cmp);
+        let ppd = spot.ppd.expect("a scale");
+        assert_eq!(ppd.picks, ratios.len());
+        let near = |share: usize| ratios[ratios.len() * share / 100];
+        assert!((near(49)..=near(51)).contains(&ppd.px_per_m), "{ppd:?}");
+        // Of noise alike to both sides of the middle, half lies within 0.674 standard deviations.
+        let half = (near(75) - near(25)) / 2.0 / 0.6745;
+        assert!(
+            (0.7..1.4).contains(&(ppd.spread_px_per_m / half)),
+            "{ppd:?}, {half}"
+        );
+    }
+}
+
+#[test]
+fn the_ranking_follows_track_and_picks_only() {
+    let pond = pond(Scene::gentle(), 5);
+    let run = |assignment: &str, previous: Option<&Products>| {
+        let settings = Settings::default()
+            .with_assignment(assignment)
+            .expect("a setting");
+        pipeline::run(&pond.survey, &settings, previous, &Progress::new(), |_| ())
+            .expect("products")
+    };
+    let products = run("projection=enu", None);
+    for (assignment, again) in [
+        ("calibration.pings=20..120", false),
+        ("calibration.mode=flat_spot", false),
+        ("cloud.alpha2_deg=10", false),
+        ("first_return.canopy_margin_m=0.01", true),
+        ("heading.source=steps", true),
+    ] {
+        let changed = run(assignment, Some(&products));
+        let kept = Arc::ptr_eq(&changed.flat_spots, &products.flat_spots);
+        assert_eq!(!kept, again, "{assignment}");
+        let fresh = run(assignment, None);
+        assert_eq!(changed.flat_spots, fresh.flat_spots, "{assignment}");
+        assert_eq!(changed.calibration, fresh.calibration, "{assignment}");
+    }
+}
+
+#[test]
+fn the_rivers_best_flat_stretch_lies_on_its_sand() {
+    let Some(data) = real_data() else { return };
+    let progress = Progress::new();
+    let survey = formats::open(&data.join("humminbird-glen-canyon/Rec00001.DAT"), &progress)
+        .expect("the river");
+    let products =
+        pipeline::run(&survey, &Settings::default(), None, &progress, |_| ()).expect("products");
+    for (rank, spot) in products.flat_spots.iter().enumerate() {
+        println!("{rank}: {spot:?}");
+    }
+    // Boulders before ping 1750; from 2350 on the recorder has lost the bottom.
+    let best = &products.flat_spots[0];
+    assert!(
+        best.pings.start >= 1800 && best.pings.end <= 2300,
+        "{best:?}"
+    );
+    assert!(
+        best.picks
+            .iter()
+            .all(|&picks| 10 * picks > 8 * best.pings.len()),
+        "{best:?}"
+    );
+    let ppd = best.ppd.expect("a scale");
+    assert!(ppd.spread_px_per_m / ppd.px_per_m < 0.03, "{ppd:?}");
 }

@@ -130,6 +130,8 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
         depth_m,
         slope: 0.004,
         scatter_m: 0.012,
+        picks: [38, 40],
+        ppd: None,
     };
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
@@ -146,7 +148,6 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
             flat_spot: Some(spots[0].clone()),
-            ppd: None,
             header: None,
             fit: None,
             offset_m: 0.0,
@@ -373,7 +374,7 @@ fn a_numbered_stretch_offers_itself() {
     let mut window = open(Room::map());
     let badge = pond_middle(&window) - vec2(0.0, 15.5);
     click(&mut window, badge);
-    window.get_by_label_contains("flat stretch 2: pings 333 to 373, 2.90 m deep");
+    window.get_by_label_contains("flat stretch 2: pings 333..374, 2.90 m deep");
     window.get_by_label("Calibrate here").click();
     window.run();
     let expected = Command::CalibrateAt(PingRange {

@@ -67,7 +67,7 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
         ui,
         "PPD",
         "Pixels per metre at the flat spot, PPD = p / d: median over its pings and robust spread.",
-        scale(calibration.ppd.as_ref()),
+        scale(calibration.ppd().as_ref()),
     );
     fact(
         ui,
@@ -143,12 +143,14 @@ fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &F
         end: spot.pings.end,
     };
     ui.horizontal(|ui| {
-        let label = format!(
-            "{rank}  {:.2} m  slope {:.3}  ±{:.0} cm",
-            spot.depth_m,
-            spot.slope,
-            spot.scatter_m * 100.0
-        );
+        let [port, starboard] = spot.picks;
+        let label = match spot.ppd {
+            Some(ppd) => format!(
+                "{rank}  {:.2} m  {:.1} ±{:.1} px/m  {port}+{starboard}",
+                spot.depth_m, ppd.px_per_m, ppd.spread_px_per_m
+            ),
+            None => format!("{rank}  {:.2} m  {port}+{starboard} picks", spot.depth_m),
+        };
         let row = ui
             .selectable_label(picked == Some(range), label)
             .accessible_name(format!(
@@ -156,7 +158,10 @@ fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &F
                 pings(&spot.pings),
                 spot.depth_m
             ));
-        let row = row.on_hover_text("Calibrate on this stretch and show it in all views.");
+        let row = row.on_hover_text(format!(
+            "{}\nClick to calibrate on it and show it in all views.",
+            text::flat_stretch(spot)
+        ));
         if row.clicked() {
             context.push(Command::CalibrateAt(range));
             let middle = (spot.pings.start + spot.pings.end) / 2;

@@ -2,8 +2,8 @@
 
 use super::overlay::Scene;
 use crate::calibration::{FlatSpot, ScaleMode};
-use crate::ui::theme;
 use crate::ui::views::legend;
+use crate::ui::{text, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use std::ops::Range;
 
@@ -89,17 +89,9 @@ pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
     scene.products.flat_spots.iter().position(hit)
 }
 
-/// One line about a stretch.
+/// A few lines about a stretch.
 pub fn describe(rank: usize, spot: &FlatSpot) -> String {
-    format!(
-        "flat stretch {}: pings {} to {}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm",
-        rank + 1,
-        spot.pings.start,
-        spot.pings.end.saturating_sub(1),
-        spot.depth_m,
-        100.0 * spot.slope.abs(),
-        100.0 * spot.scatter_m,
-    )
+    format!("flat stretch {}: {}", rank + 1, text::flat_stretch(spot))
 }
 
 fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {
