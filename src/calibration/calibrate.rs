@@ -4,7 +4,8 @@ use super::offset::{blocks, range_offset_m};
 use super::robust::robust_line;
 use super::scale::{Usable, header_scale, range_changes, usable_picks};
 use super::{
-    Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, Scale, ScaleMode, flat_spots,
+    Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, PpdReach, ScaleMode,
+    flat_spots,
 };
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
@@ -34,7 +35,6 @@ pub fn calibrate(
         None => spots.first().cloned(),
     };
     let measured = flat_spot.as_ref().is_some_and(|spot| spot.ppd.is_some());
-    let header = header_scale(survey);
     let fit = depth_fit(&picks);
     progress.advance(1);
     let mode = match settings.mode {
@@ -49,16 +49,16 @@ pub fn calibrate(
     if mode != settings.mode {
         warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
     }
-    let ppd = flat_spot.as_ref().and_then(|spot| spot.ppd);
-    warnings.extend(disagreement(ppd, header));
-    warnings.extend(changing_range(survey, mode));
+    warnings.extend(flat_spot.as_ref().and_then(disagreement));
     if mode == ScaleMode::FlatSpot {
         warnings.extend(flat_spot.as_ref().and_then(|spot| selection(survey, spot)));
+        warnings.extend(changing_range(survey, settings.ppd));
     }
     Ok(Calibration {
         mode,
+        reach: settings.ppd,
         flat_spot,
-        header,
+        header: header_scale(survey),
         fit,
         offset_m,
         warnings,
@@ -93,17 +93,18 @@ fn depth_fit(picks: &[Usable]) -> Option<DepthFit> {
     })
 }
 
-fn disagreement(ppd: Option<Scale>, header: Option<Scale>) -> Option<String> {
-    let (ppd, header) = (ppd?, header?);
-    let spread = ppd.spread_px_per_m.hypot(header.spread_px_per_m);
-    let difference = ppd.px_per_m - header.px_per_m;
+/// Against the header's scale at the same picks: over a log whose range was changed there is no other one to compare.
+fn disagreement(spot: &FlatSpot) -> Option<String> {
+    let (ppd, factor) = (spot.ppd?, spot.factor?);
+    let spread = ppd.spread_px_per_m / ppd.px_per_m;
+    let difference = 1.0 / factor - 1.0;
     (difference.abs() > spread).then(|| {
         format!(
             "The flat spot gives {:.2} samples a metre, the log's headers {:.2}: they differ by {:+.1} %, more than their spread of {:.1} %.",
             ppd.px_per_m,
-            header.px_per_m,
-            100.0 * difference / header.px_per_m,
-            100.0 * spread / header.px_per_m,
+            ppd.px_per_m * factor,
+            100.0 * difference,
+            100.0 * spread,
         )
     })
 }
@@ -127,15 +128,9 @@ fn selection(survey: &Survey, spot: &FlatSpot) -> Option<String> {
         })
 }
 
-fn changing_range(survey: &Survey, mode: ScaleMode) -> Option<String> {
+fn changing_range(survey: &Survey, reach: PpdReach) -> Option<String> {
     let changes = range_changes(survey);
-    let consequence = match mode {
-        ScaleMode::FlatSpot => {
-            "one scale from the flat spot is wrong outside its own range; use calibration.mode = header"
-        }
-        ScaleMode::Header => "each ping has its own scale, and one from a flat spot would not hold",
-    };
-    (changes > 0).then(|| {
-        format!("The recorded range changes {changes} times along the log: {consequence}.")
+    (reach == PpdReach::Constant && changes > 0).then(|| {
+        format!("The recorded range changes {changes} times along the log: one constant from the flat spot is wrong outside its own range; use calibration.ppd = factor.")
     })
 }

@@ -3,7 +3,7 @@
 use super::FlatSpot;
 use super::agreement::Agreement;
 use super::profile::Profile;
-use super::scale::{Usable, inside, pixels_per_metre, usable_picks};
+use super::scale::{Usable, header_factor, inside, pixels_per_metre, usable_picks};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
@@ -103,6 +103,7 @@ fn of_stretch(
         slope,
         scatter_m,
         picks: Side::BOTH.map(|side| heard.iter().filter(|pick| pick.side == side).count()),
+        factor: ppd.and_then(|_| header_factor(heard)),
         ppd,
         pings,
     }

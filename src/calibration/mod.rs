@@ -15,6 +15,7 @@ mod scale;
 pub use calibrate::calibrate;
 pub use flat_spots::flat_spots;
 
+use crate::survey::SideSpan;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -26,6 +27,17 @@ pub enum ScaleMode {
     FlatSpot,
     /// The range that the recorder states for each ping.
     Header,
+}
+
+/// What a scale from a flat spot is for pings of another recorded range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PpdReach {
+    /// Pixels per metre, one constant for the whole log as published: wrong where the range was changed.
+    Constant,
+    /// A factor on the range that the log's header gives each ping. The same as the constant while the range stays, also
+    /// where the header's is an estimate (Humminbird).
+    Factor,
 }
 
 /// What is done about a constant between first-return ranges and recorded depths.
@@ -47,6 +59,8 @@ pub struct CalibrationSettings {
     pub mode: ScaleMode,
     /// Side-scan pings `A..B` of the flat spot; the best-ranked one when empty.
     pub pings: Option<PingRange>,
+    /// What the flat spot's scale is for pings of another recorded range.
+    pub ppd: PpdReach,
     /// What is done about a constant offset. A scale from a flat spot holds it already, so it acts on the header's only.
     pub offset: OffsetMode,
 }
@@ -56,6 +70,7 @@ impl Default for CalibrationSettings {
         Self {
             mode: ScaleMode::Header,
             pings: None,
+            ppd: PpdReach::Factor,
             offset: OffsetMode::Fit,
         }
     }
@@ -112,6 +127,8 @@ pub struct FlatSpot {
     pub picks: [usize; 2],
     /// Pixels per metre over them, `PPD = p / d`; `None` when they are too few.
     pub ppd: Option<Scale>,
+    /// Recorded depth over the header's slant range, median over the same picks: what a metre of the header measures.
+    pub factor: Option<f64>,
 }
 
 /// A scale with its spread, in u8 samples a metre.
@@ -143,6 +160,8 @@ pub struct DepthFit {
 pub struct Calibration {
     /// Which scale is in force.
     pub mode: ScaleMode,
+    /// What the flat spot's scale is for pings of another range.
+    pub reach: PpdReach,
     /// Where pixels per metre were measured, if anywhere.
     pub flat_spot: Option<FlatSpot>,
     /// The scale that the log's headers imply (median over the log).
@@ -159,5 +178,20 @@ impl Calibration {
     /// Pixels per metre at the flat spot.
     pub fn ppd(&self) -> Option<Scale> {
         self.flat_spot.as_ref()?.ppd
+    }
+
+    /// What a metre of the header measures at the flat spot ([`FlatSpot::factor`]).
+    pub fn factor(&self) -> Option<f64> {
+        self.flat_spot.as_ref()?.factor
+    }
+
+    /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a recorded side.
+    pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
+        let header_m = span.range_m(sample);
+        match (self.mode, self.reach, self.ppd(), self.factor()) {
+            (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => sample / ppd.px_per_m,
+            (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => factor * header_m,
+            _ => header_m - self.offset_m,
+        }
     }
 }

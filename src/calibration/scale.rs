@@ -76,6 +76,13 @@ pub(super) fn pixels_per_metre(picks: &[Usable], pings: usize) -> Option<Scale> 
     enough.then(values).and_then(scale_of)
 }
 
+/// Recorded depth over the header's slant range: the median over picks of a flat spot.
+pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
+    let ratio = |pick: &Usable| pick.range_m / pick.depth_m;
+    let factor = 1.0 / median(&mut picks.iter().map(ratio).collect::<Vec<_>>());
+    (factor.is_finite() && factor > 0.0).then_some(factor)
+}
+
 /// The scale that the headers state, over all sides of all pings.
 pub(super) fn header_scale(survey: &Survey) -> Option<Scale> {
     scale_of(header_scales(survey).collect())

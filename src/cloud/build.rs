@@ -3,13 +3,13 @@
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
 use super::{CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSource};
-use crate::calibration::{Calibration, ScaleMode};
+use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
 
-/// Slant range of a pick by the calibration in force, metres; NaN without a pick. The only place where samples become metres.
+/// Slant range of a pick by the calibration in force, metres; NaN without a pick.
 pub fn slant_range_m(
     survey: &Survey,
     calibration: &Calibration,
@@ -20,10 +20,7 @@ pub fn slant_range_m(
     let Some(span) = survey.span(ping, side) else {
         return f64::NAN;
     };
-    match (calibration.mode, calibration.ppd()) {
-        (ScaleMode::FlatSpot, Some(ppd)) => f64::from(sample) / ppd.px_per_m,
-        _ => span.range_m(f64::from(sample)) - calibration.offset_m,
-    }
+    calibration.range_m(span, f64::from(sample))
 }
 
 /// Builds the cloud.

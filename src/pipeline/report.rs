@@ -86,6 +86,8 @@ pub struct CalibrationReport {
     pub ppd_spread_px_per_m: Option<f64>,
     /// Picks behind it.
     pub ppd_picks: usize,
+    /// What a metre of the header measures at the flat spot.
+    pub ppd_factor: Option<f64>,
     /// Pings of the flat spot, `A..B`.
     pub pings: Option<PingRange>,
     /// Recorded depth at the flat spot.
@@ -227,6 +229,7 @@ impl CalibrationReport {
             ppd_px_per_m: ppd.map(|scale| scale.px_per_m),
             ppd_spread_px_per_m: ppd.map(|scale| scale.spread_px_per_m),
             ppd_picks: ppd.map_or(0, |scale| scale.picks),
+            ppd_factor: calibration.factor(),
             pings: flat_spot.as_ref().map(|spot| PingRange {
                 start: spot.pings.start,
                 end: spot.pings.end,

@@ -1,6 +1,6 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 
-use crate::calibration::{CalibrationSettings, OffsetMode, ScaleMode};
+use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
@@ -72,6 +72,7 @@ impl Settings {
                 calibration: CalibrationSettings {
                     mode: ScaleMode::FlatSpot,
                     pings: None,
+                    ppd: PpdReach::Constant,
                     offset: OffsetMode::None,
                 },
                 cloud: CloudSettings {

@@ -2,12 +2,12 @@
 //!
 //! Errors are claimed depth minus true depth of the bed at the claimed place, all artefacts on, weed left out. They are
 //! errors on simulated beds, never field accuracy. The ponds change range along a fifth of the track, as users do, which
-//! is what breaks every constant scale from a flat spot.
+//! is what breaks a constant scale from a flat spot.
 
 #[path = "../suite/truth.rs"]
 mod truth;
 
-use bathyscope::calibration::{OffsetMode, ScaleMode};
+use bathyscope::calibration::{OffsetMode, PpdReach, ScaleMode};
 use bathyscope::cloud::{Geometry, Residuals};
 use bathyscope::first_return::{Method, SampleMode};
 use bathyscope::pipeline::{self, Preset, Products, Settings};
@@ -58,9 +58,30 @@ fn combinations() -> Vec<(String, Settings)> {
         ("tracker", SampleMode::Bytes, Method::Tracker),
     ];
     let scales = [
-        ("flat_spot", ScaleMode::FlatSpot, OffsetMode::None),
-        ("header", ScaleMode::Header, OffsetMode::None),
-        ("header, offset fit", ScaleMode::Header, OffsetMode::Fit),
+        (
+            "flat_spot, constant",
+            ScaleMode::FlatSpot,
+            PpdReach::Constant,
+            OffsetMode::None,
+        ),
+        (
+            "flat_spot",
+            ScaleMode::FlatSpot,
+            PpdReach::Factor,
+            OffsetMode::None,
+        ),
+        (
+            "header",
+            ScaleMode::Header,
+            PpdReach::Factor,
+            OffsetMode::None,
+        ),
+        (
+            "header, offset fit",
+            ScaleMode::Header,
+            PpdReach::Factor,
+            OffsetMode::Fit,
+        ),
     ];
     let geometries = [
         ("published", Geometry::Published),
@@ -69,7 +90,7 @@ fn combinations() -> Vec<(String, Settings)> {
         ("slope", Geometry::Slope),
     ];
     for (detector, samples, method) in detectors {
-        for (scale, mode, offset) in scales {
+        for (scale, mode, reach, offset) in scales {
             for (name, geometry) in geometries {
                 let mut settings = Settings::default();
                 settings.image.samples = samples;
@@ -80,6 +101,7 @@ fn combinations() -> Vec<(String, Settings)> {
                         Settings::preset(Preset::Published).first_return.dead_zone_m;
                 }
                 settings.calibration.mode = mode;
+                settings.calibration.ppd = reach;
                 settings.calibration.offset = offset;
                 settings.cloud.geometry = geometry;
                 rows.push((format!("{detector} | {scale} | {name}"), settings));

@@ -1,7 +1,7 @@
 //! A frame of the map on the window's thread, for a small and a large survey.
 
 use bathyscope::app::{App, Jobs};
-use bathyscope::calibration::{Calibration, ScaleMode};
+use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
 use bathyscope::cloud::PointCloud;
 use bathyscope::first_return::FirstReturns;
 use bathyscope::pipeline::{Products, Settings};
@@ -93,6 +93,7 @@ fn products(nav: Vec<PingNav>) -> Products {
         returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,
+            reach: PpdReach::Factor,
             flat_spot: None,
             header: None,
             fit: None,

@@ -3,7 +3,7 @@
 use crate::support::real_data;
 use crate::truth::KnownSurvey;
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots};
-use bathyscope::cloud::PointSource;
+use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
@@ -331,6 +331,12 @@ fn a_stretch_tells_its_first_returns() {
             (0.7..1.4).contains(&(ppd.spread_px_per_m / half)),
             "{ppd:?}, {half}"
         );
+        let factor = spot.factor.expect("a factor");
+        let header = 1.0 / pond.truth.pings[0].metres_per_sample;
+        assert!(
+            (factor * ppd.px_per_m / header - 1.0).abs() < 1e-3,
+            "{factor}"
+        );
     }
 }
 
@@ -358,6 +364,59 @@ fn the_ranking_follows_track_and_picks_only() {
         let fresh = run(assignment, None);
         assert_eq!(changed.flat_spots, fresh.flat_spots, "{assignment}");
         assert_eq!(changed.calibration, fresh.calibration, "{assignment}");
+    }
+}
+
+/// Depth errors where the recorder was on another range than at the flat spot: bias and 95th percentile, metres.
+fn errors_after_range_change(pond: &KnownSurvey, reach: &str) -> Residuals {
+    let settings = Settings::default()
+        .with_assignment("calibration.mode=flat_spot")
+        .and_then(|settings| settings.with_assignment(reach))
+        .expect("settings");
+    let mut products =
+        pipeline::run(&pond.survey, &settings, None, &Progress::new(), |_| ()).expect("products");
+    let spot = products.calibration.flat_spot.clone().expect("a flat spot");
+    let range_at = |ping: usize| pond.truth.pings[ping].metres_per_sample;
+    let there = range_at(spot.pings.start);
+    let warned = products
+        .calibration
+        .warnings
+        .join(" ")
+        .contains("range changes");
+    assert_eq!(
+        warned,
+        reach.ends_with("constant"),
+        "{:?}",
+        products.calibration.warnings
+    );
+    let points = products.cloud.points.iter().zip(products.kept.iter());
+    let other = points
+        .map(|(point, kept)| *kept && (range_at(point.ping as usize) / there - 1.0).abs() > 0.1)
+        .collect();
+    products.kept = Arc::new(other);
+    Residuals::of(&mut pond.depth_errors_m(&products)).expect("points")
+}
+
+#[test]
+fn a_flat_spots_scale_survives_a_change_of_range() {
+    for (scene, p95_m) in [
+        (Scene::gentle(), 0.06),
+        (Scene::steep(), 0.15),
+        (Scene::rough(), 0.15),
+    ] {
+        for seed in 0..3 {
+            let pond = KnownSurvey::new(&scene, seed);
+            let factor = errors_after_range_change(&pond, "calibration.ppd=factor");
+            let constant = errors_after_range_change(&pond, "calibration.ppd=constant");
+            println!("factor {factor:?}\nconstant {constant:?}");
+            assert!(
+                factor.n > 100 && factor.p95_m <= p95_m,
+                "seed {seed}: {factor:?}"
+            );
+            assert!(factor.mean_m.abs() < 0.03, "seed {seed}: {factor:?}");
+            // A quarter more metres a sample, or a fifth fewer.
+            assert!(constant.mean_m.abs() > 0.25, "seed {seed}: {constant:?}");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::bathymetry::{DepthMapSettings, depth_map, depth_points};
-use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode};
+use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
 use bathyscope::cloud::{CloudPoint, PointCloud, PointSource};
 use bathyscope::first_return::FirstReturns;
 use bathyscope::formats;
@@ -132,6 +132,7 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
         scatter_m: 0.012,
         picks: [38, 40],
         ppd: None,
+        factor: None,
     };
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
@@ -147,6 +148,7 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
         returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
+            reach: PpdReach::Factor,
             flat_spot: Some(spots[0].clone()),
             header: None,
             fit: None,

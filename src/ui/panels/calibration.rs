@@ -2,7 +2,7 @@
 
 use super::parts::{self, Choice, Section, choice, fact, section};
 use crate::app::{Action, Command};
-use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
+use crate::calibration::{Calibration, FlatSpot, PingRange, PpdReach, Scale, ScaleMode};
 use crate::pipeline::Stage;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
@@ -18,6 +18,19 @@ const MODES: &[Choice<ScaleMode>] = &[
         ScaleMode::FlatSpot,
         "flat spot (PPD)",
         "Pixels per metre measured at a flat stretch, PPD = p / d.",
+    ),
+];
+
+const REACHES: &[Choice<PpdReach>] = &[
+    (
+        PpdReach::Factor,
+        "on recorded range",
+        "The flat spot corrects the recorded range by a factor, so it holds for pings of another range too.",
+    ),
+    (
+        PpdReach::Constant,
+        "one constant",
+        "The same pixels per metre for all pings, as published: wrong where the range was changed.",
     ),
 ];
 
@@ -38,6 +51,17 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             context.app.settings.calibration.mode,
             |settings, mode| settings.calibration.mode = mode,
         );
+        if context.app.settings.calibration.mode == ScaleMode::FlatSpot {
+            choice(
+                ui,
+                context,
+                "PPD holds",
+                "What the flat spot's scale is for pings of another recorded range.",
+                REACHES,
+                context.app.settings.calibration.ppd,
+                |settings, reach| settings.calibration.ppd = reach,
+            );
+        }
         let Some(products) = context.app.products.clone() else {
             parts::remark(ui, "No result yet.");
             return;
