@@ -40,3 +40,31 @@ fn the_range_is_told_by_the_picture_s_scale_and_as_calibrated() {
     // The recorder's own scale is in force, less the fitted offset; both are rounded to centimetres.
     assert!((recorded - offset_m - calibrated).abs() < 0.0101, "{said}");
 }
+
+#[test]
+fn a_dashed_first_return_is_explained() {
+    // By a margin of a centimetre the pulse's lead alone flags a pick; by ten metres nothing does.
+    for (margin_m, dashed) in [("0.01", true), ("10", false)] {
+        let mut app = demo();
+        let assignment = format!("first_return.canopy_margin_m={margin_m}");
+        let settings = app
+            .settings
+            .with_assignment(&assignment)
+            .expect("a setting");
+        app.apply(Command::Change {
+            settings: Box::new(settings),
+            label: "canopy margin",
+            live: false,
+        });
+        while !app.is_idle() {
+            app.poll();
+        }
+        let mut window = window(app, [600.0, 400.0]);
+        settle(&mut window);
+        window.hover_at(egui::pos2(300.0, 300.0));
+        window.run_steps(2);
+        let said = window.get_by_role(Role::Image).accesskit_node().value();
+        let said = said.expect("a read-out");
+        assert_eq!(said.contains("first return dashed"), dashed, "{said}");
+    }
+}

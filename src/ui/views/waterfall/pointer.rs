@@ -3,7 +3,7 @@
 use super::labels;
 use super::lens::{Lens, Place};
 use crate::app::{App, Command, Mark};
-use crate::survey::Survey;
+use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, place, text};
 use egui::{Align2, Painter, Pos2, Response, vec2};
 
@@ -131,6 +131,25 @@ pub(super) fn read_out(painter: &Painter, lens: &Lens, at: Pos2, text: &str) {
     labels::text(painter, at + shift, anchor, text);
 }
 
+/// Why a line is dashed at a ping.
+fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
+    let shown = &app.options.waterfall;
+    let mut lines = String::new();
+    if shown.depth_line && ping.depth_m.is_finite() && !ping.depth_locked {
+        lines += "\ndepth dashed: the recorder had lost the bottom";
+    }
+    let pick = app
+        .returns()
+        .and_then(|returns| returns.side(side).get(number));
+    if shown.first_return && pick.is_some_and(|pick| pick.canopy) {
+        lines += &format!(
+            "\nfirst return dashed: nearer than the depth\nby over {:.2} m (weed, fish, an obstacle)",
+            app.settings.first_return.canopy_margin_m
+        );
+    }
+    lines
+}
+
 /// What is known of a place. Its range is that of the picture's scale, the recorder's; beside it stands the range that the
 /// cloud and the exported first returns have.
 pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
@@ -165,6 +184,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     if ping.depth_m.is_finite() {
         lines += &format!("\ndepth {:.2} m", ping.depth_m);
     }
+    lines += &doubts(app, ping, mark.ping, side);
     if let Some(at) = place::lon_lat(app, mark) {
         lines += &format!("\n{}", text::place(at));
     }
