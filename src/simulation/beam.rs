@@ -52,6 +52,11 @@ impl Beam {
         exp(-2.0 * LN_2 * off * off)
     }
 
+    /// Standard deviation of the two-way beam along the track at a slant range, metres.
+    pub fn spread_at_m(&self, range_m: f64) -> f64 {
+        self.azimuth_rad / HALF_POWER * range_m
+    }
+
     /// Distance along the track between the middle and an outer ray where they meet the ground, metres.
     pub fn outer_ray_m(&self, across_m: f64, depth_m: f64) -> f64 {
         self.spread * (across_m * across_m + depth_m * depth_m).sqrt()

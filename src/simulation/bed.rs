@@ -3,7 +3,8 @@
 use super::arithmetic::{cos, sin};
 use super::noise::{Field, smooth};
 use super::random::{Purpose, Random};
-use super::scene::{Bank, BedKind, BedSettings, Terrace};
+use super::ripples::Ripples;
+use super::scene::{Bank, BedKind, BedSettings, Pit, Terrace};
 use super::stones::Stones;
 use std::f64::consts::PI;
 
@@ -65,6 +66,8 @@ pub struct Bed {
     swells: Vec<Swell>,
     roughness: Vec<(Field, f64)>,
     stones: Option<Stones>,
+    ripples: Option<Ripples>,
+    pits: Vec<Pit>,
     texture: Field,
     /// Spread of the texture's natural logarithm.
     texture_spread: f64,
@@ -115,6 +118,11 @@ impl Bed {
                 })
                 .collect(),
             stones: character.stones.then(|| Stones::new(seed)),
+            ripples: settings
+                .ripples
+                .as_ref()
+                .map(|ripples| Ripples::new(ripples, seed)),
+            pits: settings.pits.clone(),
             texture: Field::new(seed, Purpose::Texture, TEXTURE_M),
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
             texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
@@ -131,6 +139,8 @@ impl Bed {
             swells: Vec::new(),
             roughness: Vec::new(),
             stones: None,
+            ripples: None,
+            pits: Vec::new(),
             texture_spread: 0.0,
             patch_spread: 0.0,
             ..Self::new(settings, 0)
@@ -153,6 +163,12 @@ impl Bed {
         }
         for (field, height_m) in &self.roughness {
             depth += height_m * field.at(east_m, north_m);
+        }
+        if let Some(ripples) = &self.ripples {
+            depth -= ripples.height_m(east_m, north_m);
+        }
+        for pit in &self.pits {
+            depth += pit.depth_at_m(east_m, north_m);
         }
         match &self.stones {
             Some(stones) => depth - stones.height_m(east_m, north_m),

@@ -20,6 +20,7 @@ impl Scene {
         self.check_recorder()?;
         self.check_artefacts()?;
         self.check_objects()?;
+        self.check_clutter()?;
         self.check_size()
     }
 
@@ -42,6 +43,25 @@ impl Scene {
             within("bed.bank.width_m", bank.width_m, 1.0, 1e6)?;
             within("bed.bank.slope_deg", bank.slope_deg, 1.0, 60.0)?;
         }
+        if let Some(ripples) = &bed.ripples {
+            within("bed.ripples.wavelength_m", ripples.wavelength_m, 0.05, 1e3)?;
+            within("bed.ripples.height_m", ripples.height_m, 0.0, 10.0)?;
+            within(
+                "bed.ripples.heading_deg",
+                ripples.heading_deg,
+                -360.0,
+                360.0,
+            )?;
+        }
+        few("pits", bed.pits.len())?;
+        for pit in &bed.pits {
+            all_within(&[
+                ("bed.pits.east_m", pit.east_m, -1e5, 1e5),
+                ("bed.pits.north_m", pit.north_m, -1e5, 1e5),
+                ("bed.pits.radius_m", pit.radius_m, 0.05, 100.0),
+                ("bed.pits.depth_m", pit.depth_m, 0.0, 20.0),
+            ])?;
+        }
         Ok(())
     }
 
@@ -54,6 +74,7 @@ impl Scene {
             ("track.cross_length_m", track.cross_length_m, 1.0, 1e5),
             ("track.spacing_m", track.spacing_m, 0.1, 1e4),
             ("track.turn_radius_m", track.turn_radius_m, 0.1, 1e3),
+            ("track.bend_deg_per_m", track.bend_deg_per_m, -45.0, 45.0),
             ("track.speed_mps", track.speed_mps, 0.1, 20.0),
             ("track.ping_rate_hz", track.ping_rate_hz, 0.5, 100.0),
             ("track.fix_rate_hz", track.fix_rate_hz, 0.1, 100.0),
@@ -87,6 +108,7 @@ impl Scene {
             ("recorder.pulse_m", recorder.pulse_m, 0.0, 0.5),
             ("recorder.absorption_db_per_km", absorption, 0.0, 2000.0),
             ("recorder.tvg_limit_m", recorder.tvg_limit_m, 0.5, 1e4),
+            ("recorder.tvg_power", recorder.tvg_power, 0.0, 6.0),
             (
                 "recorder.electronic_noise",
                 recorder.electronic_noise,
@@ -135,6 +157,7 @@ impl Scene {
             ("artefacts.depth_noise_m", artefacts.depth_noise_m, 0.0, 1.0),
             ("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5),
             ("artefacts.range_change", artefacts.range_change, 0.25, 4.0),
+            ("artefacts.surface_m", artefacts.surface_m, 0.0, 100.0),
         ])
     }
 
@@ -158,6 +181,36 @@ impl Scene {
             within("objects.width_m", object.width_m, 0.05, 20.0)?;
             within("objects.height_m", object.height_m, 0.01, 20.0)?;
             within("objects.heading_deg", object.heading_deg, -360.0, 360.0)?;
+            within("objects.buried_m", object.buried_m, 0.0, 20.0)?;
+            within(
+                "objects.strength_db",
+                object.strength_db.unwrap_or(0.0),
+                -60.0,
+                60.0,
+            )?;
+        }
+        Ok(())
+    }
+
+    fn check_clutter(&self) -> Result<(), SceneError> {
+        few("shoals", self.shoals.len())?;
+        for shoal in &self.shoals {
+            all_within(&[
+                ("shoals.east_m", shoal.east_m, -1e5, 1e5),
+                ("shoals.north_m", shoal.north_m, -1e5, 1e5),
+                ("shoals.depth_m", shoal.depth_m, 0.0, 200.0),
+                ("shoals.radius_m", shoal.radius_m, 0.05, 100.0),
+                ("shoals.count", shoal.count.into(), 0.0, 1000.0),
+                ("shoals.strength_db", shoal.strength_db, -60.0, 60.0),
+            ])?;
+        }
+        few("weed clumps", self.weed_clumps.len())?;
+        for clump in &self.weed_clumps {
+            all_within(&[
+                ("weed_clumps.east_m", clump.east_m, -1e5, 1e5),
+                ("weed_clumps.north_m", clump.north_m, -1e5, 1e5),
+                ("weed_clumps.diameter_m", clump.diameter_m, 0.05, 1e4),
+            ])?;
         }
         Ok(())
     }
@@ -189,6 +242,11 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Refuses more things of a kind than a survey holds.
+fn few(what: &str, count: usize) -> Result<(), SceneError> {
+    within(&format!("the number of {what}"), count as f64, 0.0, 1000.0)
 }
 
 /// Refuses the first number outside its bounds: name, value, lowest, highest.

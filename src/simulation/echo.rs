@@ -8,6 +8,7 @@
 use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
 use super::path::Pose;
+use super::weed::Weed;
 use super::world::{World, backscatter};
 use crate::survey::Side;
 
@@ -34,6 +35,8 @@ pub struct Seen {
     pub far_m: f64,
     /// Slant range at which the ground behind it is seen again, metres; NaN when its shadow runs off the range.
     pub shadow_end_m: f64,
+    /// Slant range at which the ground, seen or not, ends: the recorded range or the shore, metres.
+    pub reach_m: f64,
 }
 
 /// One listening side at one place.
@@ -87,10 +90,14 @@ impl Listener<'_> {
             self.scatter(&ground, ray, &mut echo.power);
         }
         let visible = self.visible_steps(&ground.depth_m[1]);
+        let ground_end_m = self.last_step_m(&ground.depth_m[1]).min(reach_m);
         for object in objects {
-            echo.seen.extend(self.look_for(object, &visible));
+            echo.seen
+                .extend(self.look_for(object, &visible, ground_end_m));
         }
-        self.hear_weed(&ground.depth_m[1], reach_m, &mut echo);
+        for weed in &self.world.weed {
+            self.hear_weed(weed, &ground.depth_m[1], reach_m, &mut echo);
+        }
         echo
     }
 
@@ -221,8 +228,15 @@ impl Listener<'_> {
         visible
     }
 
+    /// Slant range of the farthest step, metres.
+    fn last_step_m(&self, depth_m: &[f64]) -> f64 {
+        let mut steps = depth_m.iter().zip(&self.beam.steps_m);
+        let last = steps.next_back().map(|(d, y)| (d * d + y * y).sqrt());
+        last.unwrap_or(0.0)
+    }
+
     /// Where the middle ray sees an object, and where its shadow ends.
-    fn look_for(&self, object: usize, visible: &[[f64; 2]]) -> Option<Seen> {
+    fn look_for(&self, object: usize, visible: &[[f64; 2]], reach_m: f64) -> Option<Seen> {
         let placed = &self.world.objects[object];
         let mut found: Option<Seen> = None;
         for &[across, range] in visible {
@@ -233,6 +247,7 @@ impl Listener<'_> {
                     near_m: range,
                     far_m: range,
                     shadow_end_m: f64::NAN,
+                    reach_m,
                 });
                 seen.near_m = seen.near_m.min(range);
                 seen.far_m = seen.far_m.max(range);
@@ -246,11 +261,8 @@ impl Listener<'_> {
         found
     }
 
-    /// Adds the weed's echo.
-    fn hear_weed(&self, depth_m: &[f64], reach_m: f64, echo: &mut Echo) {
-        let Some(weed) = &self.world.weed else {
-            return;
-        };
+    /// Adds the echo of a bed of weed.
+    fn hear_weed(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, echo: &mut Echo) {
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
             return;
         }
@@ -289,7 +301,7 @@ mod tests {
         let world = World {
             bed: Bed::level(&scene.bed),
             objects: Vec::new(),
-            weed: None,
+            weed: Vec::new(),
         };
         let beam = Beam::new(&scene.recorder, 12.0);
         let pose = Pose {

@@ -9,6 +9,7 @@
 //!         bed, objects --^                  weed, fish, ... (artefacts) --^
 //! ```
 //!
+//!
 //! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
 //! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
 
@@ -18,6 +19,8 @@ mod beam;
 mod bed;
 mod check;
 mod echo;
+mod hull;
+mod limbs;
 mod log;
 mod noise;
 mod objects;
@@ -25,7 +28,10 @@ mod path;
 mod presets;
 mod random;
 mod recorder;
+mod ripples;
 mod scene;
+mod shape;
+mod shoal;
 mod simulate;
 mod sl2;
 mod sonar;
@@ -37,8 +43,8 @@ mod world;
 pub use objects::ObjectKind;
 pub use presets::SceneError;
 pub use scene::{
-    Artefacts, Bank, BedKind, BedSettings, ObjectSettings, RecorderSettings, Scene, Terrace,
-    TrackSettings,
+    Artefacts, Bank, BedKind, BedSettings, Curve, ObjectSettings, Pit, RecorderSettings,
+    RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
 pub use simulate::{Simulated, simulate};
 pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};

@@ -1,10 +1,10 @@
 //! Objects that lie on the ground, as heights above it: highlight and shadow then come from the geometry alone.
 
-use super::arithmetic::{cos, sin};
-use super::noise::Field;
+use super::arithmetic::{cos, from_db, sin};
 use super::path::Path;
 use super::random::{Purpose, Random};
 use super::scene::{ObjectSettings, Scene};
+use super::shape::{SIDE_M, Shape};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -16,19 +16,28 @@ pub enum ObjectKind {
     Rock,
     /// A crate or block with steep sides and a flat top.
     Block,
-    /// A pipe, log or drum lying on its side.
+    /// A pipe or drum lying on its side.
     Cylinder,
     /// A tyre lying flat: a ring.
     Tyre,
+    /// A sunken boat, open or keel up; its bow points along the heading.
+    Boat,
+    /// A tree trunk with branches, tapering and bent.
+    Log,
+    /// A body: head, torso and limbs.
+    Effigy,
 }
 
 impl ObjectKind {
-    /// All kinds.
-    pub const ALL: [ObjectKind; 4] = [
+    /// All kinds, in the order of a detector's classes.
+    pub const ALL: [ObjectKind; 7] = [
         ObjectKind::Rock,
         ObjectKind::Block,
         ObjectKind::Cylinder,
         ObjectKind::Tyre,
+        ObjectKind::Boat,
+        ObjectKind::Log,
+        ObjectKind::Effigy,
     ];
 
     /// One word, as in scenes and tables.
@@ -38,6 +47,9 @@ impl ObjectKind {
             ObjectKind::Block => "block",
             ObjectKind::Cylinder => "cylinder",
             ObjectKind::Tyre => "tyre",
+            ObjectKind::Boat => "boat",
+            ObjectKind::Log => "log",
+            ObjectKind::Effigy => "effigy",
         }
     }
 }
@@ -48,12 +60,14 @@ pub struct Placed {
     pub settings: ObjectSettings,
     /// Radius of the circle that holds it, metres.
     pub reach_m: f64,
+    /// How much stronger it scatters than the ground.
+    pub strength: f64,
     forward: [f64; 2],
-    bumps: Field,
+    shape: Shape,
 }
 
-/// Width of the sides of a block, metres: steep, but wide enough to be met by the rays.
-const SIDE_M: f64 = 0.04;
+/// How much stronger stone, wood and metal scatter than the ground where the scene does not say (6 dB).
+const USUAL_STRENGTH: f64 = 4.0;
 
 impl Placed {
     fn new(settings: ObjectSettings, seed: u64) -> Self {
@@ -61,8 +75,9 @@ impl Placed {
         let (length, width) = (settings.length_m, settings.width_m);
         Self {
             reach_m: 0.5 * (length * length + width * width).sqrt() + SIDE_M,
+            strength: settings.strength_db.map_or(USUAL_STRENGTH, from_db),
             forward: [sin(heading), cos(heading)],
-            bumps: Field::new(seed, Purpose::Bumps, 0.3 * length.min(width)),
+            shape: Shape::new(&settings, seed),
             settings,
         }
     }
@@ -76,35 +91,10 @@ impl Placed {
         }
         let along = east * self.forward[0] + north * self.forward[1];
         let across = east * self.forward[1] - north * self.forward[0];
-        // Distances from the centre in half lengths and half widths.
-        let (u, v) = (2.0 * along / object.length_m, 2.0 * across / object.width_m);
-        let share = match object.kind {
-            ObjectKind::Rock => {
-                let bumpy = 1.0 + 0.12 * self.bumps.at(east, north);
-                bumpy * (1.0 - u * u - v * v).max(0.0).sqrt()
-            }
-            ObjectKind::Block => {
-                let inside =
-                    (0.5 * object.length_m - along.abs()).min(0.5 * object.width_m - across.abs());
-                ((inside + SIDE_M) / SIDE_M).clamp(0.0, 1.0)
-            }
-            ObjectKind::Cylinder if u.abs() > 1.0 => 0.0,
-            ObjectKind::Cylinder => round(v),
-            ObjectKind::Tyre => {
-                // The ring's middle lies at 0.7 of the outer radius, its half thickness is 0.3 of it.
-                round(((u * u + v * v).sqrt() - 0.7) / 0.3)
-            }
-        };
-        object.height_m * share
+        let size_m = [object.length_m, object.width_m];
+        let share = self.shape.share(along, across, size_m, [east, north]);
+        (object.height_m * share - object.buried_m).max(0.0)
     }
-}
-
-/// Upper half of a round section that touches the ground from above: 1 at the middle, 1/2 at the widest, 0 beyond.
-fn round(offset: f64) -> f64 {
-    if offset.abs() >= 1.0 {
-        return 0.0;
-    }
-    0.5 + 0.5 * (1.0 - offset * offset).sqrt()
 }
 
 /// All objects of the scene: those it names, then those scattered beside the lines.
@@ -135,7 +125,7 @@ fn scatter(path: &Path, random: &mut Random) -> ObjectSettings {
         }
         ObjectKind::Block => (random.between(0.5, 1.2), random.between(0.4, 0.8), 0.5),
         ObjectKind::Cylinder => (random.between(1.5, 4.0), 0.4, 0.4),
-        ObjectKind::Tyre => (0.7, 0.7, 0.22),
+        _ => (0.7, 0.7, 0.22),
     };
     ObjectSettings {
         kind,
@@ -145,6 +135,8 @@ fn scatter(path: &Path, random: &mut Random) -> ObjectSettings {
         width_m,
         height_m,
         heading_deg: (random.between(0.0, PI)).to_degrees(),
+        buried_m: 0.0,
+        strength_db: None,
     }
 }
 
@@ -161,6 +153,8 @@ mod tests {
             width_m: 1.0,
             height_m: 0.5,
             heading_deg: 90.0,
+            buried_m: 0.0,
+            strength_db: None,
         };
         // Heading 90 degrees: along is east, across is south.
         Placed::new(settings, 1).height_m(10.0 + along, -4.0 - across)

@@ -45,6 +45,14 @@ impl Path {
             length_m: 0.0,
         };
         let mut from = corners[0];
+        if let [from, to] = corners[..]
+            && track.bend_deg_per_m != 0.0
+        {
+            let heading = bearing(to[0] - from[0], to[1] - from[1]);
+            let turn_per_m = track.bend_deg_per_m.to_radians();
+            path.push(from, heading, distance(from, to), turn_per_m);
+            return path;
+        }
         for index in 1..corners.len() {
             let corner = corners[index];
             let heading = bearing(corner[0] - from[0], corner[1] - from[1]);

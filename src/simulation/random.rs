@@ -27,6 +27,10 @@ pub enum Purpose {
     Texture,
     Wander,
     Weed,
+    Shape,
+    Ripples,
+    Shoal,
+    Training,
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough for pictures.

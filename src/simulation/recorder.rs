@@ -1,13 +1,13 @@
 //! From echo power to recorded bytes: pulse, losses, noise, gain, speckle, and the recorder's curve.
 
-use super::arithmetic::{exp, from_db, to_db};
+use super::arithmetic::{exp, from_db, ln, to_db};
 use super::artefacts::{Trouble, absorption, ring_down};
 use super::beam::Beam;
 use super::bed::Bed;
 use super::echo::{Echo, Listener};
 use super::path::Pose;
 use super::random::{Purpose, Random};
-use super::scene::{BedSettings, RecorderSettings, Scene};
+use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
 use super::world::World;
 use crate::survey::Side;
 
@@ -94,7 +94,7 @@ impl<'a> Receiver<'a> {
         let world = World {
             bed: Bed::level(&settings),
             objects: Vec::new(),
-            weed: None,
+            weed: Vec::new(),
         };
         let pose = Pose {
             east_m: 0.0,
@@ -140,17 +140,17 @@ impl<'a> Receiver<'a> {
             .collect()
     }
 
-    /// The bytes of one side, nearest first; `fish` is the slant range (metres) and strength (dB) of a fish.
+    /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths (dB) of fish.
     pub fn record(
         &self,
         echo: &Echo,
         trouble: &Trouble,
-        fish: Option<[f64; 2]>,
+        fish: &[[f64; 2]],
         random: &mut Random,
     ) -> Vec<u8> {
         let mut power = self.after_gain(echo);
         self.add_second_echo(&mut power, echo.first_return_m);
-        if let Some([fish_m, strength_db]) = fish {
+        for &[fish_m, strength_db] in fish {
             self.add_fish(&mut power, fish_m, strength_db);
         }
         let speckle = self.speckle(random);
@@ -229,20 +229,26 @@ impl<'a> Receiver<'a> {
         }
     }
 
-    /// The recorder's curve: bytes for each decibel around the level bottom. Not yet limited to a byte.
+    /// The recorder's curve around the level bottom. Not yet limited to a byte.
     fn byte(&self, power: f64) -> f64 {
         if power <= 0.0 {
             return 0.0;
         }
         let recorder = &self.scene.recorder;
-        recorder.bottom_byte + recorder.bytes_per_db * to_db(power / self.reference)
+        match recorder.curve {
+            Curve::Decibel => {
+                recorder.bottom_byte + recorder.bytes_per_db * to_db(power / self.reference)
+            }
+            Curve::Amplitude => recorder.bottom_byte * (power / self.reference).sqrt(),
+        }
     }
 }
 
-/// Time-varied gain: r^3 with absorption between a start and a limit.
+/// Time-varied gain: a power of the range (3 as a rule) with absorption between a start and a limit.
 fn tvg(recorder: &RecorderSettings, range_m: f64) -> f64 {
     let range = range_m.clamp(TVG_START_M, recorder.tvg_limit_m);
-    range * range * range / absorption(recorder.absorption_db_per_km, range)
+    let beyond_cube = exp((recorder.tvg_power - 3.0) * ln(range));
+    range * range * range * beyond_cube / absorption(recorder.absorption_db_per_km, range)
 }
 
 /// The pulse's power in samples, of sum 1: a Gaussian out to three standard deviations.

@@ -27,6 +27,10 @@ pub struct Scene {
     pub artefacts: Artefacts,
     /// Objects at known places.
     pub objects: Vec<ObjectSettings>,
+    /// Shoals of fish.
+    pub shoals: Vec<Shoal>,
+    /// Clumps of weed, in addition to the bed of it on the track.
+    pub weed_clumps: Vec<WeedClump>,
     /// Objects placed at random beside and below the lines, in addition.
     pub scattered_objects: u32,
 }
@@ -56,6 +60,77 @@ pub struct BedSettings {
     pub terrace: Option<Terrace>,
     /// Banks around a rectangular pond; without them the ground goes on for ever.
     pub bank: Option<Bank>,
+    /// Ripples in patches.
+    pub ripples: Option<RippleSettings>,
+    /// Pits scoured out of the ground.
+    pub pits: Vec<Pit>,
+}
+
+/// Ripples of sand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RippleSettings {
+    /// Distance between crests, metres.
+    pub wavelength_m: f64,
+    /// Height of a crest above a trough, metres.
+    pub height_m: f64,
+    /// Direction across the crests, degrees clockwise from north.
+    pub heading_deg: f64,
+}
+
+/// A round pit with a low rim.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pit {
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Its radius without the rim, metres.
+    pub radius_m: f64,
+    /// Depth of its middle below the ground around, metres.
+    pub depth_m: f64,
+}
+
+/// A shoal of fish that keeps its place while the boat passes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shoal {
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Its centre, metres below the water surface.
+    pub depth_m: f64,
+    /// Radius that holds most of it, metres.
+    pub radius_m: f64,
+    /// Number of fish.
+    pub count: u32,
+    /// Strength of a fish over that of a level bottom's edge, dB.
+    pub strength_db: f64,
+}
+
+/// A clump of water weed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WeedClump {
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Its diameter, metres.
+    pub diameter_m: f64,
+}
+
+/// How a recorder turns power into bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Curve {
+    /// Bytes for each decibel.
+    #[default]
+    Decibel,
+    /// In proportion to the amplitude: dark ground, glaring echoes.
+    Amplitude,
 }
 
 /// A level rectangle in the ground.
@@ -104,6 +179,8 @@ pub struct TrackSettings {
     pub spacing_m: f64,
     /// Radius of the turns, metres (tighter where the lines are too close).
     pub turn_radius_m: f64,
+    /// Steady turn to starboard along a single line, degrees a metre.
+    pub bend_deg_per_m: f64,
     /// Speed over ground, metres a second.
     pub speed_mps: f64,
     /// Side-scan pings a second.
@@ -130,8 +207,10 @@ pub struct RecorderSettings {
     pub pulse_m: f64,
     /// Absorption of sound, dB per kilometre (455 kHz in fresh water of 20 C: 45.6).
     pub absorption_db_per_km: f64,
-    /// Range beyond which the time-varied gain (r^3) grows no more, metres.
+    /// Range beyond which the time-varied gain grows no more, metres.
     pub tvg_limit_m: f64,
+    /// Power of the range that the gain grows with: 3 leaves the ground fading outward, 5 makes level ground even.
+    pub tvg_power: f64,
     /// Electronic noise, in the unit of the echo power of a square metre of perfect scatterer at 1 m.
     pub electronic_noise: f64,
     /// Sound scattered by the water itself at 1 m, same unit.
@@ -141,6 +220,8 @@ pub struct RecorderSettings {
     pub bottom_byte: f64,
     /// Bytes for each decibel.
     pub bytes_per_db: f64,
+    /// How power becomes bytes; `bytes_per_db` counts for decibels only.
+    pub curve: Curve,
     /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay below 127.
     pub echo_ceiling: u8,
     /// Samples in a frame of the primary and the down-scan channel.
@@ -179,6 +260,8 @@ pub struct Artefacts {
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
     pub range_change: f64,
+    /// Slant range at which the water surface is heard, metres: how deep a towed transducer hangs; 0 for none.
+    pub surface_m: f64,
 }
 
 /// An object on the ground.
@@ -195,11 +278,17 @@ pub struct ObjectSettings {
     pub length_m: f64,
     /// Extent across its heading, metres.
     pub width_m: f64,
-    /// Height above the ground, metres.
+    /// Height above the ground were it not buried, metres.
     pub height_m: f64,
     /// Direction of its length, degrees clockwise from north.
     #[serde(default)]
     pub heading_deg: f64,
+    /// How much of its height has sunk into the ground, metres.
+    #[serde(default)]
+    pub buried_m: f64,
+    /// How much stronger it scatters than the ground, dB; 6 when left out. Metal more, wood and rubber less.
+    #[serde(default)]
+    pub strength_db: Option<f64>,
 }
 
 impl Default for Scene {
@@ -214,6 +303,8 @@ impl Default for Scene {
             recorder: RecorderSettings::default(),
             artefacts: Artefacts::default(),
             objects: Vec::new(),
+            shoals: Vec::new(),
+            weed_clumps: Vec::new(),
             scattered_objects: 4,
         }
     }
@@ -233,6 +324,8 @@ impl Default for BedSettings {
                 edge_m: 6.0,
             }),
             bank: None,
+            ripples: None,
+            pits: Vec::new(),
         }
     }
 }
@@ -246,6 +339,7 @@ impl Default for TrackSettings {
             cross_length_m: 40.0,
             spacing_m: 10.0,
             turn_radius_m: 4.0,
+            bend_deg_per_m: 0.0,
             speed_mps: 2.7,
             ping_rate_hz: 20.0,
             fix_rate_hz: 10.0,
@@ -264,10 +358,12 @@ impl Default for RecorderSettings {
             pulse_m: 0.017,
             absorption_db_per_km: 45.6,
             tvg_limit_m: 6.0,
+            tvg_power: 3.0,
             electronic_noise: 4e-11,
             volume_noise: 6e-11,
             bottom_byte: 105.0,
             bytes_per_db: 2.6,
+            curve: Curve::Decibel,
             echo_ceiling: 120,
             sonar_samples: 400,
             sonar_every: 2,
@@ -291,6 +387,7 @@ impl Default for Artefacts {
             depth_noise_m: 0.03,
             dropouts: 0.005,
             range_change: 1.25,
+            surface_m: 0.0,
         }
     }
 }
@@ -311,6 +408,7 @@ impl Artefacts {
             depth_noise_m: 0.0,
             dropouts: 0.0,
             range_change: 1.0,
+            surface_m: 0.0,
         }
     }
 }

@@ -5,8 +5,10 @@ use super::bed::Bed;
 use super::echo::{Echo, Seen};
 use super::objects;
 use super::path::{Path, Pose};
+use super::random::{Purpose, Random};
 use super::recorder::{Receiver, speckle_stream};
 use super::scene::Scene;
+use super::shoal::Fishes;
 use super::sl2::{self, Frame};
 use super::truth::{self, ObjectTruth, PingTruth, SideTruth};
 use super::weed::Weed;
@@ -105,6 +107,7 @@ pub struct Run<'a> {
     path: Path,
     plan: Plan<'a>,
     pub world: World,
+    shoals: Vec<Fishes>,
     pub scene_frame: LocalFrame,
     frame: LocalFrame,
     /// The receiver at the usual range, and at the changed one.
@@ -139,8 +142,11 @@ impl<'a> Run<'a> {
             world: World {
                 bed: Bed::new(&scene.bed, seed),
                 objects: objects::place(scene, &path, seed),
-                weed: Weed::new(scene.artefacts.weed_m, &path, seed),
+                weed: weed(scene, &path, seed),
             },
+            shoals: (scene.shoals.iter().zip(seed..))
+                .map(|(shoal, seed)| Fishes::new(shoal, seed))
+                .collect(),
             frame: LocalFrame::new(lowrance_mercator_inverse(f64::from(x), f64::from(y))),
             scene_frame,
             path,
@@ -229,8 +235,13 @@ impl<'a> Run<'a> {
         };
         let echo = receiver.listen(&self.world, pose, side, roll_rad);
         let mut random = speckle_stream(self.seed, ping, side);
-        let fish = self.fish(trouble, side, echo.first_return_m);
-        let bytes = receiver.record(&echo, trouble, fish, &mut random);
+        let mut fish = Vec::from_iter(self.fish(trouble, side, echo.first_return_m));
+        fish.extend(self.surface(ping));
+        for shoal in &self.shoals {
+            let depth_m = self.world.depth_m(pose.east_m, pose.north_m);
+            fish.extend(shoal.heard(pose, side, &receiver.beam, depth_m));
+        }
+        let bytes = receiver.record(&echo, trouble, &fish, &mut random);
         (echo, bytes)
     }
 
@@ -239,6 +250,17 @@ impl<'a> Run<'a> {
         let fish = trouble.fish.filter(|fish| fish.side == side)?;
         let range_m = fish.range_m(self.true_depth_m(fish.first_ping));
         (range_m < first_return_m).then_some([range_m, fish.strength_db])
+    }
+
+    /// The water surface over a towed transducer: slant range (metres) and strength (dB).
+    fn surface(&self, ping: u64) -> Option<[f64; 2]> {
+        let surface_m = self.scene.artefacts.surface_m;
+        let mut random = Random::new(self.seed, Purpose::Wander, ping);
+        let [wave, strength] = random.normal_pair();
+        (surface_m > 0.0).then_some([
+            surface_m + SURFACE_WAVES_M * wave,
+            SURFACE_DB + 3.0 * strength,
+        ])
     }
 
     /// True depth under the boat at a ping.
@@ -275,7 +297,7 @@ impl<'a> Run<'a> {
                     north_m,
                     length_m: object.length_m,
                     width_m: object.width_m,
-                    height_m: object.height_m,
+                    height_m: (object.height_m - object.buried_m).max(0.0),
                     heading_deg: object.heading_deg,
                     sightings: Vec::new(),
                 }
@@ -286,12 +308,33 @@ impl<'a> Run<'a> {
                 truth::note(&mut objects[seen.object].sightings, ping, *side, seen);
             }
         }
+        let spacing_m = self.scene.track.speed_mps / self.scene.track.ping_rate_hz;
+        for sighting in objects.iter_mut().flat_map(|object| &mut object.sightings) {
+            let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
+            let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
+            sighting.spread_pings = (spread_m / spacing_m).round() as usize;
+        }
         objects
     }
 }
 
+/// Height of the waves over a towed transducer, metres (standard deviation).
+const SURFACE_WAVES_M: f64 = 0.02;
+/// Strength of the water surface over that of a level bottom's edge, dB.
+const SURFACE_DB: f64 = -8.0;
 /// Weed this little behind the ground still changes its edge, metres.
 const WEED_MARGIN_M: f64 = 0.1;
+
+/// The bed of weed on the track, and the clumps that the scene names.
+fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<Weed> {
+    let clumps = scene.weed_clumps.iter().zip(seed.wrapping_add(1)..);
+    let clumps =
+        clumps.map(|(clump, seed)| Weed::at([clump.east_m, clump.north_m], clump.diameter_m, seed));
+    Weed::new(scene.artefacts.weed_m, path, seed)
+        .into_iter()
+        .chain(clumps)
+        .collect()
+}
 
 fn side_truth(echo: &Echo) -> SideTruth {
     SideTruth {

@@ -5,6 +5,7 @@ use super::objects::ObjectKind;
 use crate::geo::LonLat;
 use crate::survey::Side;
 use std::io::{self, Write};
+use std::ops::Range;
 
 /// The truth about one recorded side-scan ping. East and north are metres in the survey's frame, whose origin is the
 /// first recorded fix ([`crate::survey::Track::frame`]).
@@ -89,6 +90,31 @@ pub struct Sighting {
     /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow runs off the range. The
     /// start is the far edge of its top: with the altitude H, its height is `H (end - start) / end`.
     pub shadow_m: [f64; 2],
+    /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the shore, metres.
+    pub reach_m: f64,
+    /// How many pings before the first and after the last still hear it, because the beam is wide: one standard deviation
+    /// of its two-way width on the ground.
+    pub spread_pings: usize,
+}
+
+impl Sighting {
+    /// The recorded pings in which it is heard, the spread of the beam included, of `count` pings in all; the end excluded.
+    pub fn pings(&self, count: usize) -> Range<usize> {
+        let end = (self.last_ping + 1 + self.spread_pings).min(count);
+        self.first_ping.saturating_sub(self.spread_pings)..end
+    }
+
+    /// Slant ranges of the box around its echo alone, metres.
+    pub fn echo_m(&self) -> [f64; 2] {
+        [self.near_m, self.far_m]
+    }
+
+    /// Slant ranges of the box around its echo and its shadow, metres; a shadow that runs off the range ends with it.
+    pub fn echo_and_shadow_m(&self) -> [f64; 2] {
+        let [_, end] = self.shadow_m;
+        let end = if end.is_nan() { self.reach_m } else { end };
+        [self.near_m, self.far_m.max(end)]
+    }
 }
 
 /// Pings without an echo that end a pass.
@@ -102,6 +128,7 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             pass.last_ping = ping;
             pass.near_m = pass.near_m.min(seen.near_m);
             pass.far_m = pass.far_m.max(seen.far_m);
+            pass.reach_m = pass.reach_m.max(seen.reach_m);
             // A shadow that runs off the range is longer than any that ends within it; NaN stays.
             let [start, end] = pass.shadow_m;
             let longer = seen.shadow_end_m - seen.far_m > end - start;
@@ -116,6 +143,8 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             near_m: seen.near_m,
             far_m: seen.far_m,
             shadow_m: [seen.far_m, seen.shadow_end_m],
+            reach_m: seen.reach_m,
+            spread_pings: 0,
         }),
     }
 }

@@ -29,14 +29,19 @@ impl Weed {
         }
         let mut random = Random::new(seed, Purpose::Weed, 0);
         let pose = path.at(random.between(0.1, 0.9) * path.length_m());
-        Some(Self {
-            east_m: pose.east_m,
-            north_m: pose.north_m,
+        Some(Self::at([pose.east_m, pose.north_m], diameter_m, seed))
+    }
+
+    /// A bed of a diameter around a place (east and north, metres).
+    pub fn at([east_m, north_m]: [f64; 2], diameter_m: f64, seed: u64) -> Self {
+        Self {
+            east_m,
+            north_m,
             radius_m: 0.5 * diameter_m,
             outline: Field::new(seed, Purpose::Outline, 0.2 * diameter_m),
             height: Field::new(seed, Purpose::Canopy, 0.8),
             stems: Field::new(seed, Purpose::Stems, 0.25),
-        })
+        }
     }
 
     /// Whether the bed comes within a distance of a place.
@@ -47,8 +52,13 @@ impl Weed {
     /// Distance to the rim, metres; negative outside.
     fn inside(&self, east_m: f64, north_m: f64) -> f64 {
         let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        // The outline only ever draws in: beyond the radius there is no need to look at it.
+        let beyond = self.radius_m - (east * east + north * north).sqrt();
+        if beyond < 0.0 {
+            return beyond;
+        }
         let ragged = RAGGED * self.radius_m * self.outline.at(east, north);
-        self.radius_m - (east * east + north * north).sqrt() - ragged.abs()
+        beyond - ragged.abs()
     }
 
     /// Height of the canopy above the ground, metres; 0 outside.

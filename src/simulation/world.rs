@@ -10,11 +10,9 @@ use super::weed::Weed;
 pub struct World {
     pub bed: Bed,
     pub objects: Vec<Placed>,
-    pub weed: Option<Weed>,
+    pub weed: Vec<Weed>,
 }
 
-/// How much stronger stone, wood and metal scatter than the ground (6 dB).
-const OBJECT_STRENGTH: f64 = 4.0;
 /// What is left of the echo of the ground under weed (6 dB lost, both ways).
 const WEED_LOSS: f64 = 0.25;
 
@@ -39,18 +37,16 @@ impl World {
     /// How strongly a place scatters, as a factor of mean about 1 for bare ground.
     pub fn strength(&self, objects: &[usize], east_m: f64, north_m: f64) -> f64 {
         let grown = |weed: &Weed| weed.height_m(east_m, north_m) > 0.0;
-        let loss = if self.weed.as_ref().is_some_and(grown) {
+        let loss = if self.weed.iter().any(grown) {
             WEED_LOSS
         } else {
             1.0
         };
-        let mut heights = objects
-            .iter()
-            .map(|&object| self.objects[object].height_m(east_m, north_m));
-        if heights.any(|height| height > 0.0) {
-            return OBJECT_STRENGTH * loss;
+        let mut objects = objects.iter().map(|&object| &self.objects[object]);
+        match objects.find(|object| object.height_m(east_m, north_m) > 0.0) {
+            Some(object) => object.strength * loss,
+            None => self.bed.strength(east_m, north_m) * loss,
         }
-        self.bed.strength(east_m, north_m) * loss
     }
 
     /// Objects in a band across the boat's heading, `half_width_m` to both ends and `reach_m` to both sides.

@@ -253,6 +253,8 @@ fn shadow_tells_the_height_of_a_block() {
         width_m: 0.8,
         height_m: 0.5,
         heading_deg: 90.0,
+        buried_m: 0.0,
+        strength_db: None,
     }];
     let simulated = run(&scene, 1);
     let survey = open(&simulated);

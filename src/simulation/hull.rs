@@ -1,0 +1,91 @@
+//! A sunken boat: an open hull on its keel, or one that lies keel up.
+
+use super::random::Random;
+
+/// The hull of a small boat; its bow points along the heading.
+pub struct Hull {
+    keel_up: bool,
+    /// How much higher one side stands than the other, as a share of the height; signed.
+    list: f64,
+    /// Height of the inner floor as a share of the height: planks, or the mud that fills it.
+    floor: f64,
+    /// Places of the thwarts in half lengths.
+    thwarts: [f64; 3],
+    /// Half width of the transom as a share of the greatest half width.
+    transom: f64,
+}
+
+/// Width of the side of a hull, metres: gunwale and planking.
+const RIM_M: f64 = 0.08;
+/// Half of a thwart's width, metres.
+const THWART_M: f64 = 0.11;
+/// Height of a thwart as a share of the height.
+const THWART: f64 = 0.75;
+/// Half of a keel's width, metres.
+const KEEL_M: f64 = 0.05;
+
+impl Hull {
+    /// A hull of random make and pose.
+    pub fn new(random: &mut Random) -> Self {
+        let keel_up = random.chance(0.4);
+        let forward = random.between(-0.1, 0.1);
+        Self {
+            keel_up,
+            list: random.between(-0.35, 0.35),
+            floor: random.between(0.1, 0.4),
+            thwarts: [-0.5, 0.0, 0.45].map(|at| at + forward),
+            transom: random.between(0.6, 0.9),
+        }
+    }
+
+    /// Half of the width at a place along the hull (in half lengths, the bow at 1) as a share of the greatest.
+    fn outline(&self, u: f64) -> f64 {
+        if u < 0.0 {
+            1.0 - (1.0 - self.transom) * u * u
+        } else {
+            1.0 - u * u * (0.3 + 0.7 * u)
+        }
+    }
+
+    /// Height at a place as a share of the whole height. `side_m` is the width of the outer side's slope.
+    pub fn share(&self, along_m: f64, across_m: f64, size_m: [f64; 2], side_m: f64) -> f64 {
+        let [half_length, half_width] = size_m.map(|size| 0.5 * size);
+        let (u, v) = (along_m / half_length, across_m / half_width);
+        let beam_m = self.outline(u.clamp(-1.0, 1.0)) * half_width;
+        let inside_m = (beam_m - across_m.abs()).min(half_length - along_m.abs());
+        let side = ((inside_m + side_m) / side_m).clamp(0.0, 1.0);
+        if side == 0.0 {
+            return 0.0;
+        }
+        let upright = if self.keel_up {
+            self.bottom(across_m, beam_m, inside_m, u)
+        } else {
+            self.open(along_m, half_length, inside_m, u)
+        };
+        let listing = 1.0 + self.list * v;
+        side * upright * listing / (1.0 + self.list.abs())
+    }
+
+    /// The inside of an upright hull: gunwale, thwarts, floor; the bow stands a little higher.
+    fn open(&self, along_m: f64, half_length: f64, inside_m: f64, u: f64) -> f64 {
+        if inside_m < RIM_M {
+            return 0.85 + 0.15 * u * u;
+        }
+        let on_thwart = |at: &f64| (along_m - at * half_length).abs() < THWART_M;
+        if self.thwarts.iter().any(on_thwart) {
+            THWART
+        } else {
+            self.floor
+        }
+    }
+
+    /// The underside of a hull that lies keel up: a vault with a ridge.
+    fn bottom(&self, across_m: f64, beam_m: f64, inside_m: f64, u: f64) -> f64 {
+        if across_m.abs() < KEEL_M && inside_m > 0.0 {
+            return 1.0 - 0.25 * u * u;
+        }
+        let v = (across_m / beam_m.max(1e-9)).clamp(-1.0, 1.0);
+        let vault = 0.45 + 0.45 * (1.0 - v * v).sqrt();
+        vault * (1.0 - 0.3 * u * u)
+    }
+}

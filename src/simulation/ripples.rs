@@ -1,0 +1,66 @@
+//! What water makes of sand: ripples in patches, and pits scoured out of it.
+
+use super::arithmetic::{cos, sin};
+use super::noise::{Field, smooth};
+use super::random::Purpose;
+use super::scene::{Pit, RippleSettings};
+use std::f64::consts::PI;
+
+/// Size of the patches that the ripples lie in, and of the bends of their crests, metres.
+const PATCH_M: (f64, f64) = (6.0, 2.5);
+/// How far a crest bends, in wavelengths (standard deviation).
+const BEND: f64 = 0.25;
+
+/// Ripples over the ground.
+pub struct Ripples {
+    amplitude_m: f64,
+    /// Radians per metre east and north.
+    wave: [f64; 2],
+    patches: Field,
+    bends: Field,
+}
+
+impl Ripples {
+    /// Ripples whose patches and bends come from the seed.
+    pub fn new(settings: &RippleSettings, seed: u64) -> Self {
+        let number = 2.0 * PI / settings.wavelength_m;
+        let direction = settings.heading_deg.to_radians();
+        Self {
+            amplitude_m: 0.5 * settings.height_m,
+            wave: [number * sin(direction), number * cos(direction)],
+            patches: Field::new(seed, Purpose::Ripples, PATCH_M.0),
+            bends: Field::new(seed.wrapping_add(1), Purpose::Ripples, PATCH_M.1),
+        }
+    }
+
+    /// Height of the ripples at a place, metres; the mean is 0.
+    pub fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let share = smooth(0.8 + 0.8 * self.patches.at(east_m, north_m));
+        if share == 0.0 {
+            return 0.0;
+        }
+        let bend = 2.0 * PI * BEND * self.bends.at(east_m, north_m);
+        let phase = self.wave[0] * east_m + self.wave[1] * north_m + bend;
+        let crest = sin(phase);
+        // Narrow crests, wide troughs.
+        share * self.amplitude_m * (crest + 0.4 * crest * crest - 0.2)
+    }
+}
+
+impl Pit {
+    /// How much lower the ground is at a place, metres; negative on the rim, where what was scoured out lies.
+    pub fn depth_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        let off = (east * east + north * north) / (self.radius_m * self.radius_m);
+        if off < 1.0 {
+            return self.depth_m * (1.0 - off) * (1.0 - off);
+        }
+        // The rim is highest midway of a ring half a radius wide.
+        let rim = (off - 1.0) * (2.25 - off);
+        if rim > 0.0 {
+            -0.4 * self.depth_m * rim * rim
+        } else {
+            0.0
+        }
+    }
+}
