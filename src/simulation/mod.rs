@@ -9,6 +9,7 @@
 //!         bed, objects --^                  weed, fish, ... (artefacts) --^
 //! ```
 //!
+//! `training_scene` draws random scenes for a detector to learn from.
 //!
 //! The same scene and seed give the same log on every machine: every random number is drawn from a stream that belongs
 //! to its ping and purpose (`random`), and the arithmetic uses only operations that IEEE 754 fixes (`arithmetic`).
@@ -36,6 +37,7 @@ mod simulate;
 mod sl2;
 mod sonar;
 mod stones;
+mod training_scene;
 mod truth;
 mod weed;
 mod world;
@@ -47,4 +49,5 @@ pub use scene::{
     RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
 pub use simulate::{Simulated, simulate};
+pub use training_scene::{Look, TrainingScene, training_scene, training_seed};
 pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};
