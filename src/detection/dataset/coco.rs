@@ -1,0 +1,79 @@
+//! Labels as COCO tools read them: one JSON file for many pictures.
+
+use super::Boxes;
+use crate::detection::{Labelled, TILE_PX};
+use serde::Serialize;
+
+/// A COCO file of object boxes. Category ids count from 1, in the order of the class names; ignored boxes are written with
+/// `iscrowd` 1, which COCO's rule neither rewards nor punishes.
+#[derive(Clone, Debug, Serialize)]
+pub struct Coco {
+    images: Vec<Image>,
+    annotations: Vec<Annotation>,
+    categories: Vec<Category>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Image {
+    id: usize,
+    file_name: String,
+    width: usize,
+    height: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Annotation {
+    id: usize,
+    image_id: usize,
+    category_id: usize,
+    /// Left, top, width, height, pixels.
+    bbox: [f32; 4],
+    area: f32,
+    iscrowd: u8,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Category {
+    id: usize,
+    name: String,
+}
+
+impl Coco {
+    /// A file without pictures.
+    pub fn new<'a>(class_names: impl IntoIterator<Item = &'a str>) -> Self {
+        let categories = class_names.into_iter().enumerate();
+        Self {
+            images: Vec::new(),
+            annotations: Vec::new(),
+            categories: categories
+                .map(|(index, name)| Category {
+                    id: index + 1,
+                    name: name.to_owned(),
+                })
+                .collect(),
+        }
+    }
+
+    /// Adds a picture (its name relative to the folder of pictures) and its boxes.
+    pub fn add(&mut self, file_name: String, boxes: &Boxes) {
+        let id = self.images.len() + 1;
+        self.images.push(Image {
+            id,
+            file_name,
+            width: TILE_PX,
+            height: TILE_PX,
+        });
+        for (group, iscrowd) in [(&boxes.labels, 0), (&boxes.ignored, 1)] {
+            for Labelled { class, rect } in group {
+                self.annotations.push(Annotation {
+                    id: self.annotations.len() + 1,
+                    image_id: id,
+                    category_id: class + 1,
+                    bbox: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
+                    area: rect.area(),
+                    iscrowd,
+                });
+            }
+        }
+    }
+}
