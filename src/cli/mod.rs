@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
+mod dataset;
 mod filter;
 mod folders;
 mod info;

@@ -1,5 +1,6 @@
-//! `bathyscope simulate`: a survey of known truth, as a log and tables.
+//! `bathyscope simulate`: a survey of known truth, as a log and tables; or many, as pictures with labels.
 
+use super::dataset::{self, DatasetArgs};
 use super::status_line::StatusLine;
 use super::{input, output};
 use crate::export::write_aside;
@@ -9,22 +10,32 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`.
+/// `bathyscope simulate [SCENE.toml] -o PREFIX [--seed N]`, `bathyscope simulate --dataset DIR [--images N] [--seed N]`.
 #[derive(Debug, clap::Args)]
 pub struct SimulateArgs {
     /// The scene; without one, the scene of the bundled demo survey
     scene: Option<PathBuf>,
     /// Written are PREFIX.sl2, PREFIX.truth.csv and PREFIX.objects.csv
-    #[arg(short, long, value_name = "PREFIX")]
-    output: PathBuf,
+    #[arg(
+        short,
+        long,
+        value_name = "PREFIX",
+        required_unless_present = "dataset"
+    )]
+    output: Option<PathBuf>,
     /// Another seed gives another ground, other objects and other noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    dataset: DatasetArgs,
 }
 
 /// Simulates the scene and writes the log and its truth.
 pub fn run(args: SimulateArgs) -> Result<(), String> {
-    check_prefix(&args.output)?;
+    let Some(prefix) = &args.output else {
+        return dataset::run(&args.dataset, args.seed);
+    };
+    check_prefix(prefix)?;
     let scene = match &args.scene {
         Some(path) => read_scene(path)?,
         None => Scene::demo(),
@@ -34,7 +45,7 @@ pub fn run(args: SimulateArgs) -> Result<(), String> {
     status.step("simulating");
     let survey = simulate(&scene, args.seed, &progress).map_err(|error| error.to_string())?;
     status.step("writing");
-    let written = write(&survey, &args.output)?;
+    let written = write(&survey, prefix)?;
     drop(status);
     output::results(format_args!(
         "simulated {} pings and {} objects (seed {}); wrote {written}",

@@ -1,0 +1,336 @@
+//! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and COCO tools.
+
+use super::output;
+use super::status_line::StatusLine;
+use crate::detection::dataset::{Boxes, Chip, Coco, Known, yolo_lines};
+use crate::detection::{Mark, Raster, TILE_PX};
+use crate::formats;
+use crate::progress::Progress;
+use crate::simulation::{
+    Look, ObjectKind, Simulated, TrainingScene, simulate, training_scene, training_seed,
+};
+use crate::survey::{HeadingSettings, Projection, Survey, navigate};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What is made, and how much of it.
+#[derive(Debug, clap::Args)]
+pub struct DatasetArgs {
+    /// Instead of one survey, write pictures of many random ones with labels into this new folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "output"])]
+    dataset: Option<PathBuf>,
+    /// Pictures in all; without it, the sum of the split
+    #[arg(long, value_name = "N", requires = "dataset")]
+    images: Option<usize>,
+    /// Shares of the pictures for training, validation and test; no survey is in two of them
+    #[arg(long, value_name = "TRAIN/VAL/TEST", default_value = "332/33/41", value_parser = Split::parse)]
+    split: Split,
+    /// Pictures cut out of one survey
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=40))]
+    per_scene: u8,
+    /// Threads; without it, one for each core
+    #[arg(long, value_name = "N", requires = "dataset")]
+    threads: Option<usize>,
+}
+
+/// Names of the parts of a dataset, in the order of a split.
+const PARTS: [&str; 3] = ["train", "val", "test"];
+/// Side of a pixel, metres.
+const PIXEL_M: f64 = 0.04;
+/// Columns that a tile holds of the range at least.
+const LEAST_COLUMNS: usize = 316;
+/// Most pictures in a dataset.
+const MOST_IMAGES: usize = 1_000_000;
+
+/// Pictures for training, validation and test.
+#[derive(Clone, Copy, Debug)]
+struct Split([usize; 3]);
+
+impl Split {
+    fn parse(text: &str) -> Result<Self, String> {
+        let wrong = || "give three numbers of pictures, for example 332/33/41".to_owned();
+        let parts: Result<Vec<usize>, _> = text.split('/').map(str::parse).collect();
+        let parts: [usize; 3] = parts
+            .ok()
+            .and_then(|parts| parts.try_into().ok())
+            .ok_or_else(wrong)?;
+        if parts.iter().any(|&part| part > MOST_IMAGES) || parts == [0; 3] {
+            return Err(wrong());
+        }
+        Ok(Self(parts))
+    }
+
+    /// The split in pictures, scaled to a sum; what rounding leaves goes to training.
+    fn of(self, images: Option<usize>) -> [usize; 3] {
+        let sum: usize = self.0.iter().sum();
+        let Some(images) = images else {
+            return self.0;
+        };
+        let [train, val, test] = self.0.map(|part| part * images / sum);
+        let rest = images - train - val - test;
+        match self.0 {
+            [0, 0, _] => [0, 0, test + rest],
+            [0, _, _] => [0, val + rest, test],
+            _ => [train + rest, val, test],
+        }
+    }
+}
+
+/// Makes the dataset.
+pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
+    let Some(folder) = &args.dataset else {
+        return Err("nothing to do; name an output with -o or --dataset".into());
+    };
+    let images = args.split.of(args.images);
+    if images.iter().sum::<usize>() > MOST_IMAGES {
+        return Err(format!("more than {MOST_IMAGES} pictures; ask for fewer"));
+    }
+    prepare(folder)?;
+    let mut pool = rayon::ThreadPoolBuilder::new();
+    if let Some(threads) = args.threads {
+        pool = pool.num_threads(threads);
+    }
+    let pool = pool
+        .build()
+        .map_err(|error| format!("cannot start the threads: {error}"))?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("simulating pictures");
+    progress.start(images.iter().sum::<usize>() as u64);
+    let per_scene = usize::from(args.per_scene);
+    let made = pool.install(|| {
+        let parts = PARTS.iter().zip(images).enumerate();
+        parts
+            .map(|(part, (name, images))| {
+                let maker = Maker {
+                    folder,
+                    name,
+                    part: part as u64,
+                    seed,
+                    per_scene,
+                    images,
+                    progress: &progress,
+                };
+                maker.part()
+            })
+            .collect::<Result<Vec<Part>, String>>()
+    })?;
+    let manifest = Manifest::new(args, seed, &made);
+    write_json(&folder.join("manifest.json"), &manifest)?;
+    drop(status);
+    let labels: usize = made
+        .iter()
+        .map(|part| part.labels.values().sum::<usize>())
+        .sum();
+    output::results(format_args!(
+        "made {} pictures with {labels} boxes (seed {seed}) in {}",
+        images.iter().sum::<usize>(),
+        folder.display()
+    ))
+}
+
+/// Makes the folders and the class names; an old dataset is never mixed with a new one.
+fn prepare(folder: &Path) -> Result<(), String> {
+    let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
+    if in_use {
+        return Err(format!(
+            "the folder is not empty; name a new one: {}",
+            folder.display()
+        ));
+    }
+    for part in PARTS {
+        for kind in ["images", "labels"] {
+            let path = folder.join(kind).join(part);
+            fs::create_dir_all(&path)
+                .map_err(|error| format!("cannot make the folder: {error}: {}", path.display()))?;
+        }
+    }
+    let names = ObjectKind::ALL
+        .map(|kind| format!("{}\n", kind.name()))
+        .concat();
+    write(&folder.join("classes.txt"), names.as_bytes())
+}
+
+/// Makes one part of the dataset.
+struct Maker<'a> {
+    folder: &'a Path,
+    name: &'a str,
+    part: u64,
+    seed: u64,
+    per_scene: usize,
+    images: usize,
+    progress: &'a Progress,
+}
+
+/// What a part holds, for the manifest.
+#[derive(Serialize)]
+struct Part {
+    name: String,
+    images: usize,
+    scenes: usize,
+    images_without_boxes: usize,
+    /// Boxes to find, by class.
+    labels: std::collections::BTreeMap<&'static str, usize>,
+    /// Boxes that count for nothing.
+    ignored: usize,
+    /// The seed of each scene, in the order of the pictures.
+    scene_seeds: Vec<u64>,
+}
+
+impl Maker<'_> {
+    fn part(&self) -> Result<Part, String> {
+        let scenes = self.images.div_ceil(self.per_scene);
+        let boxes: Vec<Vec<Boxes>> = (0..scenes)
+            .into_par_iter()
+            .map(|scene| self.scene(scene))
+            .collect::<Result<_, String>>()?;
+        let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
+        let mut coco = Coco::new(ObjectKind::ALL.map(ObjectKind::name));
+        for (index, boxes) in boxes.iter().enumerate() {
+            coco.add(format!("{index:06}.png"), boxes);
+        }
+        write_json(&self.folder.join(format!("{}.json", self.name)), &coco)?;
+        Ok(self.summary(&boxes, scenes))
+    }
+
+    fn summary(&self, boxes: &[Boxes], scenes: usize) -> Part {
+        let mut labels: std::collections::BTreeMap<_, _> =
+            ObjectKind::ALL.map(|kind| (kind.name(), 0)).into();
+        for label in boxes.iter().flat_map(|boxes| &boxes.labels) {
+            *labels
+                .entry(ObjectKind::ALL[label.class].name())
+                .or_insert(0) += 1;
+        }
+        Part {
+            name: self.name.to_owned(),
+            images: boxes.len(),
+            scenes,
+            images_without_boxes: boxes.iter().filter(|boxes| boxes.labels.is_empty()).count(),
+            labels,
+            ignored: boxes.iter().map(|boxes| boxes.ignored.len()).sum(),
+            scene_seeds: (0..scenes as u64)
+                .map(|scene| training_seed(self.seed, self.part, scene))
+                .collect(),
+        }
+    }
+
+    /// Simulates one scene and writes its pictures and their YOLO labels.
+    fn scene(&self, index: usize) -> Result<Vec<Boxes>, String> {
+        self.progress.check().map_err(|error| error.to_string())?;
+        let seed = training_seed(self.seed, self.part, index as u64);
+        let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
+        let first = index * self.per_scene;
+        let wanted = self.per_scene.min(self.images - first);
+        let chips = chips(&training, seed, wanted)?;
+        let mut all = Vec::with_capacity(chips.len());
+        for (number, chip) in (first..).zip(chips) {
+            let path = |kind: &str, ending: &str| {
+                self.folder
+                    .join(kind)
+                    .join(self.name)
+                    .join(format!("{number:06}.{ending}"))
+            };
+            write(&path("images", "png"), &chip.png())?;
+            write(
+                &path("labels", "txt"),
+                yolo_lines(&chip.boxes.labels).as_bytes(),
+            )?;
+            all.push(chip.boxes);
+        }
+        self.progress.advance(all.len() as u64);
+        Ok(all)
+    }
+}
+
+/// The first `wanted` pictures of a scene.
+fn chips(training: &TrainingScene, seed: u64, wanted: usize) -> Result<Vec<Chip>, String> {
+    let quiet = Progress::new();
+    let simulated = simulate(&training.scene, seed, &quiet).map_err(|error| error.to_string())?;
+    let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)
+        .map_err(|error| error.to_string())?;
+    let navigation = navigate(
+        &survey,
+        &HeadingSettings::default(),
+        Projection::Enu,
+        &quiet,
+    )
+    .map_err(|error| error.to_string())?;
+    let raster = Raster::new(&survey, &navigation, PIXEL_M);
+    let known = known(&simulated);
+    let looks = training.looks.iter().take(wanted);
+    Ok(looks
+        .map(|look| chip(&survey, &raster, look, &known))
+        .collect())
+}
+
+fn chip(survey: &Survey, raster: &Raster, look: &Look, known: &[Known]) -> Chip {
+    let start = |share: f64, room: usize| (share * room as f64) as usize;
+    let row = start(look.along, raster.rows().saturating_sub(TILE_PX));
+    let column = start(look.outward, raster.columns().saturating_sub(LEAST_COLUMNS));
+    Chip::new(raster.tile(survey, look.side, row, column), raster, known)
+}
+
+/// The truth about all objects, as boxes in the survey.
+fn known(simulated: &Simulated) -> Vec<Known> {
+    let count = simulated.pings.len();
+    let mut known = Vec::new();
+    for object in &simulated.objects {
+        let class = ObjectKind::ALL.iter().position(|&kind| kind == object.kind);
+        for sighting in &object.sightings {
+            let mark = |[near_m, far_m]: [f64; 2]| Mark {
+                side: sighting.side,
+                pings: sighting.pings(count),
+                near_m,
+                far_m,
+            };
+            known.extend(class.map(|class| Known {
+                class,
+                echo: mark(sighting.echo_m()),
+                whole: mark(sighting.echo_and_shadow_m()),
+            }));
+        }
+    }
+    known
+}
+
+/// How a dataset was made: enough to make it again.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    program: &'static str,
+    version: &'static str,
+    seed: u64,
+    split: [usize; 3],
+    per_scene: u8,
+    pixel_m: f64,
+    tile_px: usize,
+    classes: [&'static str; ObjectKind::ALL.len()],
+    parts: &'a [Part],
+}
+
+impl<'a> Manifest<'a> {
+    fn new(args: &DatasetArgs, seed: u64, parts: &'a [Part]) -> Self {
+        Self {
+            program: "bathyscope simulate --dataset",
+            version: env!("CARGO_PKG_VERSION"),
+            seed,
+            split: args.split.0,
+            per_scene: args.per_scene,
+            pixel_m: PIXEL_M,
+            tile_px: TILE_PX,
+            classes: ObjectKind::ALL.map(ObjectKind::name),
+            parts,
+        }
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes)
+        .map_err(|error| format!("cannot write the file: {error}: {}", path.display()))
+}
+
+fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {
+    let text = serde_json::to_vec(value).map_err(|error| error.to_string())?;
+    write(path, &text)
+}
