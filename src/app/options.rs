@@ -130,6 +130,8 @@ pub struct WaterfallOptions {
     pub depth_line: bool,
     /// Draw the ranked flat stretches along the nadir.
     pub flat_stretches: bool,
+    /// Draw the boxes of objects.
+    pub boxes: bool,
 }
 
 impl WaterfallOptions {
@@ -156,6 +158,7 @@ impl Default for WaterfallOptions {
             range_lines: true,
             depth_line: false,
             flat_stretches: true,
+            boxes: true,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! All colours and sizes.
 
 use crate::app::{ColourMap, SideColours, ThemeChoice, ViewOptions};
+use crate::detection::review::State;
 use crate::survey::Side;
 use egui::{Color32, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
@@ -25,6 +26,27 @@ pub fn down_scan_colour(options: &ViewOptions) -> Color32 {
 /// Colour of points that the outlier filter would remove.
 pub fn outlier_colour() -> Color32 {
     Color32::from_rgb(255, 190, 40)
+}
+
+/// Boxes on the waterfall, which is dark or coloured in any theme.
+pub fn box_colour(state: State) -> Color32 {
+    match state {
+        State::Proposed => Color32::from_rgb(255, 214, 64),
+        State::Accepted => Color32::from_rgb(96, 226, 110),
+        State::Rejected => Color32::from_rgb(196, 132, 132),
+        State::Added => Color32::from_rgb(120, 200, 255),
+    }
+}
+
+/// States of boxes as words on a panel, and as marks on map and cloud.
+pub fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
+    match (theme, state) {
+        (ThemeChoice::Dark, _) => box_colour(state),
+        (ThemeChoice::Light, State::Proposed) => Color32::from_rgb(150, 104, 0),
+        (ThemeChoice::Light, State::Accepted) => Color32::from_rgb(24, 122, 48),
+        (ThemeChoice::Light, State::Rejected) => Color32::from_rgb(150, 62, 58),
+        (ThemeChoice::Light, State::Added) => Color32::from_rgb(20, 100, 170),
+    }
 }
 
 /// Background of waterfall, map and cloud.

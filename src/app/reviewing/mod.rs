@@ -70,6 +70,9 @@ pub struct Reviewing {
     /// The file that the review is kept in, once it has one.
     pub path: Option<PathBuf>,
     line: Vec<BoxId>,
+    /// The boxes in line by their first ping, and the most pings that one covers.
+    along: Vec<Arc<Reviewed>>,
+    longest: usize,
     counts: Counts,
     /// Class of the next box that is drawn: that of the last one that was named.
     class: usize,
@@ -91,6 +94,8 @@ impl Default for Reviewing {
             tool: Tool::default(),
             path: None,
             line: Vec::new(),
+            along: Vec::new(),
+            longest: 0,
             counts: Counts::default(),
             class: 0,
             raster: None,
@@ -118,6 +123,18 @@ impl Reviewing {
     /// The boxes to look at, in order.
     pub fn line(&self) -> &[BoxId] {
         &self.line
+    }
+
+    /// The boxes in line that have pings in a range. Costs what it finds.
+    pub fn between(&self, pings: std::ops::Range<usize>) -> impl Iterator<Item = &Reviewed> {
+        let from = self
+            .along
+            .partition_point(|one| one.mark.pings.start + self.longest <= pings.start);
+        self.along[from..]
+            .iter()
+            .map(AsRef::as_ref)
+            .take_while(move |one| one.mark.pings.start < pings.end)
+            .filter(move |one| one.mark.pings.end > pings.start)
     }
 
     /// How far the work is.
@@ -168,6 +185,12 @@ impl Reviewing {
             along_m.max(across_m)
         };
         self.line = self.queue.line_up(&self.review, longer_m);
+        let in_line = self.review.shared().iter();
+        let in_line = in_line.filter(|one| self.queue.takes(one, longer_m));
+        self.along = in_line.cloned().collect();
+        self.along.sort_by_key(|one| one.mark.pings.start);
+        let lengths = self.along.iter().map(|one| one.mark.pings.len());
+        self.longest = lengths.max().unwrap_or(0);
         self.counts = Counts::of(&self.review, &self.queue);
     }
 

@@ -66,6 +66,7 @@ impl Review {
                 Arc::make_mut(one).score = score;
             }
         }
+        after.boxes.sort_unstable_by_key(|one| one.id);
         after
     }
 

@@ -157,6 +157,7 @@ impl Review {
             review.next_id = review.next_id.max(id.0 + 1);
             review.boxes.push(Arc::new(read));
         }
+        review.boxes.sort_unstable_by_key(|one| one.id);
         Ok(review)
     }
 

@@ -123,6 +123,7 @@ impl Identity {
 pub struct Review {
     identity: Identity,
     classes: Vec<String>,
+    /// In the order of their numbers.
     boxes: Vec<Arc<Reviewed>>,
     next_id: u32,
 }
@@ -153,9 +154,14 @@ impl Review {
         self.classes.get(class).map_or("", String::as_str)
     }
 
-    /// The boxes in the order in which they came.
+    /// The boxes in the order of their numbers.
     pub fn boxes(&self) -> impl ExactSizeIterator<Item = &Reviewed> {
         self.boxes.iter().map(AsRef::as_ref)
+    }
+
+    /// The boxes, shared with the other versions of the review.
+    pub fn shared(&self) -> &[Arc<Reviewed>] {
+        &self.boxes
     }
 
     /// A box by its number.
@@ -169,7 +175,7 @@ impl Review {
     }
 
     fn position(&self, id: BoxId) -> Option<usize> {
-        self.boxes.iter().position(|one| one.id == id)
+        self.boxes.binary_search_by_key(&id, |one| one.id).ok()
     }
 
     fn take_id(&mut self) -> BoxId {

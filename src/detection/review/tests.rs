@@ -189,9 +189,9 @@ fn decisions_survive_a_change_of_model() {
         states(&after),
         [
             (1, State::Accepted),
+            (2, State::Proposed),
             (3, State::Proposed),
             (4, State::Added),
-            (2, State::Proposed),
             (5, State::Proposed),
         ]
     );

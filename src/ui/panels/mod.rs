@@ -7,6 +7,7 @@ pub mod notices;
 pub mod outliers;
 mod parts;
 pub mod products;
+pub mod review;
 pub mod selection;
 pub mod status;
 pub mod survey;

@@ -146,6 +146,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.waterfall.range_lines, "Range lines");
         ui.checkbox(&mut options.waterfall.depth_line, "Recorded depth");
         ui.checkbox(&mut options.waterfall.flat_stretches, "Flat stretches");
+        ui.checkbox(&mut options.waterfall.boxes, "Boxes");
     });
     ui.menu_button("Map", |ui| {
         ui.checkbox(&mut options.map.depth_map, "Depth map");

@@ -12,7 +12,7 @@ mod play;
 mod toolbar;
 
 use super::dialogs::Dialogs;
-use super::panels::{self, timeline::TimeLine};
+use super::panels::{self, review::ReviewPanel, timeline::TimeLine};
 use super::views::{CloudView, MapView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, theme};
 use crate::app::{App, Command, View};
@@ -73,6 +73,7 @@ pub struct Shell {
     views: Views,
     layout: Layout,
     timeline: TimeLine,
+    review: ReviewPanel,
     palette: Palette,
     dialogs: Dialogs,
     play: Play,
@@ -91,6 +92,7 @@ impl Shell {
             views: Views::default(),
             layout: Layout::default(),
             timeline: TimeLine::default(),
+            review: ReviewPanel::default(),
             palette: Palette::default(),
             dialogs: Dialogs::default(),
             play: Play::default(),
@@ -120,6 +122,7 @@ impl Shell {
                 let shown = self.layout.shown();
                 shown.into_iter().all(|view| self.views.is_settled(view))
                     && self.timeline.is_settled()
+                    && self.review.is_settled()
             }
         };
         self.app.is_idle() && views_settled
@@ -211,7 +214,9 @@ impl Shell {
             .default_size(side_width)
             .size_range(220.0..=560.0)
             .frame(side)
-            .show(ui, |ui| details(ui, &mut context, &mut self.views.profile));
+            .show(ui, |ui| {
+                details(ui, &mut context, &mut self.review, &mut self.views.profile);
+            });
         Panel::bottom("time line")
             .exact_size(panels::timeline::HEIGHT)
             .frame(bar)
@@ -239,8 +244,26 @@ fn draw_alone(ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>, alo
         });
 }
 
-/// The right side: what is selected, and its profile.
-fn details(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView) {
+/// The right side: the review while there are boxes, what is selected, and its profile.
+fn details(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    review: &mut ReviewPanel,
+    profile: &mut ProfileView,
+) {
+    if !context.app.reviewing.has_boxes() {
+        review.ui(ui, context);
+        return selection(ui, context, profile);
+    }
+    egui::ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            review.ui(ui, context);
+            selection(ui, context, profile);
+        });
+}
+
+fn selection(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView) {
     panels::selection::ui(ui, context);
     let title = egui::RichText::new("PROFILE").size(12.0).strong();
     ui.add(egui::Label::new(title).selectable(false));

@@ -1,6 +1,6 @@
 //! One file a view.
 
-mod background;
+pub(super) mod background;
 mod cloud;
 mod empty;
 mod legend;
@@ -8,7 +8,7 @@ mod map;
 mod picture;
 mod profile;
 mod ticks;
-mod waterfall;
+pub(super) mod waterfall;
 
 pub use cloud::CloudView;
 pub use map::MapView;

@@ -26,13 +26,15 @@ pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Exte
 }
 
 /// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with Alt, the range alone.
-/// Drag with the main or middle button, or move with Space held: pan. Double-click: everything.
+/// Drag with the main button unless it has something else in hand (`drag_moves`), with the middle one, or move with Space
+/// held: pan. Double-click: everything.
 pub(super) fn apply(
     camera: &mut Camera,
     ui: &egui::Ui,
     response: &egui::Response,
     orientation: Orientation,
     extent: &Extent,
+    drag_moves: bool,
 ) {
     let size = Size::of(response.rect.size(), orientation);
     if response.double_clicked() {
@@ -40,7 +42,7 @@ pub(super) fn apply(
         return;
     }
     let space = response.hovered() && ui.input(|input| input.key_down(Key::Space));
-    let held = response.dragged_by(PointerButton::Primary)
+    let held = (drag_moves && response.dragged_by(PointerButton::Primary))
         || response.dragged_by(PointerButton::Middle)
         || space;
     if held {

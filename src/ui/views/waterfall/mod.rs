@@ -1,5 +1,6 @@
 //! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
 
+mod boxes;
 mod camera;
 mod drawing;
 mod flat_spots;
@@ -41,6 +42,7 @@ pub struct WaterfallView {
     requests: Vec<Request>,
     reveal_serial: u64,
     was_over: Option<Mark>,
+    boxes: boxes::Boxes,
     settled: bool,
 }
 
@@ -76,7 +78,12 @@ impl WaterfallView {
             words::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
-        let lens = self.aim(ui, &response, &axis, context);
+        let orientation = context.app.options.waterfall.orientation;
+        let before = self
+            .camera
+            .map(|camera| Lens::new(camera, rect, orientation));
+        let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, &lens, context));
+        let lens = self.aim(ui, &response, &axis, context, !holds_box);
         self.draw_picture(&painter, &lens, context);
         let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
         if let Some(ping) = followed.equal_scales_at
@@ -85,6 +92,7 @@ impl WaterfallView {
         {
             camera.equal_scales(metres, ping as f64 + 0.5);
         }
+        let boxes = boxes::in_view(&lens, context.app);
         overlay::draw(
             &painter,
             &lens,
@@ -95,16 +103,26 @@ impl WaterfallView {
                 far_m: axis.far_m,
                 // The pointer's own mark reaches the state only after this frame.
                 hover: self.was_over.or(context.app.hover),
+                boxes: &boxes,
                 has_gpu: context.render_state.is_some(),
             },
         );
+        self.boxes.draw(&painter, response.interact_pointer_pos());
         let read_out =
             (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
         if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
             pointer::read_out(&painter, &lens, at, text);
         }
         let visible = lens.visible(survey.side_scan.len());
-        words::describe(&response, &visible, &survey, context, read_out.as_deref());
+        let seen = boxes::words(&boxes, context.app);
+        words::describe(
+            &response,
+            &visible,
+            &survey,
+            context,
+            &seen,
+            read_out.as_deref(),
+        );
         if context.app.visible != visible {
             context.push(Command::Visible(visible));
         }
@@ -151,6 +169,7 @@ impl WaterfallView {
         response: &egui::Response,
         axis: &RangeAxis,
         context: &ViewContext<'_>,
+        drag_moves: bool,
     ) -> Lens {
         let extent = Extent {
             pings: axis.pings as f64,
@@ -175,7 +194,7 @@ impl WaterfallView {
             self.reveal_serial = reveal.serial;
             camera.reveal(reveal.mark.ping as f64 + 0.5, size);
         }
-        gestures::apply(&mut camera, ui, response, orientation, &extent);
+        gestures::apply(&mut camera, ui, response, orientation, &extent, drag_moves);
         camera.settle(&extent, size);
         self.camera = Some(camera);
         Lens::new(camera, rect, orientation)
@@ -240,7 +259,8 @@ fn look(options: &WaterfallOptions, suited: Levels) -> Look {
     }
 }
 
-fn palette(map: ColourMap) -> colour_map::Palette {
+/// The colours of echo strength.
+pub(in crate::ui) fn palette(map: ColourMap) -> colour_map::Palette {
     match map {
         ColourMap::Copper => colour_map::copper(),
         ColourMap::Grey => colour_map::grey(),

@@ -4,7 +4,7 @@ use super::drawing::Drawing;
 use super::labels::Labels;
 use super::lens::Lens;
 use super::scales::RangeLines;
-use super::{flat_spots, lines, marks, scales};
+use super::{boxes, flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::survey::{Side, Survey};
 use crate::ui::theme;
@@ -21,6 +21,8 @@ pub(super) struct Shown<'a> {
     /// Farthest slant range of the picture, metres.
     pub far_m: f64,
     pub hover: Option<Mark>,
+    /// The boxes in view.
+    pub boxes: &'a [boxes::Shown<'a>],
     pub has_gpu: bool,
 }
 
@@ -49,12 +51,18 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
             marks::cross_hair(painter, lens, shown.survey, &mark, colour);
         }
     }
+    for shown_box in shown.boxes {
+        shown_box.draw(painter, shown.app.reviewing.tool);
+    }
     let mut labels = Labels::new(painter);
     if let Some(text) = banner(shown) {
         labels.keep_clear(marks::banner(painter, lens.rect, &text));
     }
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
+    }
+    for shown_box in shown.boxes.iter().rev() {
+        shown_box.label(&mut labels, &shown.app.reviewing.review);
     }
     scales::sides(&mut labels, lens, options);
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);

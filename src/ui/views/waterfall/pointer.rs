@@ -1,8 +1,8 @@
 //! What is under the pointer: the read-out, hover and selection, and the menu.
 
-use super::labels;
 use super::lens::{Lens, Place};
-use crate::app::{App, Command, Mark};
+use super::{boxes, labels};
+use crate::app::{App, Command, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, place, text};
 use egui::{Align2, Painter, Pos2, Response, vec2};
@@ -54,7 +54,15 @@ pub(super) fn follow(
     }
     let clicked = response.clicked() || response.secondary_clicked();
     if clicked && let Some(at) = response.interact_pointer_pos() {
-        context.push(Command::Select(mark_at(survey, lens.place_at(at))));
+        // The tool in hand has a use of its own for the pointer.
+        let finds = context.app.reviewing.tool != Tool::Draw;
+        match boxes::under(lens, context.app, at).filter(|_| finds) {
+            Some(id) => context.push(Command::SelectBox(Some(id))),
+            None if context.app.reviewing.tool == Tool::Look => {
+                context.push(Command::Select(mark_at(survey, lens.place_at(at))));
+            }
+            None => {}
+        }
     }
     Followed {
         place,
@@ -95,7 +103,8 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
                 .changed()
             | ui.checkbox(&mut shown.range_lines, "Range lines").changed()
             | ui.checkbox(&mut shown.flat_stretches, "Flat stretches")
-                .changed();
+                .changed()
+            | ui.checkbox(&mut shown.boxes, "Boxes").changed();
         if changed {
             context.push(Command::Show(Box::new(options)));
         }

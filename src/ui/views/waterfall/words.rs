@@ -44,11 +44,12 @@ pub(super) fn describe(
     visible: &Range<usize>,
     survey: &Survey,
     context: &ViewContext<'_>,
+    boxes: &str,
     read_out: Option<&str>,
 ) {
     response.widget_info(|| WidgetInfo {
         current_text_value: read_out.map(str::to_owned),
-        ..WidgetInfo::labeled(Role::Image, true, name(visible, survey, context))
+        ..WidgetInfo::labeled(Role::Image, true, name(visible, survey, context) + boxes)
     });
 }
 

@@ -1,0 +1,105 @@
+//! The review of boxes: how far it is, the selected box enlarged with all that is known about it, and the queue.
+
+mod chip;
+mod queue;
+mod selected;
+
+use super::parts::{Section, remark, section};
+use crate::app::{Action, Command};
+use crate::detection::review::BoxId;
+use crate::ui::views::background::Background;
+use crate::ui::{ViewContext, text, theme};
+use chip::Chip;
+use egui::{Button, ProgressBar, RichText, Ui};
+
+/// State of the panel: the picture of the selected box, and the note that is being written.
+#[derive(Default)]
+pub struct ReviewPanel {
+    chip: Background<chip::Key, Chip>,
+    note: Option<(BoxId, String)>,
+}
+
+impl ReviewPanel {
+    /// Whether the picture is that of the selected box.
+    pub fn is_settled(&self) -> bool {
+        !self.chip.is_running()
+    }
+
+    /// Draws the section; nothing while there are no boxes.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        if !context.app.reviewing.has_boxes() {
+            *self = Self::default();
+            return;
+        }
+        let heading = Section {
+            number: None,
+            title: "Review",
+            stage: None,
+        };
+        section(ui, context, &heading, |ui, context| {
+            progress(ui, context);
+            self.selected(ui, context);
+            queue::ui(ui, context);
+            files(ui, context);
+        });
+    }
+}
+
+fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
+    let counts = context.app.reviewing.counts();
+    let (decided, total) = (counts.decided(), counts.total());
+    let said = format!("{decided} of {total} decided");
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(&said).strong());
+        let share = decided as f32 / total.max(1) as f32;
+        let bar = ProgressBar::new(share)
+            .desired_width(ui.available_width())
+            .desired_height(8.0)
+            .fill(theme::accent_colour(context.app.options.theme));
+        ui.add(bar);
+    });
+    let mut parts = vec![
+        format!("{} accepted", counts.accepted),
+        format!("{} rejected", counts.rejected),
+        format!("{} added", counts.added),
+    ];
+    if counts.hidden > 0 {
+        parts.push(format!("{} below the confidence", counts.hidden));
+    }
+    if context.app.reviewing.is_unsaved() {
+        parts.push("not saved".to_owned());
+    }
+    remark(ui, parts.join(" · "));
+}
+
+fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.horizontal_wrapped(|ui| {
+        for (action, name) in [(Action::SaveReview, "Save"), (Action::OpenReview, "Open…")] {
+            button(ui, context, action, name, true);
+        }
+    });
+}
+
+/// A button for an action of the table, with its key in the hint.
+fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, name: &str, enabled: bool) {
+    let hint = match action.keys() {
+        Some(keys) => format!("{} ({keys})", action.hint()),
+        None => action.hint().to_owned(),
+    };
+    let button = ui
+        .add_enabled(enabled, Button::new(name))
+        .accessible_name(action.label())
+        .on_hover_text(hint);
+    if button.clicked() {
+        context.push(Command::Do(action));
+    }
+}
+
+/// Extent along the track and in slant range: `0.82 × 1.30 m`.
+fn size([along_m, across_m]: [f64; 2]) -> String {
+    if along_m.is_finite() {
+        format!("{along_m:.2} × {across_m:.2} m")
+    } else {
+        text::measure(across_m, 2, "m across")
+    }
+}

@@ -1,0 +1,144 @@
+//! Order and filter of the boxes, and the confidence from which proposals are shown.
+
+use super::super::parts::{remark, row};
+use crate::app::Command;
+use crate::detection::review::{Queue, Sort, State};
+use crate::ui::{ViewContext, text};
+use egui::{ComboBox, DragValue, Response, Slider, Ui};
+
+/// Size beyond which the filter means "any", metres.
+const ANY_M: f64 = 100.0;
+
+/// Draws the controls.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let before = &context.app.reviewing.queue;
+    let mut queue = before.clone();
+    confidence(ui, &mut queue);
+    sort(ui, &mut queue);
+    class(ui, context, &mut queue);
+    state(ui, &mut queue);
+    score(ui, &mut queue);
+    size(ui, &mut queue);
+    let (line, all) = (
+        context.app.reviewing.line().len(),
+        context.app.reviewing.counts().total(),
+    );
+    if line < all {
+        remark(
+            ui,
+            format!("The filter lets {} of {all} through.", text::count(line)),
+        );
+    }
+    if queue != *before {
+        context.push(Command::LineUp(Box::new(queue)));
+    }
+}
+
+/// The slider from which proposals are shown.
+pub fn confidence(ui: &mut Ui, queue: &mut Queue) {
+    let hint = "Proposals of less confidence are hidden; what was decided stays.";
+    row(ui, "Confidence", hint, |ui| {
+        let value_width = 44.0;
+        ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
+        ui.spacing_mut().interact_size.x = value_width;
+        let slider = Slider::new(&mut queue.threshold, 0.0..=1.0);
+        ui.add(slider.step_by(0.01).fixed_decimals(2))
+    });
+}
+
+fn sort(ui: &mut Ui, queue: &mut Queue) {
+    row(ui, "Sort by", "The order of Tab and of Accept.", |ui| {
+        list(ui, "sort boxes", queue.sort.name(), |ui| {
+            for sort in Sort::ALL {
+                ui.selectable_value(&mut queue.sort, sort, sort.name());
+            }
+        })
+    });
+}
+
+fn class(ui: &mut Ui, context: &ViewContext<'_>, queue: &mut Queue) {
+    let review = &context.app.reviewing.review;
+    let chosen = &mut queue.filter.class;
+    let shown = chosen
+        .map_or("all", |class| review.class_name(class))
+        .to_owned();
+    row(ui, "Class", "Only boxes of this class.", |ui| {
+        list(ui, "class of boxes", &shown, |ui| {
+            ui.selectable_value(chosen, None, "all");
+            for (class, name) in review.classes().iter().enumerate() {
+                ui.selectable_value(chosen, Some(class), name);
+            }
+        })
+    });
+}
+
+fn state(ui: &mut Ui, queue: &mut Queue) {
+    let chosen = &mut queue.filter.state;
+    let shown = chosen.map_or("all", State::name);
+    row(ui, "State", "Only boxes in this state.", |ui| {
+        list(ui, "state of boxes", shown, |ui| {
+            ui.selectable_value(chosen, None, "all");
+            for state in State::ALL {
+                ui.selectable_value(chosen, Some(state), state.name());
+            }
+        })
+    });
+}
+
+fn score(ui: &mut Ui, queue: &mut Queue) {
+    let (mut low, mut high) = (*queue.filter.score.start(), *queue.filter.score.end());
+    between(ui, "Score", "Only boxes of these scores.", |ui, which| {
+        let value = if which == 0 { &mut low } else { &mut high };
+        ui.add(
+            DragValue::new(value)
+                .range(0.0..=1.0)
+                .speed(0.01)
+                .fixed_decimals(2),
+        )
+    });
+    if [low, high] != [*queue.filter.score.start(), *queue.filter.score.end()] {
+        queue.filter.score = low..=high.max(low);
+    }
+}
+
+fn size(ui: &mut Ui, queue: &mut Queue) {
+    let filter = &mut queue.filter.size_m;
+    let before = [*filter.start(), filter.end().min(ANY_M)];
+    let [mut low, mut high] = before;
+    let hint = "Only boxes whose longer side is between these.";
+    between(ui, "Size", hint, |ui, which| {
+        let value = if which == 0 { &mut low } else { &mut high };
+        let value = DragValue::new(value)
+            .range(0.0..=ANY_M)
+            .speed(0.05)
+            .max_decimals(2)
+            .suffix(" m");
+        ui.add(value)
+    });
+    if [low, high] != before {
+        let high = if high >= ANY_M {
+            f64::INFINITY
+        } else {
+            high.max(low)
+        };
+        *filter = low..=high;
+    }
+}
+
+/// Two values in a row: the second one is named as well.
+fn between(ui: &mut Ui, name: &str, hint: &str, mut value: impl FnMut(&mut Ui, usize) -> Response) {
+    row(ui, name, hint, |ui| {
+        let low = value(ui, 0);
+        ui.label("to");
+        value(ui, 1).accessible_name(format!("{name}, at most"));
+        low
+    });
+}
+
+fn list(ui: &mut Ui, id: &str, shown: &str, items: impl FnOnce(&mut Ui)) -> Response {
+    ComboBox::from_id_salt(id)
+        .width(ui.available_width() - 2.0)
+        .selected_text(shown)
+        .show_ui(ui, items)
+        .response
+}

@@ -1,0 +1,213 @@
+//! The selected box: picture, decision, class, and what is known of it.
+
+use super::super::parts::{fact, remark};
+use super::chip::Chip;
+use super::{ReviewPanel, button, chip, size};
+use crate::app::{Action, Command, Tool, middle};
+use crate::detection::review::{Edit, Reviewed};
+use crate::ui::views::background::Same;
+use crate::ui::{ViewContext, place, text, theme};
+use egui::{Button, RichText, TextEdit, Ui};
+use std::sync::Arc;
+
+/// Classes that have a key.
+const KEYED: usize = 9;
+
+impl ReviewPanel {
+    /// Draws the selected box, or how to select one.
+    pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let Some(one) = context.app.reviewing.selected_box().cloned() else {
+            self.keep_note(context, None);
+            let all = context.app.reviewing.counts().proposed == 0;
+            remark(
+                ui,
+                match all {
+                    true => "All boxes in sight are decided.",
+                    false => "No box is selected: press Tab, or click one in the waterfall.",
+                },
+            );
+            return;
+        };
+        self.picture(ui, context, &one);
+        title(ui, context, &one);
+        decisions(ui, context);
+        classes(ui, context, &one);
+        facts(ui, context, &one);
+        self.note(ui, context, &one);
+        ui.add_space(4.0);
+    }
+
+    fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+        let app = context.app;
+        let (Some(survey), Some(products)) = (&app.survey, &app.products) else {
+            return;
+        };
+        let (survey, navigation) = (survey.clone(), products.navigation.clone());
+        let map = app.options.waterfall.colour_map;
+        let key = chip::Key {
+            survey: Same(survey.clone()),
+            navigation: Same(navigation.clone()),
+            mark: one.mark.clone(),
+            map,
+        };
+        let (mark, ctx) = (one.mark.clone(), ui.ctx().clone());
+        self.chip.ask(key, app.jobs(), move |_| {
+            Chip::new(&survey, &navigation, &mark, map, &ctx)
+        });
+        if let Some(picture) = self.chip.result() {
+            picture.ui(ui, one, &app.reviewing.review);
+        }
+    }
+
+    fn note(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+        self.keep_note(context, Some(one));
+        let Some((_, note)) = &mut self.note else {
+            return;
+        };
+        let line = TextEdit::singleline(note)
+            .hint_text("Note")
+            .desired_width(f32::INFINITY);
+        let line = ui.add(line).accessible_name("Note on the box");
+        if line.lost_focus() && *note != one.note {
+            context.push(Command::Edit {
+                edit: Edit::Note(one.id, note.clone()),
+                live: false,
+            });
+        } else if !line.has_focus() {
+            // Undo, or another way to change it.
+            note.clone_from(&one.note);
+        }
+    }
+
+    /// Starts on the note of another box; what was written on the last one is kept.
+    fn keep_note(&mut self, context: &mut ViewContext<'_>, now: Option<&Reviewed>) {
+        let id = now.map(|one| one.id);
+        if self.note.as_ref().map(|(id, _)| *id) == id {
+            return;
+        }
+        let before = self.note.take();
+        self.note = now.map(|one| (one.id, one.note.clone()));
+        if let Some((id, note)) = before
+            && let Some(one) = context.app.reviewing.review.get(id)
+            && one.note != note
+        {
+            context.push(Command::Edit {
+                edit: Edit::Note(id, note),
+                live: false,
+            });
+        }
+    }
+}
+
+fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+    let review = &context.app.reviewing.review;
+    ui.horizontal(|ui| {
+        let class = review.class_name(one.class);
+        ui.label(RichText::new(class).heading().strong());
+        if let Some(score) = one.score {
+            ui.label(format!("{score:.2}"));
+        }
+        let colour = theme::box_colour_on_panel(context.app.options.theme, one.state);
+        let state = RichText::new(one.state.name()).color(colour);
+        ui.label(state);
+        let corrected = if one.edited { ", corrected" } else { "" };
+        ui.label(RichText::new(format!("box {}{corrected}", one.id.0)).weak());
+    });
+}
+
+fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let tool = context.app.reviewing.tool;
+    ui.horizontal_wrapped(|ui| {
+        for (action, name) in [
+            (Action::AcceptBox, "Accept"),
+            (Action::RejectBox, "Reject"),
+            (Action::UndecideBox, "Undecide"),
+            (Action::PreviousBox, "Previous"),
+            (Action::NextBox, "Next"),
+        ] {
+            button(ui, context, action, name, true);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        let edits = if tool == Tool::Edit { "Done" } else { "Edit" };
+        let draws = if tool == Tool::Draw {
+            "Leave it"
+        } else {
+            "New box"
+        };
+        for (action, name) in [
+            (Action::EditBox, edits),
+            (Action::SwapSide, "Swap side"),
+            (Action::NewBox, draws),
+            (Action::RemoveBox, "Remove"),
+        ] {
+            button(ui, context, action, name, true);
+        }
+    });
+}
+
+fn classes(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+    let review = context.app.reviewing.review.clone();
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (class, name) in review.classes().iter().enumerate() {
+            let (label, hint) = match class < KEYED {
+                true => (
+                    format!("{} {name}", class + 1),
+                    format!("Key {}", class + 1),
+                ),
+                false => (name.clone(), String::new()),
+            };
+            let chosen = class == one.class;
+            let chip = ui
+                .add(Button::selectable(chosen, label))
+                .accessible_name(format!("Class {name}"));
+            let chip = match hint.is_empty() {
+                true => chip,
+                false => chip.on_hover_text(hint),
+            };
+            if chip.clicked() {
+                context.push(Command::Edit {
+                    edit: Edit::Relabel(one.id, class),
+                    live: false,
+                });
+            }
+        }
+    });
+}
+
+fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
+    let app = context.app;
+    let mark = &one.mark;
+    fact(
+        ui,
+        "Size",
+        "Along the track and in slant range; echo and shadow together.",
+        size(app.reviewing.size_m(mark)),
+    );
+    fact(
+        ui,
+        "Range",
+        "Slant range of its near and far edge by the recorder's scale.",
+        format!(
+            "{:.2} to {:.2} m {}",
+            mark.near_m,
+            mark.far_m,
+            mark.side.name()
+        ),
+    );
+    let Some(survey) = app.survey.as_ref().map(Arc::as_ref) else {
+        return;
+    };
+    let at = middle(survey, mark);
+    if let Some(place) = place::lon_lat(app, at) {
+        fact(
+            ui,
+            "Place",
+            "Its middle, on a flat bottom at the recorded depth.",
+            RichText::new(text::place(place)).monospace(),
+        );
+    }
+    let model = one.model.as_deref().unwrap_or("drawn by hand");
+    fact(ui, "From", "The model that proposed it.", model);
+}

@@ -1,0 +1,149 @@
+//! Clicks and drags on boxes.
+
+use super::hit::{Edges, drawn};
+use super::{Lens, on_screen};
+use crate::app::{App, Command, Tool};
+use crate::detection::Mark;
+use crate::detection::review::{BoxId, Edit};
+use crate::ui::views::waterfall::lens::Place;
+use crate::ui::{ViewContext, theme};
+use egui::{CursorIcon, Key, Painter, PointerButton, Pos2, Response, Stroke, StrokeKind, Ui};
+
+/// How near a box a click must be, points.
+const NEAR: f32 = 3.0;
+/// Least extent on the screen of a box that is drawn: less is a click that slipped, points.
+const LEAST: f32 = 4.0;
+
+/// What the pointer holds.
+enum Held {
+    /// A box, or some of its edges, since a place.
+    Box {
+        id: BoxId,
+        edges: Edges,
+        origin: Mark,
+        from: Place,
+    },
+    /// The first corner of a new box.
+    Corner(Pos2),
+}
+
+/// The pointer on the boxes.
+#[derive(Default)]
+pub(in crate::ui::views::waterfall) struct Boxes {
+    held: Option<Held>,
+}
+
+impl Boxes {
+    /// Follows a drag with a tool in hand; returns whether the drag is about boxes and must not move the picture. The middle
+    /// button and Space move the picture in any tool.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        lens: &Lens,
+        context: &mut ViewContext<'_>,
+    ) -> bool {
+        let tool = context.app.reviewing.tool;
+        if tool == Tool::Look {
+            self.held = None;
+            return false;
+        }
+        let pointer = response.interact_pointer_pos().or(response.hover_pos());
+        self.show_cursor(ui, response, lens, context.app);
+        let space = ui.input(|input| input.key_down(Key::Space));
+        if response.drag_started_by(PointerButton::Primary) && !space {
+            let pressed = ui.input(|input| input.pointer.press_origin()).or(pointer);
+            self.held = pressed.and_then(|at| take(context.app, lens, at));
+        }
+        let (Some(held), Some(at)) = (&self.held, pointer) else {
+            return false;
+        };
+        let is_over = response.drag_stopped();
+        match held {
+            Held::Box {
+                id,
+                edges,
+                origin,
+                from,
+            } => {
+                let mark = edges.dragged(origin, *from, lens.place_at(at));
+                context.push(Command::Edit {
+                    edit: Edit::Reshape(*id, mark),
+                    live: !is_over,
+                });
+            }
+            Held::Corner(corner) if is_over => {
+                let extent = (at - *corner).abs();
+                if extent.min_elem() >= LEAST {
+                    let mark = drawn(lens.place_at(*corner), lens.place_at(at));
+                    let class = context.app.reviewing.class();
+                    context.push(Command::Edit {
+                        edit: Edit::Add { mark, class },
+                        live: false,
+                    });
+                }
+            }
+            Held::Corner(_) => {}
+        }
+        if is_over {
+            self.held = None;
+        }
+        true
+    }
+
+    fn show_cursor(&self, ui: &Ui, response: &Response, lens: &Lens, app: &App) {
+        let Some(at) = response.hover_pos() else {
+            return;
+        };
+        let icon = match app.reviewing.tool {
+            Tool::Draw => Some(CursorIcon::Crosshair),
+            Tool::Edit => app
+                .reviewing
+                .selected_box()
+                .and_then(|one| Edges::under(lens, &one.mark, lens.place_at(at)))
+                .map(|edges| edges.cursor()),
+            Tool::Look => None,
+        };
+        if let Some(icon) = icon {
+            ui.ctx().set_cursor_icon(icon);
+        }
+    }
+
+    /// Draws the box that is being drawn.
+    pub fn draw(&self, painter: &Painter, at: Option<Pos2>) {
+        if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
+            let rect = egui::Rect::from_two_pos(*corner, at);
+            let stroke = Stroke::new(1.5, theme::selection_colour());
+            painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+        }
+    }
+}
+
+fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
+    if app.reviewing.tool == Tool::Draw {
+        return Some(Held::Corner(at));
+    }
+    let one = app.reviewing.selected_box()?;
+    let from = lens.place_at(at);
+    let edges = Edges::under(lens, &one.mark, from)?;
+    Some(Held::Box {
+        id: one.id,
+        edges,
+        origin: one.mark.clone(),
+        from,
+    })
+}
+
+/// The box under the pointer: of several the smallest, which the others would otherwise hide.
+pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -> Option<BoxId> {
+    if !app.options.waterfall.boxes {
+        return None;
+    }
+    let count = app.survey.as_ref()?.side_scan.len();
+    let boxes = app.reviewing.between(lens.visible(count));
+    boxes
+        .map(|one| (one.id, on_screen(lens, &one.mark).expand(NEAR)))
+        .filter(|(_, rect)| rect.contains(at))
+        .min_by(|(_, a), (_, b)| a.area().total_cmp(&b.area()))
+        .map(|(id, _)| id)
+}

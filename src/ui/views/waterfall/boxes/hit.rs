@@ -1,0 +1,180 @@
+//! What of a box is under the pointer, and what a drag makes of it.
+
+use super::Lens;
+use crate::detection::Mark;
+use crate::survey::Side;
+use crate::ui::views::waterfall::lens::Place;
+use egui::CursorIcon;
+
+/// How near an edge the pointer must come, points.
+const REACH: f64 = 6.0;
+
+/// The edges that move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edges {
+    pub start: bool,
+    pub end: bool,
+    pub near: bool,
+    pub far: bool,
+}
+
+impl Edges {
+    /// The whole box.
+    pub const ALL: Self = Self {
+        start: true,
+        end: true,
+        near: true,
+        far: true,
+    };
+
+    /// The edges under the pointer, all of them inside the box, `None` outside.
+    pub fn under(lens: &Lens, mark: &Mark, at: Place) -> Option<Self> {
+        let range_m = outward_m(mark.side, at);
+        let points = |from: f64, to: f64, per_point: f64| (to - from) / per_point;
+        let (along, across) = (lens.pings_per_point(), lens.metres_per_point());
+        let start = points(mark.pings.start as f64, at.ping, along);
+        let end = points(at.ping, mark.pings.end as f64, along);
+        let near = points(mark.near_m, range_m, across);
+        let far = points(range_m, mark.far_m, across);
+        if [start, end, near, far]
+            .iter()
+            .any(|inside| *inside < -REACH)
+        {
+            return None;
+        }
+        // In a box smaller than the reach the nearer edge counts.
+        let edges = Self {
+            start: start < REACH && start <= end,
+            end: end < REACH && end < start,
+            near: near < REACH && near <= far,
+            far: far < REACH && far < near,
+        };
+        let is_inside = !(edges.start || edges.end || edges.near || edges.far);
+        Some(if is_inside { Self::ALL } else { edges })
+    }
+
+    /// The cursor that says so.
+    pub fn cursor(&self) -> CursorIcon {
+        match self {
+            _ if *self == Self::ALL => CursorIcon::Move,
+            Self {
+                start: false,
+                end: false,
+                ..
+            }
+            | Self {
+                near: false,
+                far: false,
+                ..
+            } => CursorIcon::Crosshair,
+            _ => CursorIcon::AllScroll,
+        }
+    }
+
+    /// The mark after a drag from one place to another. A box keeps a ping and a centimetre, and its side.
+    pub fn dragged(&self, mark: &Mark, from: Place, to: Place) -> Mark {
+        let pings = (to.ping - from.ping).round() as isize;
+        let outward = outward_m(mark.side, to) - outward_m(mark.side, from);
+        let mut after = mark.clone();
+        if *self == Self::ALL {
+            let pings = pings.max(-(mark.pings.start as isize));
+            let outward = outward.max(-mark.near_m);
+            after.pings = mark.pings.start.saturating_add_signed(pings)
+                ..mark.pings.end.saturating_add_signed(pings);
+            (after.near_m, after.far_m) = (mark.near_m + outward, mark.far_m + outward);
+            return after;
+        }
+        if self.start {
+            let start = mark.pings.start.saturating_add_signed(pings);
+            after.pings.start = start.min(mark.pings.end - 1);
+        }
+        if self.end {
+            let end = mark.pings.end.saturating_add_signed(pings);
+            after.pings.end = end.max(mark.pings.start + 1);
+        }
+        if self.near {
+            after.near_m = (mark.near_m + outward).clamp(0.0, mark.far_m - LEAST_M);
+        }
+        if self.far {
+            after.far_m = (mark.far_m + outward).max(mark.near_m + LEAST_M);
+        }
+        after
+    }
+}
+
+/// Least extent in range that a drag leaves, metres.
+const LEAST_M: f64 = 0.01;
+
+/// Slant range of a place counted outward on a side; negative beyond the nadir.
+pub fn outward_m(side: Side, at: Place) -> f64 {
+    match side {
+        Side::Port => -at.across_m,
+        Side::Starboard => at.across_m,
+    }
+}
+
+/// The box between two places, on the side of the first.
+pub fn drawn(from: Place, to: Place) -> Mark {
+    let side = from.side();
+    let ranges = [from, to].map(|at| outward_m(side, at).max(0.0));
+    let pings = [from, to].map(|at| at.ping.max(0.0));
+    // `as` saturates; a survey's pings fit many times over.
+    Mark {
+        side,
+        pings: pings[0].min(pings[1]).floor() as usize..pings[0].max(pings[1]).ceil() as usize,
+        near_m: ranges[0].min(ranges[1]),
+        far_m: ranges[0].max(ranges[1]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port() -> Mark {
+        Mark {
+            side: Side::Port,
+            pings: 10..20,
+            near_m: 4.0,
+            far_m: 6.0,
+        }
+    }
+
+    fn place(ping: f64, across_m: f64) -> Place {
+        Place { ping, across_m }
+    }
+
+    #[test]
+    fn a_drag_moves_a_box_or_its_edges_and_never_turns_it_inside_out() {
+        let moved = Edges::ALL.dragged(&port(), place(15.0, -5.0), place(12.0, -4.5));
+        assert_eq!((moved.pings, moved.near_m, moved.far_m), (7..17, 3.5, 5.5));
+        let stopped = Edges::ALL.dragged(&port(), place(15.0, -5.0), place(-90.0, 5.0));
+        assert_eq!(
+            (stopped.pings, stopped.near_m, stopped.far_m),
+            (0..10, 0.0, 2.0)
+        );
+        let edges = Edges {
+            start: false,
+            end: true,
+            near: true,
+            far: false,
+        };
+        let sized = edges.dragged(&port(), place(20.0, -4.0), place(5.0, -9.0));
+        assert_eq!((sized.pings, sized.far_m), (10..11, 6.0));
+        assert!((sized.near_m - 5.99).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_box_is_drawn_in_any_direction_and_stays_on_its_side() {
+        let mark = drawn(place(20.2, -6.0), place(10.9, -4.0));
+        assert_eq!(
+            mark,
+            Mark {
+                pings: 10..21,
+                ..port()
+            }
+        );
+        let cut = drawn(place(20.2, -6.0), place(10.9, 4.0));
+        assert_eq!((cut.side, cut.near_m, cut.far_m), (Side::Port, 0.0, 6.0));
+    }
+}

@@ -1,0 +1,120 @@
+//! Boxes over the picture: their outlines, and the pointer on them.
+
+mod grab;
+mod hit;
+mod outline;
+
+pub(super) use grab::{Boxes, under};
+
+use super::labels::Labels;
+use super::lens::{Lens, Place, across_m};
+use crate::app::{App, Tool};
+use crate::detection::Mark;
+use crate::detection::review::{Review, Reviewed};
+use crate::ui::text;
+use egui::{Align2, Painter, Rect, vec2};
+use outline::Style;
+
+/// Shorter side on the screen from which a box carries its class and score, points.
+const LABELLED: f32 = 24.0;
+
+/// A box in view.
+pub(super) struct Shown<'a> {
+    one: &'a Reviewed,
+    rect: Rect,
+    is_selected: bool,
+}
+
+/// The boxes that a lens sees, the selected one last. Costs what is in view, not what there is.
+pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
+    let reviewing = &app.reviewing;
+    let pings = match &app.survey {
+        Some(survey) if app.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
+        _ => return Vec::new(),
+    };
+    let shown = |one: &'a Reviewed| Shown {
+        one,
+        rect: on_screen(lens, &one.mark),
+        is_selected: Some(one.id) == reviewing.selected,
+    };
+    let others = reviewing.between(pings).map(shown);
+    let mut seen: Vec<Shown<'_>> = others
+        .filter(|shown| !shown.is_selected && shown.rect.intersects(lens.rect))
+        .collect();
+    // In sight whatever the filter says: keys act on it.
+    seen.extend(reviewing.selected_box().map(shown));
+    seen
+}
+
+/// Where a mark is on the screen.
+fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
+    let corner = |ping: usize, range_m: f64| {
+        lens.screen_at(Place {
+            ping: ping as f64,
+            across_m: across_m(mark.side, range_m),
+        })
+    };
+    Rect::from_two_pos(
+        corner(mark.pings.start, mark.near_m),
+        corner(mark.pings.end, mark.far_m),
+    )
+}
+
+impl Shown<'_> {
+    /// Draws its outline, and the handles of the one that is edited.
+    pub fn draw(&self, painter: &Painter, tool: Tool) {
+        let style = Style::of(self.one.state);
+        outline::draw(painter, self.rect, style, self.is_selected);
+        if self.is_selected && tool == Tool::Edit {
+            outline::handles(painter, self.rect, style.colour);
+        }
+    }
+
+    /// Writes its class and score above it where there is room.
+    pub fn label(&self, labels: &mut Labels<'_>, review: &Review) {
+        if self.rect.size().min_elem() >= LABELLED || self.is_selected {
+            let at = self.rect.left_top() - vec2(0.0, 2.0);
+            let style = Style::of(self.one.state);
+            labels.write(
+                at,
+                Align2::LEFT_BOTTOM,
+                &caption(self.one, review),
+                style.colour,
+            );
+        }
+    }
+}
+
+/// `rock 0.87`; what was decided goes without saying by the outline.
+fn caption(one: &Reviewed, review: &Review) -> String {
+    let class = review.class_name(one.class);
+    match one.score {
+        Some(score) => format!("{class} {score:.2}"),
+        None => class.to_owned(),
+    }
+}
+
+/// What the view says about its boxes to screen readers and tests.
+pub(super) fn words(seen: &[Shown<'_>], app: &App) -> String {
+    if !app.reviewing.has_boxes() {
+        return String::new();
+    }
+    let selected = app.reviewing.selected_box();
+    let selected = selected.map_or_else(String::new, |one| {
+        let caption = caption(one, &app.reviewing.review);
+        format!(
+            ", box {} selected: {caption}, {}",
+            one.id.0,
+            one.state.name()
+        )
+    });
+    let tool = match app.reviewing.tool {
+        Tool::Look => "",
+        Tool::Edit => ", editing it",
+        Tool::Draw => ", drawing a box",
+    };
+    format!(
+        ", {} in view{selected}{tool}",
+        text::plural(seen.len(), "box", "boxes")
+    )
+}

@@ -1,0 +1,132 @@
+//! How a box looks: its state by colour and by the kind of its line.
+
+use crate::detection::review::State;
+use crate::ui::theme;
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+
+/// Shorter side on the screen below which a box is drawn plainly, points.
+const PLAIN: f32 = 8.0;
+/// Half of a handle, points.
+const HANDLE: f32 = 3.0;
+
+/// The kind of line.
+#[derive(Clone, Copy, PartialEq)]
+enum Line {
+    /// Proposed: not yet sure.
+    Dashed,
+    /// Accepted.
+    Solid,
+    /// Rejected: struck out.
+    Crossed,
+    /// Added by hand: corners only.
+    Corners,
+}
+
+/// Colour and line of a state.
+#[derive(Clone, Copy)]
+pub struct Style {
+    pub colour: Color32,
+    line: Line,
+}
+
+impl Style {
+    pub fn of(state: State) -> Self {
+        let line = match state {
+            State::Proposed => Line::Dashed,
+            State::Accepted => Line::Solid,
+            State::Rejected => Line::Crossed,
+            State::Added => Line::Corners,
+        };
+        Self {
+            colour: theme::box_colour(state),
+            line,
+        }
+    }
+}
+
+/// Draws an outline over a dark rim that keeps it readable on any picture.
+pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
+    let width = if is_selected { 2.0 } else { 1.25 };
+    let stroke = Stroke::new(width, style.colour);
+    let rim = Stroke::new(width + 2.0, Color32::from_black_alpha(120));
+    if is_selected {
+        let halo = Stroke::new(2.0, theme::selection_colour());
+        painter.rect_stroke(rect.expand(4.0), 3.0, halo, StrokeKind::Outside);
+    }
+    if rect.size().min_elem() < PLAIN {
+        painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+        return;
+    }
+    if style.line == Line::Corners {
+        for line in corners(rect) {
+            painter.add(Shape::line(line.to_vec(), rim));
+            painter.add(Shape::line(line.to_vec(), stroke));
+        }
+        return;
+    }
+    painter.rect_stroke(rect, 0.0, rim, StrokeKind::Middle);
+    match style.line {
+        Line::Dashed => {
+            painter.extend(Shape::dashed_line(&outline(rect), stroke, 6.0, 4.0));
+        }
+        Line::Crossed => {
+            painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+            let [a, b, c, d, _] = outline(rect);
+            for diagonal in [[a, c], [b, d]] {
+                painter.line_segment(diagonal, Stroke::new(1.0, style.colour));
+            }
+        }
+        Line::Solid | Line::Corners => {
+            painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+        }
+    }
+}
+
+/// Squares at the corners and on the middles of the edges.
+pub fn handles(painter: &Painter, rect: Rect, colour: Color32) {
+    for across in [0.0, 0.5, 1.0] {
+        for down in [0.0, 0.5, 1.0] {
+            if across == 0.5 && down == 0.5 {
+                continue;
+            }
+            let at = rect.lerp_inside(vec2(across, down));
+            let square = Rect::from_center_size(at, egui::Vec2::splat(2.0 * HANDLE));
+            painter.rect_filled(square, 0.0, colour);
+            painter.rect_stroke(
+                square,
+                0.0,
+                Stroke::new(1.0, Color32::BLACK),
+                StrokeKind::Outside,
+            );
+        }
+    }
+}
+
+/// The way around, back to its start.
+fn outline(rect: Rect) -> [Pos2; 5] {
+    let start = rect.left_top();
+    [
+        start,
+        rect.right_top(),
+        rect.right_bottom(),
+        rect.left_bottom(),
+        start,
+    ]
+}
+
+fn corners(rect: Rect) -> [[Pos2; 3]; 4] {
+    let arm = (0.3 * rect.size().min_elem()).max(4.0);
+    let inward = [
+        (rect.left_top(), vec2(1.0, 1.0)),
+        (rect.right_top(), vec2(-1.0, 1.0)),
+        (rect.right_bottom(), vec2(-1.0, -1.0)),
+        (rect.left_bottom(), vec2(1.0, -1.0)),
+    ];
+    inward.map(|(corner, to)| {
+        [
+            corner + vec2(arm * to.x, 0.0),
+            corner,
+            corner + vec2(0.0, arm * to.y),
+        ]
+    })
+}
