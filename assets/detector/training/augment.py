@@ -140,7 +140,9 @@ def place(boxes, rectangle, scale, offset, mirrored, side: int) -> torch.Tensor:
     y1, y2 = torch.where(up, side - y2, y1), torch.where(up, side - y1, y2)
     moved = torch.stack([x1, y1, x2, y2], -1) * scale[:, None].repeat(1, 1, 2) + offset[:, None].repeat(1, 1, 2)
     low, high = rectangle[:, None, :2], rectangle[:, None, 2:]
-    cut = torch.cat([torch.minimum(torch.maximum(moved[..., :2], low), high), torch.minimum(torch.maximum(moved[..., 2:], low), high)], -1)
+    cut = torch.cat(
+        [torch.minimum(torch.maximum(moved[..., :2], low), high), torch.minimum(torch.maximum(moved[..., 2:], low), high)], -1
+    )
     size = cut[..., 2:] - cut[..., :2]
     share = size.prod(-1) / (moved[..., 2:] - moved[..., :2]).prod(-1).clamp(min=1e-6)
     gone = (kind == ABSENT) | (share < TRACE_SHARE)

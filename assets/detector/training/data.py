@@ -1,9 +1,10 @@
 """Chips and their boxes in memory, read from the folder that `bathyscope simulate --dataset DIR` writes.
 
-    DIR/images/{train,val,test}/NNNNNN.png   8-bit grey; rows run along track, columns outward in slant range
-    DIR/labels/{train,val,test}/NNNNNN.txt   `class cx cy w h` per line, fractions of the chip; a box holds echo and shadow
-    DIR/classes.txt                          one class name per line
-    DIR/manifest.json                        how the data was made (`pixel_m` among it)
+DIR/images/{train,val,test}/NNNNNN.png   8-bit grey; rows run along track, columns outward in slant range
+DIR/labels/{train,val,test}/NNNNNN.txt   `class cx cy w h` per line, fractions of the chip; a box holds echo and shadow
+DIR/{train,val,test}.json                COCO; its boxes with `iscrowd` 1 may be found or not: cut off, or hardly to be seen
+DIR/classes.txt                          one class name per line
+DIR/manifest.json                        how the data was made (`pixel_m` among it)
 """
 
 import json
@@ -59,6 +60,19 @@ def read_label(path: Path, side: int) -> np.ndarray:
     return np.concatenate([rows[:, :1], centre - half, centre + half], 1)
 
 
+def read_ignored(path: Path) -> dict[str, np.ndarray]:
+    """The boxes of a COCO file that may be found or not, as rows of IGNORE, x1, y1, x2, y2 by the picture's stem."""
+    if not path.exists():
+        return {}
+    coco = json.loads(path.read_text())
+    stems, rows = {image["id"]: Path(image["file_name"]).stem for image in coco["images"]}, {}
+    for box in coco["annotations"]:
+        if box.get("iscrowd"):
+            x, y, width, height = box["bbox"]
+            rows.setdefault(stems[box["image_id"]], []).append((IGNORE, x, y, x + width, y + height))
+    return {stem: np.array(boxes, np.float32) for stem, boxes in rows.items()}
+
+
 def read_picture(path: Path) -> np.ndarray:
     """One grey picture, `[rows, columns]` u8."""
     with Image.open(path) as image:
@@ -79,12 +93,17 @@ def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
     """All chips of one split, decoded by every core."""
     paths = sorted((root / "images" / split).glob("*.png"))[:limit]
     if not paths:
-        raise SystemExit(f"no chips to read: write them with `bathyscope simulate --dataset`, looked in {root / 'images' / split}")
+        raise SystemExit(
+            f"no chips to read: write them with `bathyscope simulate --dataset`, looked in {root / 'images' / split}"
+        )
+    ignored, nothing = read_ignored(root / f"{split}.json"), np.zeros((0, 5), np.float32)
     images = torch.empty(len(paths), *read_picture(paths[0]).shape, dtype=torch.uint8)
 
     def read(index: int) -> np.ndarray:
         images[index] = torch.from_numpy(read_picture(paths[index]).copy())
-        return read_label(root / "labels" / split / (paths[index].stem + ".txt"), images.shape[-1])
+        stem = paths[index].stem
+        label = read_label(root / "labels" / split / f"{stem}.txt", images.shape[-1])
+        return np.concatenate([label, ignored.get(stem, nothing)])
 
     # Decoding a PNG releases Python's lock, so threads are enough, and no picture is copied between processes.
     with ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from data import Chips
+from data import IGNORE, Chips
 from network import Decoded
 
 LOWEST_SCORE = 0.01
@@ -52,6 +52,20 @@ def detect(network: torch.nn.Module, anchors: list, chips: Chips, batch: int = 6
     for at in range(0, len(chips), batch):
         found += candidates(decoded, chips.images[at : at + batch].to(device))
     return found
+
+
+def judged(found: list[np.ndarray], chips: Chips) -> list[np.ndarray]:
+    """What was found, without that which lies mostly (half of it) in an ignored box and on no truth of its class."""
+    kept = []
+    for rows, truth, boxes in zip(found, truths(chips), chips.boxes.cpu().numpy()):
+        ignored = boxes[boxes[:, 0] == IGNORE, 1:]
+        if len(rows) and len(ignored):
+            shared = np.minimum(rows[:, None, 2:4], ignored[None, :, 2:]) - np.maximum(rows[:, None, :2], ignored[None, :, :2])
+            share = shared.clip(0).prod(2) / np.maximum((rows[:, 2:4] - rows[:, :2]).prod(1)[:, None], 1e-9)
+            right = (box_iou(rows[:, :4], truth[:, :4]) >= 0.5) & (rows[:, 5][:, None] == truth[:, 4][None])
+            rows = rows[(share < 0.5).all(1) | right.any(1)]
+        kept.append(rows)
+    return kept
 
 
 def truths(chips: Chips) -> list[np.ndarray]:

@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw
 import metrics
 import real
 from data import Chips, read_manifest, read_split
-from detect import detect, suppress, truths
+from detect import detect, judged, suppress, truths
 from network import build
 from weights import load_weights
 
@@ -39,8 +39,8 @@ def measure(network, meta: dict, chips: Chips, score: float | None) -> tuple[dic
     Without a `score` the best one on these chips is used. Returns the report, what was found and what was there.
     """
     raw, truth = detect(network, meta["anchors"], chips), truths(chips)
-    by_class = [suppress(rows, agnostic=False) for rows in raw]
-    found = [suppress(rows, agnostic=True) for rows in raw]
+    by_class = judged([suppress(rows, agnostic=False) for rows in raw], chips)
+    found = judged([suppress(rows, agnostic=True) for rows in raw], chips)
     score = best_score(found, truth) if score is None else score
     hectares = len(chips) * (chips.side * meta["pixel_m"]) ** 2 * CHIP_HECTARE
     at_score = metrics.counts(found, truth, score)
@@ -122,7 +122,10 @@ def measure_effigies(network, meta: dict, chips: Chips, score: float) -> dict:
         for limit in (0.5, 0.3):
             report[f"ap{limit * 100:.0f}{name}"] = metrics.class_precision(rows, truth, kind, limit)["all_points"]
         report[f"at_score{name}"] = metrics.counts(rows, truth, score)
-    return report | {"sweep": metrics.sweep(only, truth), "errors": metrics.errors(only, truth, chips.names, meta["names"], score)}
+    return report | {
+        "sweep": metrics.sweep(only, truth),
+        "errors": metrics.errors(only, truth, chips.names, meta["names"], score),
+    }
 
 
 def measure_plain(network, meta: dict, tiles: "real.Tiles", score: float) -> dict:

@@ -64,7 +64,9 @@ def precision_table(found: list, truth: list, names: list[str], ious=COCO_IOUS) 
                 "ap50_coco101": each[0]["coco101"],
                 "ap50_95": float(np.mean([e["coco101"] for e in each])),
             }
-    means = {key: float(np.mean([row[key] for row in table.values()])) if table else 0.0 for key in ("ap50", "ap50_coco101", "ap50_95")}
+    means = {
+        key: float(np.mean([row[key] for row in table.values()])) if table else 0.0 for key in ("ap50", "ap50_coco101", "ap50_95")
+    }
     return {"map50": means["ap50"], "map50_coco101": means["ap50_coco101"], "map50_95": means["ap50_95"], "classes": table}
 
 
@@ -128,6 +130,10 @@ def confusion(found: list, truth: list, score: float, classes: int, limit: float
 
 def errors(found: list, truth: list, chips: list[str], names: list[str], score: float) -> list[dict]:
     """Every false alarm (with the best IoU it has with any truth) and every miss at one confidence."""
+
+    def error(chip: str, what: str, kind: float, box: np.ndarray) -> dict:
+        return {"chip": chip, "error": what, "class": names[int(kind)], "box_px": [round(float(v), 1) for v in box]}
+
     rows = []
     for f, t, chip in zip(found, truth, chips):
         f = f[f[:, 4] >= score]
@@ -135,8 +141,8 @@ def errors(found: list, truth: list, chips: list[str], names: list[str], score: 
         near = box_iou(f[:, :4], t[:, :4]).max(1) if len(f) and len(t) else np.zeros(len(f))
         for row, of, best in zip(f, taken, near):
             if of < 0:
-                box = [round(float(v), 1) for v in row[:4]]
-                rows.append({"chip": chip, "error": "false alarm", "class": names[int(row[5])], "score": round(float(row[4]), 3), "box_px": box, "best_iou": round(float(best), 3)})
-        for missed in sorted(set(range(len(t))) - set(taken.tolist())):
-            rows.append({"chip": chip, "error": "miss", "class": names[int(t[missed, 4])], "box_px": [round(float(v), 1) for v in t[missed, :4]]})
+                scored = {"score": round(float(row[4]), 3), "best_iou": round(float(best), 3)}
+                rows.append(error(chip, "false alarm", row[5], row[:4]) | scored)
+        missed = sorted(set(range(len(t))) - set(taken.tolist()))
+        rows += [error(chip, "miss", t[index, 4], t[index, :4]) for index in missed]
     return rows

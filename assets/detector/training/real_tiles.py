@@ -126,7 +126,8 @@ def contact_sheet(images: np.ndarray, echo: list, extended: list, names: list[st
         tile = tile.resize((size, size)).convert("RGB")
         draw = ImageDraw.Draw(tile)
         for box, colour in ((long, (0, 200, 255)), (short, (255, 60, 60))):
-            draw.rectangle([(box[1] - int(x)) * zoom, (box[2] - int(y)) * zoom, (box[3] - int(x)) * zoom, (box[4] - int(y)) * zoom], outline=colour)
+            moved = np.array(box[1:]) - np.array([int(x), int(y)] * 2)
+            draw.rectangle((moved * zoom).tolist(), outline=colour)
         draw.text((2, 2), re.sub(r"_sample|_tile|2024", "", names[short[0]])[:24], fill=(255, 255, 0))
         picture.paste(tile, (slot % columns * size, slot // columns * size))
     picture.save(path)

@@ -23,9 +23,9 @@ import torch
 import real
 from anchors import per_head
 from augment import Augmenter, Strength
-from data import DEFAULT_PIXEL_M, Chips, read_manifest, read_names, read_split
 from darknet_weights import load_coco
-from detect import detect, suppress, truths
+from data import DEFAULT_PIXEL_M, Chips, read_manifest, read_names, read_split
+from detect import detect, judged, suppress, truths
 from evaluate import evaluate
 from export import export
 from loss import Yolov4Loss
@@ -37,6 +37,7 @@ WARMUP = 0.03  # share of the run over which the learning rate rises
 LAST_RATE = 0.01  # final learning rate as a share of the first
 EMA_KEEP = 0.999
 CLIP_NORM = 20.0
+LOG_SECONDS = 10.0
 LOG_COLUMNS = ("step", "seconds", "rate", "total", "box", "object", "class", "chips_per_second", "map50")
 LOOK_CHIPS = 400  # validation chips for the looks during training
 
@@ -140,39 +141,51 @@ class Batches:
 
 def look(trainer: Trainer, chips: Chips, meta: dict) -> float:
     """mAP50 of the running average on some validation chips."""
-    found = [suppress(rows, agnostic=False) for rows in detect(trainer.average, meta["anchors"], chips)]
+    found = judged([suppress(rows, agnostic=False) for rows in detect(trainer.average, meta["anchors"], chips)], chips)
     return precision_table(found, truths(chips), meta["names"], ious=(0.5,))["map50"]
 
 
-def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log) -> None:
+class Log:
+    """Lines of progress, printed and kept as CSV, every ten seconds and at each look at the validation chips."""
+
+    def __init__(self, file):
+        self.file, self.writer = file, csv.writer(file)
+        self.chips, self.since = 0, time.monotonic()
+        if not file.tell():
+            self.writer.writerow(LOG_COLUMNS)
+
+    def due(self) -> bool:
+        """Whether the last line is ten seconds old."""
+        return time.monotonic() - self.since > LOG_SECONDS
+
+    def line(self, trainer: Trainer, terms: dict[str, torch.Tensor], precision: float | None) -> None:
+        """Writes one line; reading the terms waits for the device."""
+        values = [round(float(terms[name]), 4) for name in ("total", "box", "object", "class")]
+        speed = round(self.chips / (time.monotonic() - self.since))
+        self.writer.writerow([trainer.steps, round(trainer.seconds, 1), f"{trainer.rate():.2e}", *values, speed, precision])
+        self.file.flush()
+        print(f"step {trainer.steps} at {trainer.seconds:.0f} s: loss {values}, {speed} chips/s, mAP50 {precision}", flush=True)
+        self.chips, self.since = 0, time.monotonic()
+
+
+def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) -> None:
     """Trains until the budget is spent; looks at the validation chips and keeps the checkpoint now and then."""
-    args, device = trainer.args, trainer.device
-    looks, began, shown, kept = 0, time.monotonic() - trainer.seconds, 0.0, time.monotonic()
-    writer, seen, since, terms = csv.writer(log), 0, time.monotonic(), {}
-    if not log.tell():
-        writer.writerow(LOG_COLUMNS)
+    args, looks = trainer.args, int(trainer.progress() * trainer.args.looks)
+    began, kept = time.monotonic() - trainer.seconds, time.monotonic()
     while trainer.progress() < 1.0:
         batches.calm = trainer.progress() > 1 - args.settle
         trainer.network.train()
         terms = trainer.step(*batches.next())
-        trainer.seconds, seen = time.monotonic() - began, seen + args.batch
+        log.chips += args.batch
+        if trainer.progress() * args.looks >= looks + 1:
+            looks = int(trainer.progress() * args.looks)
+            log.line(trainer, terms, look(trainer, val, meta))
+        elif log.due():
+            log.line(trainer, terms, None)
         if args.state and time.monotonic() - kept > args.keep_seconds:
             trainer.save(args.state)
             kept = time.monotonic()
-        due = trainer.progress() * args.looks >= looks + 1
-        if due or time.monotonic() - shown > 10:
-            shown = time.monotonic()
-            precision = look(trainer, val, meta) if due else None
-            looks = int(trainer.progress() * args.looks)
-            values = [round(float(terms[name]), 4) for name in ("total", "box", "object", "class")]
-            speed = round(seen / (time.monotonic() - since))
-            writer.writerow([trainer.steps, round(trainer.seconds, 1), f"{trainer.rate():.2e}", *values, speed, precision])
-            log.flush()
-            print(f"step {trainer.steps} at {trainer.seconds:.0f} s: loss {values}, {speed} chips/s, mAP50 {precision}", flush=True)
-            seen, since = 0, time.monotonic()
-            trainer.seconds = time.monotonic() - began
-    if device.type == "cuda":
-        torch.cuda.synchronize()
+        trainer.seconds = time.monotonic() - began
     if args.state:
         trainer.save(args.state)
 
@@ -240,7 +253,10 @@ def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
         "pixel_m": manifest.get("pixel_m", DEFAULT_PIXEL_M),
     }  # fmt: skip
     spent = time.monotonic() - began
-    print(f"{len(train)} + {len(val)} + {len(test)} chips, {len(rows)} boxes, anchors fit {fit:.3f}, read in {spent:.1f} s", flush=True)
+    print(
+        f"{len(train)} + {len(val)} + {len(test)} chips, {len(rows)} boxes, anchors fit {fit:.3f}, read in {spent:.1f} s",
+        flush=True,
+    )
     return train, val, test, tiles, meta
 
 
@@ -252,6 +268,22 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": read_manifest(args.data),
     }  # fmt: skip
+
+
+def summary(name: str, report: dict) -> str:
+    """The figures that decide, in a few lines."""
+    test, at = report["test"]["precision"], report["test"]["at_score"]
+    lines = [
+        f"{name}: test mAP50 {test['map50']:.4f}, mAP50:95 {test['map50_95']:.4f}, IoU of matches {at['mean_iou_of_matches']:.3f}",
+        f"  at {at['score']}: {at['tp']} found, {at['fp']} false ({at['false_alarms_per_hectare']:.2f}/ha), {at['fn']} missed",
+        "  AP50 " + ", ".join(f"{kind} {row['ap50']:.3f}" for kind, row in test["classes"].items()),
+        "  "
+        + ", ".join(f"{size['found']}/{size['truths']} from {size['from_m']:.1f} m" for size in report["test"]["recall_by_size"]),
+    ]
+    for split, kinds in report.get("real", {}).items():
+        if split != "plain":
+            lines.append(f"  real {split} AP50 " + ", ".join(f"{k} {v['ap50']:.3f} ({v['truths']})" for k, v in kinds.items()))
+    return "\n".join([*lines, f"  export {report['export']}"])
 
 
 def main() -> None:
@@ -274,7 +306,7 @@ def main() -> None:
         real_chips = real.packed_chips(tiles, 1500 if device.type == "cuda" else 100, meta, args.seed).to(device)
     batches = Batches(train.to(device), real_chips, args, trainer.generator)
     with open(args.out / "log.csv", "a", newline="") as log:
-        run(trainer, batches, val.first(LOOK_CHIPS), meta, log)
+        run(trainer, batches, val.first(LOOK_CHIPS), meta, Log(log))
     sizes = {"train": len(train), "val": len(val), "test": len(test)}
     meta["training"] = provenance(args, trainer, sizes, start)
     report = evaluate(trainer.average, meta, val, test, tiles, args.out)
@@ -283,7 +315,7 @@ def main() -> None:
     chips = test.images[:4].unsqueeze(1).numpy().astype(np.float32) / 255
     report["export"] = export(trainer.average, meta, args.out, chips)
     (args.out / "metrics.json").write_text(json.dumps(report, indent=1) + "\n")
-    print(json.dumps({"test": report["test"]["at_score"], "precision": report["test"]["precision"], "export": report["export"]}, indent=1))
+    print(summary(meta["name"], report))
 
 
 if __name__ == "__main__":
