@@ -41,9 +41,9 @@ pub fn difference(value_m: f64) -> String {
 /// How flat a stretch is and what its first returns say, in two lines.
 pub fn flat_stretch(spot: &FlatSpot) -> String {
     let [port, starboard] = spot.picks;
-    let scale = match spot.ppd {
-        Some(ppd) => format!(
-            "PPD {:.2} ±{:.2} px/m from",
+    let scale = match spot.ppd.zip(spot.factor) {
+        Some((ppd, factor)) => format!(
+            "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}:",
             ppd.px_per_m, ppd.spread_px_per_m
         ),
         None => "too few for a scale:".to_owned(),

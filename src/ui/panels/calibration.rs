@@ -170,10 +170,10 @@ fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &F
         let [port, starboard] = spot.picks;
         let label = match spot.ppd {
             Some(ppd) => format!(
-                "{rank}  {:.2} m  {:.1} ±{:.1} px/m  {port}+{starboard}",
+                "{rank}  {:.1} m  {:.1} ±{:.1} px/m  {port}+{starboard}",
                 spot.depth_m, ppd.px_per_m, ppd.spread_px_per_m
             ),
-            None => format!("{rank}  {:.2} m  {port}+{starboard} picks", spot.depth_m),
+            None => format!("{rank}  {:.1} m  {port}+{starboard} picks", spot.depth_m),
         };
         let row = ui
             .selectable_label(picked == Some(range), label)
