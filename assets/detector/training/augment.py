@@ -39,8 +39,9 @@ class Strength:
 class Augmenter:
     """Draws varied batches from chips that lie on a device."""
 
-    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator):
+    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator, side: int | None = None):
         self.chips, self.strength, self.generator = chips, strength, generator
+        self.side = side or chips.side  # of the pictures; smaller than the chips' for random cut-outs at the same scale
         self.device = chips.images.device
 
     def uniform(self, *shape: int, low: float = 0.0, high: float = 1.0) -> torch.Tensor:
@@ -58,7 +59,7 @@ class Augmenter:
 
     def quadrants(self, count: int) -> torch.Tensor:
         """The four rectangles `[batch, 4, 4]` (x1, y1, x2, y2) of each picture; without a mosaic the first fills it."""
-        side = float(self.chips.side)
+        side = float(self.side)
         split = self.uniform(count, 2, low=0.3, high=0.7) * side
         whole = self.uniform(count, 1) >= self.strength.mosaic
         x, y = torch.where(whole, torch.full_like(split, side), split).unbind(1)
@@ -68,7 +69,7 @@ class Augmenter:
 
     def compose(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Places one chip, or parts of four, in each picture, scaled, shifted and mirrored along track."""
-        count, side = len(index), self.chips.side
+        count, side = len(index), self.side
         rectangles = self.quadrants(count)
         parts = 4 if self.strength.mosaic > 0 else 1
         out, boxes = torch.zeros(count, 1, side, side, device=self.device), []
@@ -76,18 +77,18 @@ class Augmenter:
             source = index if part == 0 else index[torch.randperm(count, generator=self.generator, device=self.device)]
             rectangle = rectangles[:, part]
             scale, offset, mirrored = self.placement(rectangle)
-            picture = sample(self.chips.images[source], scale, offset, mirrored)
+            picture = sample(self.chips.images[source], scale, offset, mirrored, side)
             out = torch.where(inside(rectangle, side), picture, out)
-            boxes.append(place(self.chips.boxes[source], rectangle, scale, offset, mirrored, side))
+            boxes.append(place(self.chips.boxes[source], rectangle, scale, offset, mirrored, self.chips.side))
         return out, torch.cat(boxes, 1)
 
     def placement(self, rectangle: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Scale and offset `[batch, 2]` (columns, rows) of a source chip in its rectangle, and whether rows are mirrored."""
-        count, side, strength = len(rectangle), self.chips.side, self.strength
+        count, side, strength = len(rectangle), self.side, self.strength
         scale = self.log_uniform(count, 1, factor=strength.scale).repeat(1, 2)
         scale[:, 1] *= self.log_uniform(count, factor=strength.stretch)
         corner, size = rectangle[:, :2], rectangle[:, 2:] - rectangle[:, :2]
-        offset = corner - self.uniform(count, 2) * (scale * side - size)
+        offset = corner - self.uniform(count, 2) * (scale * self.chips.side - size)
         offset = offset + self.uniform(count, 2, low=-1.0, high=1.0) * strength.shift * side * (size >= side)
         return scale, offset, self.uniform(count) < 0.5
 
@@ -111,12 +112,14 @@ class Augmenter:
         return torch.randn(*shape, generator=self.generator, device=self.device)
 
 
-def sample(images: torch.Tensor, scale: torch.Tensor, offset: torch.Tensor, mirrored: torch.Tensor) -> torch.Tensor:
-    """Draws each u8 chip at `out = offset + scale * source`, rows mirrored first where asked; black outside."""
-    count, side = images.shape[0], images.shape[-1]
+def sample(
+    images: torch.Tensor, scale: torch.Tensor, offset: torch.Tensor, mirrored: torch.Tensor, side: int
+) -> torch.Tensor:
+    """Draws each u8 chip into a picture of `side` pixels at `out = offset + scale * source`, rows mirrored first where asked; black outside."""
+    count, source = images.shape[0], images.shape[-1]
     # grid_sample wants the inverse in coordinates of -1..1: source = (out - offset) / scale.
-    factor = 1.0 / scale
-    constant = (side / 2 - offset) / scale * 2 / side - 1
+    factor = side / source / scale
+    constant = (side / 2 - offset) / scale * 2 / source - 1
     sign = torch.stack([torch.ones_like(scale[:, 0]), torch.where(mirrored, -1.0, 1.0)], 1)
     theta = torch.zeros(count, 2, 3, device=images.device)
     theta[:, 0, 0], theta[:, 1, 1] = (factor * sign).unbind(1)
@@ -133,11 +136,11 @@ def inside(rectangle: torch.Tensor, side: int) -> torch.Tensor:
     return (rows[:, :, None] & columns[:, None, :]).unsqueeze(1)
 
 
-def place(boxes, rectangle, scale, offset, mirrored, side: int) -> torch.Tensor:
+def place(boxes, rectangle, scale, offset, mirrored, source: int) -> torch.Tensor:
     """Moves boxes as `sample` moves pixels, cuts them at the rectangle and demotes those that lose too much."""
     kind, x1, y1, x2, y2 = boxes.unbind(-1)
     up = mirrored[:, None]
-    y1, y2 = torch.where(up, side - y2, y1), torch.where(up, side - y1, y2)
+    y1, y2 = torch.where(up, source - y2, y1), torch.where(up, source - y1, y2)
     moved = torch.stack([x1, y1, x2, y2], -1) * scale[:, None].repeat(1, 1, 2) + offset[:, None].repeat(1, 1, 2)
     low, high = rectangle[:, None, :2], rectangle[:, None, 2:]
     cut = torch.cat(

@@ -123,7 +123,7 @@ class Batches:
             count = round(args.batch * args.real_share)
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
         self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
-        self.calm = False
+        self.calm, self.side = False, args.crop
 
     def next(self) -> tuple[torch.Tensor, torch.Tensor]:
         """Pictures and boxes of one batch."""
@@ -131,7 +131,7 @@ class Batches:
         for chips, count in self.sources:
             device = chips.images.device
             index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
-            picture, box = Augmenter(chips, strength, self.generator).batch(index)
+            picture, box = Augmenter(chips, strength, self.generator, self.side).batch(index)
             images.append(picture)
             boxes.append(box)
         slots = max(b.shape[1] for b in boxes)
@@ -222,6 +222,7 @@ def arguments() -> argparse.Namespace:
     add("--batch", type=int, default=64)
     add("--rate", type=float, default=1e-3, help="highest learning rate (AdamW)")
     add("--decay", type=float, default=0.01, help="weight decay of the convolutions")
+    add("--crop", type=int, help="learn from cut-outs of this many pixels (a multiple of 32) at the same scale: faster")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
