@@ -38,18 +38,18 @@ pub fn difference(value_m: f64) -> String {
     }
 }
 
-/// How flat a stretch is and what its first returns say, in two lines.
+/// How flat a stretch is and what its first returns say, in three lines.
 pub fn flat_stretch(spot: &FlatSpot) -> String {
     let [port, starboard] = spot.picks;
     let scale = match spot.ppd.zip(spot.factor) {
         Some((ppd, factor)) => format!(
-            "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}:",
+            "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}",
             ppd.px_per_m, ppd.spread_px_per_m
         ),
-        None => "too few for a scale:".to_owned(),
+        None => "too few for a scale".to_owned(),
     };
     format!(
-        "pings {}..{}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm\n{scale} {port} first returns to port, {starboard} to starboard",
+        "pings {}..{}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
         spot.pings.start,
         spot.pings.end,
         spot.depth_m,
