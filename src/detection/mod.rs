@@ -6,9 +6,10 @@
 //! `dataset` makes labelled pictures to learn from.
 //! `nms` keeps the surest of boxes that overlap.
 //! `review` holds what the analyst decides about the boxes.
-//! `metrics` measures predicted boxes against true ones.
+//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
 
 pub mod dataset;
+pub mod labels;
 mod level;
 mod mark;
 pub mod metrics;
