@@ -6,11 +6,9 @@
 //! `dataset` makes labelled pictures to learn from.
 //! `nms` keeps the surest of boxes that overlap.
 //! `review` holds what the analyst decides about the boxes.
-//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
-//! `targets` places boxes in the world.
+//! `metrics` measures predicted boxes against true ones.
 
 pub mod dataset;
-pub mod labels;
 mod level;
 mod mark;
 pub mod metrics;
@@ -18,7 +16,6 @@ mod nms;
 mod raster;
 mod rect;
 pub mod review;
-pub mod targets;
 
 pub use level::level;
 pub use mark::{Detection, Mark};
