@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
 mod dataset;
+mod evaluate;
 mod filter;
 mod folders;
 mod info;
@@ -38,6 +39,8 @@ struct Cli {
 enum Command {
     /// Tell what is in a log: channels, pings, spans, ranges, warnings
     Info(info::InfoArgs),
+    /// Measure predicted boxes against true ones: precision, recall, average precision, confusion
+    Evaluate(evaluate::EvaluateArgs),
     /// Remove outliers from a point file: xyz, csv, ply, las, laz
     Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
@@ -55,6 +58,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Info(args)),
             ..
         } => info::run(args),
+        Cli {
+            command: Some(Command::Evaluate(args)),
+            ..
+        } => evaluate::run(args),
         Cli {
             command: Some(Command::Filter(args)),
             ..

@@ -6,9 +6,11 @@
 //! `dataset` makes labelled pictures to learn from.
 //! `nms` keeps the surest of boxes that overlap.
 //! `review` holds what the analyst decides about the boxes.
-//! `metrics` measures predicted boxes against true ones.
+//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
+//! `targets` places boxes in the world.
 
 pub mod dataset;
+pub mod labels;
 mod level;
 mod mark;
 pub mod metrics;
@@ -16,6 +18,7 @@ mod nms;
 mod raster;
 mod rect;
 pub mod review;
+pub mod targets;
 
 pub use level::level;
 pub use mark::{Detection, Mark};

@@ -7,6 +7,7 @@ mod cli;
 mod cloud;
 mod damage;
 mod detection_metrics;
+mod detection_targets;
 mod export;
 mod first_return;
 mod formats;

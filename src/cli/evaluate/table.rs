@@ -1,0 +1,187 @@
+//! The figures as text.
+
+use super::Outcome;
+use crate::detection::labels::LabelSet;
+use crate::detection::metrics::{Cause, Counts};
+use std::fmt::Write as _;
+
+/// Everything, table by table.
+pub fn of(outcome: &Outcome) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    for part in [read, counts, precisions, sizes, confusion, mistakes] {
+        part(outcome, &mut text).ok();
+        text.push('\n');
+    }
+    text
+}
+
+type Written = Result<(), std::fmt::Error>;
+
+/// `0.812`, or a dash where there is nothing to divide by.
+fn share(value: f64) -> String {
+    if value.is_nan() {
+        "-".into()
+    } else {
+        format!("{value:.3}")
+    }
+}
+
+/// Characters of the widest class name.
+fn width(outcome: &Outcome) -> usize {
+    let names = outcome.paired.classes.iter();
+    names
+        .map(|name| name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max("background".len())
+}
+
+fn read(outcome: &Outcome, text: &mut String) -> Written {
+    let mut line = |what: &str, set: &LabelSet| {
+        let (format, path) = (set.format.name(), set.path.display());
+        let (pictures, boxes) = (set.pictures.len(), set.boxes());
+        writeln!(
+            text,
+            "{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}"
+        )
+    };
+    line("truth", outcome.truth)?;
+    line("predicted", outcome.predicted)
+}
+
+fn counts(outcome: &Outcome, text: &mut String) -> Written {
+    let (width, evaluation) = (width(outcome), &outcome.darknet);
+    writeln!(
+        text,
+        "Boxes of score {} and more, found above IoU {} (Darknet's rule)",
+        outcome.score, outcome.iou
+    )?;
+    writeln!(
+        text,
+        "{:<width$}  truths   found   false  missed  precision  recall     F1  IoU of found  Darknet's IoU",
+        "class"
+    )?;
+    let mut line = |name: &str, counts: &Counts| {
+        writeln!(
+            text,
+            "{name:<width$}  {:>6}  {:>6}  {:>6}  {:>6}  {:>9}  {:>6}  {:>5}  {:>12}  {:>13}",
+            counts.truths,
+            counts.found,
+            counts.false_alarms,
+            counts.missed(),
+            share(counts.precision()),
+            share(counts.recall()),
+            share(counts.f1()),
+            share(counts.iou_of_matches()),
+            share(counts.darknet_iou()),
+        )
+    };
+    for (name, class) in outcome.paired.classes.iter().zip(&evaluation.classes) {
+        line(name, &class.counts)?;
+    }
+    line("all", &evaluation.counts)?;
+    writeln!(text, "Darknet's IoU counts a false alarm as 0.")
+}
+
+fn precisions(outcome: &Outcome, text: &mut String) -> Written {
+    let width = width(outcome);
+    let evaluations = [&outcome.darknet, &outcome.eleven, &outcome.coco];
+    writeln!(text, "Average precision at IoU {}", outcome.iou)?;
+    writeln!(
+        text,
+        "{:<width$}  all points  11 points  COCO, 101  COCO, IoU 0.50 to 0.95",
+        "class"
+    )?;
+    let mut line = |name: &str, at: [f64; 3], range: f64| {
+        let [all, eleven, coco] = at.map(share);
+        let range = share(range);
+        writeln!(
+            text,
+            "{name:<width$}  {all:>10}  {eleven:>9}  {coco:>9}  {range:>22}"
+        )
+    };
+    for (class, name) in outcome.paired.classes.iter().enumerate() {
+        let at = evaluations.map(|evaluation| evaluation.classes[class].ap);
+        line(name, at, outcome.coco.classes[class].ap_50_95)?;
+    }
+    let means = evaluations.map(|evaluation| evaluation.map);
+    line("mean", means, outcome.coco.map_50_95)
+}
+
+fn sizes(outcome: &Outcome, text: &mut String) -> Written {
+    writeln!(
+        text,
+        "By size (side of a square of the same area; COCO's rule)"
+    )?;
+    writeln!(
+        text,
+        "pixels        truths   found   false  missed    mAP  mAP 0.50 to 0.95"
+    )?;
+    for size in &outcome.coco.sizes {
+        let [from, to] = size.side_px;
+        let name = if to.is_finite() {
+            format!("{from} to {to}")
+        } else {
+            format!("{from} and more")
+        };
+        let counts = &size.counts;
+        writeln!(
+            text,
+            "{name:<12}  {:>6}  {:>6}  {:>6}  {:>6}  {:>5}  {:>16}",
+            counts.truths,
+            counts.found,
+            counts.false_alarms,
+            counts.missed(),
+            share(size.map),
+            share(size.map_50_95),
+        )?;
+    }
+    Ok(())
+}
+
+fn confusion(outcome: &Outcome, text: &mut String) -> Written {
+    let width = width(outcome);
+    let names = || {
+        let classes = outcome.paired.classes.iter().map(String::as_str);
+        classes.chain(["background"])
+    };
+    writeln!(
+        text,
+        "What was taken for what (rows: truth; columns: prediction)"
+    )?;
+    write!(text, "{:<width$}", "truth")?;
+    for name in names() {
+        write!(text, "  {name:>6}")?;
+    }
+    writeln!(text)?;
+    for (name, row) in names().zip(outcome.darknet.confusion.rows()) {
+        write!(text, "{name:<width$}")?;
+        for (column, count) in names().zip(row) {
+            let wide = column.chars().count().max(6);
+            write!(text, "  {count:>wide$}")?;
+        }
+        writeln!(text)?;
+    }
+    writeln!(
+        text,
+        "Row background: false alarms; column background: missed."
+    )
+}
+
+fn mistakes(outcome: &Outcome, text: &mut String) -> Written {
+    let false_alarms = &outcome.darknet.false_alarms;
+    write!(text, "False alarms: {}", false_alarms.len())?;
+    let causes = [
+        Cause::Background,
+        Cause::Duplicate,
+        Cause::OtherClass,
+        Cause::Loose,
+    ];
+    for (index, cause) in causes.into_iter().enumerate() {
+        let count = false_alarms.iter().filter(|one| one.cause == cause).count();
+        let separator = if index == 0 { " (" } else { ", " };
+        write!(text, "{separator}{} {count}", cause.name())?;
+    }
+    writeln!(text, "). --json lists them and the misses.")
+}
