@@ -2,11 +2,14 @@
 //! to bottom and jumps least.
 //!
 //! `runs` cuts the log where the line may break and into chunks, `rows` brings the picture, `score` measures the step at
-//! every sample, `viterbi` finds the best path, `line` says where it is a pick and how sure, and `refine` finds the edge
-//! within a fraction of a sample on the picture that `straight` lays along the line.
+//! every sample, `depth` holds the recorded depth against it, `viterbi` finds the best path, `line` says where it is a pick
+//! and how sure, and `refine` finds the edge within a fraction of a sample on the picture that `straight` lays along the line,
+//! with what `onset` hears just before it.
 
+mod depth;
 mod grid;
 mod line;
+mod onset;
 mod refine;
 mod rows;
 mod runs;
@@ -43,6 +46,12 @@ struct Tuning {
     depth_cost: f32,
     /// Window around the recorded depth, as shares of it.
     depth_window: (f64, f64),
+    /// Farthest that a first return lies, as a share of a depth to be believed: both are rounded and noisy.
+    farthest_share: f64,
+    /// Share of the pings whose line must lie before that for the depth to be believed.
+    depth_trust: f64,
+    /// Score that lying farther costs then: more than any step gathers.
+    farther_cost: f32,
 }
 
 const TUNING: Tuning = Tuning {
@@ -54,6 +63,9 @@ const TUNING: Tuning = Tuning {
     leap_cost: 7.0,
     depth_cost: 1.0,
     depth_window: (0.65, 1.12),
+    farthest_share: 1.08,
+    depth_trust: 0.9,
+    farther_cost: 8.0,
 };
 
 /// Picks of both sides (port, starboard) for `pings`, without canopy flags.
@@ -119,13 +131,13 @@ impl Workspace {
             &self.rows,
             &score::Kernel::new(normalisation, settings, chunk, cell_m),
         );
-        for (row, &ping) in chunk.pings.iter().enumerate() {
-            let depth_m = survey.locked_depth_m(ping as usize);
-            self.scores
-                .weigh_depth(row, f64::from(depth_m), chunk, cell_m);
-        }
+        let depths = depth::Depths::of(survey, chunk, cell_m);
+        depths.weigh(&mut self.scores);
         let motion = viterbi::Motion::at(cell_m);
-        let line = self.paths.line(self.scores.grid(), &motion);
+        let mut line = self.paths.line(self.scores.grid(), &motion);
+        if depths.forbid_beyond(&line, &mut self.scores) {
+            line = self.paths.line(self.scores.grid(), &motion);
+        }
         let confidence = line::confidence(self.scores.grid(), &line, cell_m);
         let places = self.refiner.refine(&self.rows, &line, motion.limit, cell_m);
         let samples_per_cell = rows::cell(normalisation.samples) as f32;

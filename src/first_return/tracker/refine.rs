@@ -6,6 +6,7 @@
 //! a weak one; a fixed drop in bytes is a fixed drop in decibels, at which both edges lie equally far from the true range.
 
 use super::grid::{Grid, peak_offset};
+use super::onset::Onsets;
 use super::rows::Rows;
 use super::score::{FLOOR, MOST};
 use super::straight::{extract, gaussian, smooth, smooth_along, stretches};
@@ -16,11 +17,11 @@ use std::ops::Range;
 /// Standard deviation, in pings, of the smoothing of: the line that the picture is laid straight by, the picture that is
 /// searched again, the profile that the edge is read off.
 const LINE_PINGS: f32 = 3.0;
-const SEARCH_PINGS: f32 = 1.0;
+const SEARCH_PINGS: f32 = 1.1;
 const PROFILE_PINGS: f32 = 6.0;
 
 /// Length of the windows compared on both sides of a step, metres.
-const WINDOW_M: f64 = 0.137;
+const WINDOW_M: f64 = 0.1;
 /// Distance from the smoothed line that is searched, metres.
 const SEARCH_M: f64 = 0.2;
 /// The second search moves at most this many cells from row to row, at this cost each.
@@ -41,6 +42,7 @@ pub(super) struct Refiner {
     scores: Grid,
     profiles: Grid,
     paths: Paths,
+    onsets: Onsets,
 }
 
 impl Refiner {
@@ -49,7 +51,8 @@ impl Refiner {
         let reach = cells(WATER_M.1, cell_m, 5);
         self.profiles.reset(line.len(), 2 * reach + 1, 0.0);
         let mut places = Vec::with_capacity(line.len());
-        for stretch in stretches(line, limit) {
+        let stretches = stretches(line, limit);
+        for stretch in stretches.iter().cloned() {
             let rough: Vec<f32> = line[stretch.clone()].iter().map(|&at| at as f32).collect();
             let straight = smooth(&rough, &gaussian(LINE_PINGS));
             let found = self.search(rows, &stretch, &straight, cell_m);
@@ -70,6 +73,7 @@ impl Refiner {
         for (place, profile) in places.iter_mut().zip(&profiles) {
             *place += profile.edge(drop);
         }
+        self.onsets.advance(rows, &stretches, &mut places, cell_m);
         places
     }
 

@@ -5,6 +5,7 @@ use super::TUNING;
 use super::grid::Grid;
 use super::rows::Rows;
 use super::runs::Chunk;
+use std::ops::{Bound, RangeBounds};
 
 /// Weights of the smoothing along the track: a gaussian of 1.2 pings that sums to 64.
 const ALONG: [u16; 4] = [22, 15, 5, 1];
@@ -93,23 +94,19 @@ impl Scores {
         &self.grid
     }
 
-    /// Lowers what lies far from the recorded depth. Soft, since that depth may be wrong; no depth, no change.
-    pub fn weigh_depth(&mut self, row: usize, depth_m: f64, chunk: &Chunk, cell_m: f64) {
-        if !depth_m.is_finite() || depth_m <= 0.0 {
-            return;
-        }
-        let cell = |share: f64| {
-            let cell = (share * depth_m - chunk.near_m) / cell_m;
-            (cell.max(0.0) as usize).min(self.grid.width())
-        };
-        let (near, far) = TUNING.depth_window;
-        let window = cell(near)..cell(far);
+    /// Lowers some cells of a row; what of them lies beyond the row is left out.
+    pub fn lower(&mut self, row: usize, cells: impl RangeBounds<usize>, cost: f32) {
         let row = self.grid.row_mut(row);
-        for score in &mut row[..window.start] {
-            *score -= TUNING.depth_cost;
-        }
-        for score in &mut row[window.end..] {
-            *score -= TUNING.depth_cost;
+        let start = match cells.start_bound() {
+            Bound::Included(&start) => start.min(row.len()),
+            _ => 0,
+        };
+        let end = match cells.end_bound() {
+            Bound::Excluded(&end) => end.min(row.len()),
+            _ => row.len(),
+        };
+        for score in &mut row[start..end] {
+            *score -= cost;
         }
     }
 
