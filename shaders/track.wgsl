@@ -1,4 +1,5 @@
-// A track as instanced quads, one a segment, with round ends: pieces join without gaps at any turn.
+// A track as instanced quads, one a segment, with round ends: pieces join without gaps at any turn. A segment from or to a
+// vertex of alpha 0 is a break in the line.
 
 struct Line {
     // Pixels from metres: scale x, scale y (negative: north is up), offset x, offset y.
@@ -51,6 +52,10 @@ fn vertex(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
     corner.length_px = length_px;
     corner.from_colour = segment.from_colour;
     corner.to_colour = segment.to_colour;
+    if segment.from_colour.a == 0.0 || segment.to_colour.a == 0.0 {
+        // All corners in one place, out of the picture.
+        corner.clip = vec4f(2.0, 2.0, 0.5, 1.0);
+    }
     return corner;
 }
 

@@ -138,6 +138,16 @@ pub struct PointCloud {
 }
 
 impl PointCloud {
+    /// The side-scan points of a ping, port first.
+    pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = &CloudPoint> {
+        let sides = [PointSource::Port, PointSource::Starboard];
+        sides.into_iter().flat_map(move |source| {
+            let before = |point: &CloudPoint| (point.source, point.ping as usize) < (source, ping);
+            let points = self.points[self.points.partition_point(before)..].iter();
+            points.take_while(move |point| point.source == source && point.ping as usize == ping)
+        })
+    }
+
     /// Side-scan points that the outlier filter removed; `kept` holds one flag per point.
     pub fn outliers(&self, kept: &[bool]) -> usize {
         let beside = |point: &CloudPoint| point.source != PointSource::DownScan;

@@ -165,17 +165,17 @@ impl Projection {
     }
 
     /// The point under the pointer: the nearest within `reach_px`, and of those as near (to the pixel; all within `cover_px`
-    /// count as under the pointer) the one in front. `pointer_px` and `size_px` are in pixels from the top left.
+    /// count as under the pointer) the one in front; its number. `pointer_px` and `size_px` are in pixels from the top left.
     pub fn pick(
         &self,
-        points: impl Iterator<Item = Vec3>,
+        points: impl Iterator<Item = (usize, Vec3)>,
         pointer_px: Vec2,
         size_px: Vec2,
         [cover_px, reach_px]: [f32; 2],
     ) -> Option<usize> {
         let half = 0.5 * size_px;
         let mut best: Option<(f32, f32, usize)> = None;
-        for (index, point) in points.enumerate() {
+        for (index, point) in points {
             let Some(ndc) = self.project(point) else {
                 continue;
             };
@@ -296,7 +296,7 @@ mod tests {
             Vec3::new(0.0, -500.0, 0.0),
             Vec3::new(30.0, 0.0, 0.0),
         ];
-        let pick = |at| projection.pick(points.iter().copied(), at, size, [3.0, 8.0]);
+        let pick = |at| projection.pick(points.iter().copied().enumerate(), at, size, [3.0, 8.0]);
         assert_eq!(pick(centre), Some(1));
         assert_eq!(pick(centre + Vec2::new(6.0, 0.0)), Some(1));
         assert_eq!(pick(centre + Vec2::new(30.0, 30.0)), None);

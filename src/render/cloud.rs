@@ -1,9 +1,9 @@
 //! Draws points into a [`Target`].
 
+use super::Uploader;
 use super::target::{PipelineParts, Target, quad_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
-use wgpu::util::DeviceExt as _;
 
 /// A point, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -34,18 +34,19 @@ pub struct CloudBuffers {
 }
 
 impl CloudBuffers {
-    /// Uploads points. Can be called from a worker.
-    pub fn new(device: &wgpu::Device, points: &[PointVertex]) -> Self {
-        let upload = |points: &[PointVertex]| {
-            let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some("points"),
-                contents: bytemuck::cast_slice(points),
-                usage: wgpu::BufferUsages::VERTEX,
-            });
-            (buffer, points.len() as u32)
+    /// Uploads the first `count` of `points`.
+    pub fn new(
+        uploader: &Uploader,
+        count: usize,
+        mut points: impl Iterator<Item = PointVertex>,
+    ) -> Self {
+        let upload = |start: usize| {
+            let held = POINTS_A_BUFFER.min(count - start);
+            let buffer = uploader.buffer("points", held, points.by_ref());
+            (buffer, held as u32)
         };
         Self {
-            buffers: points.chunks(POINTS_A_BUFFER).map(upload).collect(),
+            buffers: (0..count).step_by(POINTS_A_BUFFER).map(upload).collect(),
         }
     }
 }
@@ -76,11 +77,11 @@ impl CloudRenderer {
             PipelineParts {
                 label: "cloud",
                 shader: include_str!("../../shaders/cloud.wgsl"),
-                instance: wgpu::VertexBufferLayout {
+                instances: &[Some(wgpu::VertexBufferLayout {
                     array_stride: size_of::<PointVertex>() as u64,
                     step_mode: wgpu::VertexStepMode::Instance,
                     attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
-                },
+                })],
                 blend: None,
                 writes_depth: true,
             },

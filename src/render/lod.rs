@@ -3,27 +3,22 @@
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
-/// A place on the line and its colour; a NaN place breaks the line.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A place on the line and its colour, as the shader reads it; a NaN place breaks the line.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Vertex {
     /// Metres, relative to an origin near the line.
     pub place: [f32; 2],
-    /// sRGB and alpha.
+    /// sRGB and alpha; an alpha of 0 breaks the line on the GPU.
     pub colour: [u8; 4],
 }
 
-/// One straight piece, as the shader reads it.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct Segment {
-    /// From, metres.
-    pub from: [f32; 2],
-    /// To, metres.
-    pub to: [f32; 2],
-    /// Colour at the start.
-    pub from_colour: [u8; 4],
-    /// Colour at the end.
-    pub to_colour: [u8; 4],
+impl Vertex {
+    /// Where the line is broken.
+    pub const BREAK: Self = Self {
+        place: [f32::NAN; 2],
+        colour: [0; 4],
+    };
 }
 
 /// A box: low x, low y, high x, high y.
@@ -42,14 +37,14 @@ const EVEN_COLOUR: f32 = 6.0;
 /// Levels stop here.
 const FEW: usize = 256;
 
-/// The line drawn with fewer vertices than it was recorded with.
+/// The line drawn with fewer vertices than it was recorded with. The vertices themselves are on the GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LineLevel {
     /// How far the drawn line may lie from the recorded one, metres.
     pub tolerance_m: f32,
-    /// All pieces in order.
-    pub segments: Vec<Segment>,
-    /// The box of each chunk of `segments`, in order.
+    /// How many straight pieces join one vertex to the next, breaks included.
+    pub segments: u32,
+    /// The box of each chunk of segments, in order.
     pub chunks: Vec<Bounds>,
 }
 
@@ -62,7 +57,7 @@ impl LineLevel {
                 continue;
             }
             let start = (index * CHUNK) as u32;
-            let end = (start + CHUNK as u32).min(self.segments.len() as u32);
+            let end = (start + CHUNK as u32).min(self.segments);
             match runs.last_mut() {
                 Some(last) if last.end == start => last.end = end,
                 _ => runs.push(start..end),
@@ -72,21 +67,13 @@ impl LineLevel {
     }
 
     fn new(tolerance_m: f32, vertices: &[Vertex]) -> Self {
-        let segments: Vec<Segment> = vertices
-            .windows(2)
-            .filter(|pair| is_place(&pair[0]) && is_place(&pair[1]))
-            .map(|pair| Segment {
-                from: pair[0].place,
-                to: pair[1].place,
-                from_colour: pair[0].colour,
-                to_colour: pair[1].colour,
-            })
-            .collect();
-        let chunks = segments.chunks(CHUNK).map(bounds).collect();
+        let segments = vertices.len().saturating_sub(1);
+        // A chunk's last segment ends where the next chunk begins.
+        let chunk = |start: usize| bounds(&vertices[start..vertices.len().min(start + CHUNK + 1)]);
         Self {
             tolerance_m,
-            segments,
-            chunks,
+            segments: segments as u32,
+            chunks: (0..segments).step_by(CHUNK).map(chunk).collect(),
         }
     }
 }
@@ -99,17 +86,20 @@ pub struct LinePyramid {
 }
 
 impl LinePyramid {
-    /// Builds all levels of a line.
-    pub fn new(vertices: &[Vertex]) -> Self {
+    /// Builds all levels of a line and hands the vertices of each to `keep`.
+    pub fn new(vertices: Vec<Vertex>, mut keep: impl FnMut(&[Vertex])) -> Self {
         let mut tolerance_m = FINEST_M;
-        let mut thinned = thin(vertices, tolerance_m);
+        let mut thinned = thin(&vertices, tolerance_m);
+        drop(vertices);
         let mut levels = vec![LineLevel::new(tolerance_m, &thinned)];
+        keep(&thinned);
         while thinned.len() > FEW {
             tolerance_m *= COARSER;
             let fewer = thin(&thinned, tolerance_m);
             // A level is worth its memory when it is much smaller than the one before.
             if 4 * fewer.len() < 3 * thinned.len() {
                 levels.push(LineLevel::new(tolerance_m, &fewer));
+                keep(&fewer);
                 thinned = fewer;
             }
             if tolerance_m > 1e6 {
@@ -165,7 +155,11 @@ fn space_out(vertices: &[Vertex], spacing_m: f32) -> Vec<Vertex> {
         }
         colours.give_to(kept.last_mut());
         if is_place(vertex) || kept.last().is_some_and(is_place) {
-            kept.push(*vertex);
+            let vertex = match is_place(vertex) {
+                true => *vertex,
+                false => Vertex::BREAK,
+            };
+            kept.push(vertex);
             colours.add(vertex.colour);
         }
     }
@@ -243,13 +237,11 @@ fn distance(a: &Vertex, b: &Vertex) -> f32 {
     (b.place[0] - a.place[0]).hypot(b.place[1] - a.place[1])
 }
 
-fn bounds(segments: &[Segment]) -> Bounds {
-    let ends = segments
-        .iter()
-        .flat_map(|segment| [segment.from, segment.to]);
-    ends.fold(
+fn bounds(vertices: &[Vertex]) -> Bounds {
+    let places = vertices.iter().filter(|vertex| is_place(vertex));
+    places.fold(
         [f32::MAX, f32::MAX, f32::MIN, f32::MIN],
-        |[l, b, r, t], [x, y]| [l.min(x), b.min(y), r.max(x), t.max(y)],
+        |[l, b, r, t], Vertex { place: [x, y], .. }| [l.min(*x), b.min(*y), r.max(*x), t.max(*y)],
     )
 }
 
@@ -277,9 +269,18 @@ mod tests {
             .collect()
     }
 
-    fn off(segment: &Segment, [x, y]: [f32; 2]) -> f32 {
-        let [dx, dy] = [0, 1].map(|axis| segment.to[axis] - segment.from[axis]);
-        let [px, py] = [x - segment.from[0], y - segment.from[1]];
+    /// The pyramid, and the vertices of each of its levels.
+    fn pyramid(line: &[Vertex]) -> (LinePyramid, Vec<Vec<Vertex>>) {
+        let mut kept = Vec::new();
+        let pyramid = LinePyramid::new(line.to_vec(), |vertices| kept.push(vertices.to_vec()));
+        assert_eq!(kept.len(), pyramid.levels.len());
+        (pyramid, kept)
+    }
+
+    fn off(segment: &[Vertex], [x, y]: [f32; 2]) -> f32 {
+        let (from, to) = (segment[0].place, segment[1].place);
+        let [dx, dy] = [0, 1].map(|axis| to[axis] - from[axis]);
+        let [px, py] = [x - from[0], y - from[1]];
         let share = ((px * dx + py * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
         (px - share * dx).hypot(py - share * dy)
     }
@@ -296,17 +297,13 @@ mod tests {
                 },
             })
             .collect();
-        let pyramid = LinePyramid::new(&line);
+        let (pyramid, kept) = pyramid(&line);
         let coarsest = pyramid.levels.last().unwrap();
-        assert!(coarsest.segments.len() < 40, "{}", coarsest.segments.len());
-        for level in &pyramid.levels {
-            let step = level
-                .segments
-                .iter()
-                .find(|s| s.to_colour[0] > 100)
-                .unwrap();
+        assert!(coarsest.segments < 40, "{}", coarsest.segments);
+        for (level, vertices) in pyramid.levels.iter().zip(&kept) {
+            let step = vertices.iter().find(|v| v.colour[0] > 100).unwrap();
             assert!(
-                (step.to[0] - 500.0).abs() <= 2.0 * level.tolerance_m,
+                (step.place[0] - 500.0).abs() <= 2.0 * level.tolerance_m,
                 "{step:?}"
             );
         }
@@ -315,13 +312,12 @@ mod tests {
     #[test]
     fn every_level_stays_within_its_tolerance_of_the_line() {
         let line = track(20_000);
-        let pyramid = LinePyramid::new(&line);
+        let (pyramid, kept) = pyramid(&line);
         assert!(pyramid.levels.len() > 3, "{}", pyramid.levels.len());
-        for level in &pyramid.levels {
+        for (level, vertices) in pyramid.levels.iter().zip(&kept) {
             for vertex in line.iter().step_by(37) {
-                let nearest = level
-                    .segments
-                    .iter()
+                let nearest = vertices
+                    .windows(2)
                     .map(|segment| off(segment, vertex.place))
                     .fold(f32::MAX, f32::min);
                 assert!(nearest <= level.tolerance_m, "{nearest}");
@@ -331,7 +327,7 @@ mod tests {
 
     #[test]
     fn what_is_drawn_does_not_grow_with_the_line() {
-        let pyramid = LinePyramid::new(&track(300_000));
+        let (pyramid, _) = pyramid(&track(300_000));
         let (_, runs) = pyramid.choose(0.001, ALL, 5_000);
         let drawn: u32 = runs.iter().map(|run| run.end - run.start).sum();
         assert!((500..=5_000).contains(&drawn), "{drawn}");
@@ -344,17 +340,15 @@ mod tests {
     fn a_missing_place_breaks_the_line_in_every_level() {
         let mut line = track(2_000);
         line[500].place = [f32::NAN, f32::NAN];
-        let pyramid = LinePyramid::new(&line);
-        for level in &pyramid.levels {
-            let ends = level.segments.iter().flat_map(|s| [s.from, s.to]);
-            assert!(ends.flatten().all(f32::is_finite));
+        let (pyramid, kept) = pyramid(&line);
+        for (level, vertices) in pyramid.levels.iter().zip(&kept) {
+            let breaks = vertices.iter().filter(|vertex| !is_place(vertex));
+            assert_eq!(breaks.count(), 1);
+            let drawn = vertices.iter().filter(|vertex| vertex.colour[3] > 0);
+            assert!(drawn.clone().all(is_place));
+            assert_eq!(drawn.count() + 1, vertices.len());
+            assert!(level.chunks.iter().flatten().all(|side| side.is_finite()));
         }
-        let finest = &pyramid.levels[0];
-        let breaks = finest
-            .segments
-            .windows(2)
-            .filter(|pair| pair[0].to != pair[1].from);
-        assert_eq!(breaks.count(), 1);
     }
 
     #[test]
@@ -366,7 +360,7 @@ mod tests {
             };
             1_000
         ];
-        assert!(LinePyramid::new(&still).levels[0].segments.len() <= 1);
-        assert!(LinePyramid::new(&[]).levels[0].segments.is_empty());
+        assert!(pyramid(&still).0.levels[0].segments <= 1);
+        assert_eq!(pyramid(&[]).0.levels[0].segments, 0);
     }
 }

@@ -1,10 +1,10 @@
 //! Draws a track with levels of detail into a [`Target`].
 
-use super::lod::{LinePyramid, Segment};
+use super::Uploader;
+use super::lod::Vertex;
 use super::target::{PipelineParts, Target, quad_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
-use wgpu::util::DeviceExt as _;
 
 /// The uniform block `Line` of `track.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -23,28 +23,18 @@ pub struct LineUniform {
 }
 
 /// All levels of a track on the GPU.
+#[derive(Default)]
 pub struct TrackBuffers {
     levels: Vec<Option<wgpu::Buffer>>,
 }
 
 impl TrackBuffers {
-    /// Uploads all levels. Can be called from a worker. A level that no buffer can hold is left out.
-    pub fn new(device: &wgpu::Device, pyramid: &LinePyramid) -> Self {
-        let most = device.limits().max_buffer_size;
-        let upload = |segments: &[Segment]| {
-            let contents: &[u8] = bytemuck::cast_slice(segments);
-            (!contents.is_empty() && contents.len() as u64 <= most).then(|| {
-                device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some("track"),
-                    contents,
-                    usage: wgpu::BufferUsages::VERTEX,
-                })
-            })
-        };
-        let levels = pyramid.levels.iter().map(|level| upload(&level.segments));
-        Self {
-            levels: levels.collect(),
-        }
+    /// Uploads one more level, coarser than those before. One that no buffer can hold is left out.
+    pub fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
+        let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
+        let buffer = (vertices.len() > 1 && fits)
+            .then(|| uploader.buffer("track", vertices.len(), vertices.iter().copied()));
+        self.levels.push(buffer);
     }
 }
 
@@ -73,13 +63,15 @@ impl LineRenderer {
             PipelineParts {
                 label: "track",
                 shader: include_str!("../../shaders/track.wgsl"),
-                instance: wgpu::VertexBufferLayout {
-                    array_stride: size_of::<Segment>() as u64,
-                    step_mode: wgpu::VertexStepMode::Instance,
-                    attributes: &wgpu::vertex_attr_array![
-                        0 => Float32x2, 1 => Float32x2, 2 => Unorm8x4, 3 => Unorm8x4
-                    ],
-                },
+                // The same vertices twice, one apart: a segment goes from each to the next.
+                instances: &[
+                    Some(vertices(
+                        &wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4],
+                    )),
+                    Some(vertices(
+                        &wgpu::vertex_attr_array![1 => Float32x2, 3 => Unorm8x4],
+                    )),
+                ],
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 writes_depth: false,
             },
@@ -100,9 +92,10 @@ impl LineRenderer {
         let mut encoder = device.create_command_encoder(&Default::default());
         {
             let mut pass = target.begin(&mut encoder);
-            if let Some(Some(segments)) = track.levels.get(draw.level) {
+            if let Some(Some(vertices)) = track.levels.get(draw.level) {
                 pass.set_pipeline(&self.pipeline);
-                pass.set_vertex_buffer(0, segments.slice(..));
+                pass.set_vertex_buffer(0, vertices.slice(..));
+                pass.set_vertex_buffer(1, vertices.slice(size_of::<Vertex>() as u64..));
                 for ((buffer, group), stroke) in self.strokes.iter().zip(&draw.strokes) {
                     let size_px = target.size_px().map(|side| side as f32);
                     let stroke = LineUniform { size_px, ..*stroke };
@@ -115,6 +108,14 @@ impl LineRenderer {
             }
         }
         queue.submit([encoder.finish()]);
+    }
+}
+
+fn vertices(attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_> {
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<Vertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes,
     }
 }
 

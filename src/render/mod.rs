@@ -1,7 +1,7 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
 //! `cloud` draws points and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
-//! `camera` orbits, `lod` thins long lines, `ramp` and `colour_map` turn depths and echoes into colours.
+//! `upload` fills buffers, `camera` orbits, `lod` thins long lines, `ramp` and `colour_map` turn depths and echoes into colours.
 
 mod camera;
 mod cloud;
@@ -10,11 +10,13 @@ mod lod;
 mod map;
 mod ramp;
 mod target;
+mod upload;
 pub mod waterfall;
 
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
-pub use lod::{LineLevel, LinePyramid, Segment, Vertex};
+pub use lod::{LineLevel, LinePyramid, Vertex};
 pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use ramp::{depth_colour, depth_share};
 pub use target::Target;
+pub use upload::Uploader;

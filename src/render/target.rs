@@ -92,7 +92,7 @@ fn texture(
 pub(super) struct PipelineParts<'a> {
     pub label: &'static str,
     pub shader: &'a str,
-    pub instance: wgpu::VertexBufferLayout<'a>,
+    pub instances: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     pub blend: Option<wgpu::BlendState>,
     pub writes_depth: bool,
 }
@@ -136,7 +136,7 @@ pub(super) fn quad_pipeline(
             module: &shader,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: &[Some(parts.instance)],
+            buffers: parts.instances,
         },
         fragment: Some(wgpu::FragmentState {
             module: &shader,

@@ -11,7 +11,7 @@ use super::empty;
 use crate::app::{CloudColour, SideColours, ThemeChoice, ViewOptions};
 use crate::cloud::PointCloud;
 use crate::pipeline::Products;
-use crate::render::{CloudDraw, Direction, OrbitCamera};
+use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, text, theme};
 use axes::Axes;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
@@ -118,7 +118,7 @@ impl CloudView {
         controls::paint_legend(&painter, rect, options, &survey, &scene);
         controls::paint_read_out(&painter, rect, context.app, &products);
         self.pointer
-            .handle(context, response, &products, &scene, (&axes, camera));
+            .handle(context, response, &scene, (&axes, camera));
         controls::show(ui, context, rect, &mut self.wish);
         name(&scene)
     }
@@ -128,9 +128,11 @@ impl CloudView {
         let colours = (options.cloud.colour, options.theme, options.side_colours);
         let (cloud, kept) = (Same(products.cloud.clone()), Same(products.kept.clone()));
         let key = (cloud.clone(), kept.clone(), colours);
-        let device = context.render_state.map(|state| state.device.clone());
+        let uploader = context
+            .render_state
+            .map(|state| Uploader::new(&state.device, &state.queue));
         self.scene.ask(key, context.app.jobs(), move |progress| {
-            CloudScene::new(&cloud.0, &kept.0, &options, device.as_ref(), progress).map(Arc::new)
+            CloudScene::new(cloud.0, kept.0, &options, uploader.as_ref(), progress).map(Arc::new)
         });
     }
 

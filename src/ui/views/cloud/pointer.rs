@@ -50,25 +50,24 @@ impl Pointer {
         &mut self,
         context: &mut ViewContext<'_>,
         response: &Response,
-        products: &Products,
         scene: &CloudScene,
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
-        let shown = scene.shown(context.app.options.cloud.outlier_preview);
+        let preview = context.app.options.cloud.outlier_preview;
         let at = match response.clicked() {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
-        let looks = shown <= MOST_ON_HOVER || response.clicked();
-        let vertex = at.filter(|_| looks).and_then(|at| match self.looked {
-            Some((last, with, vertex)) if last == at && with == camera => vertex,
+        let looks = scene.shown(preview) <= MOST_ON_HOVER || response.clicked();
+        let point = at.filter(|_| looks).and_then(|at| match self.looked {
+            Some((last, with, point)) if last == at && with == camera => point,
             _ => {
-                let vertex = pick(context.app, scene, shown, axes, at);
-                self.looked = Some((at, camera, vertex));
-                vertex
+                let point = pick(context.app, scene, axes, at);
+                self.looked = Some((at, camera, point));
+                point
             }
         });
-        let mark = vertex.and_then(|vertex| scene.mark(&products.cloud, vertex));
+        let mark = point.and_then(|point| scene.mark(point));
         self.hover(context, mark);
         if response.clicked() {
             context.push(match mark {
@@ -87,14 +86,12 @@ impl Pointer {
     }
 }
 
-fn pick(app: &App, scene: &CloudScene, shown: usize, axes: &Axes<'_>, at: Pos2) -> Option<usize> {
+fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usize> {
     let size = axes.rect.size();
     let off = at - axes.rect.min;
     let cover = (0.5 * app.options.cloud.point_size).max(1.0);
     axes.projection.pick(
-        scene.vertices[..shown]
-            .iter()
-            .map(|vertex| vertex.place.into()),
+        scene.places(app.options.cloud.outlier_preview),
         Vec2::new(off.x, off.y),
         Vec2::new(size.x, size.y),
         [cover, REACH],
@@ -135,9 +132,7 @@ fn paint_mark(
     axes: &Axes<'_>,
     stroke: Stroke,
 ) {
-    let of_ping = scene
-        .of_ping(mark.ping)
-        .filter_map(|vertex| scene.place(vertex));
+    let of_ping = scene.of_ping(mark.ping);
     let beside: Vec<Pos2> = of_ping.filter_map(|place| axes.at(place)).collect();
     for at in &beside {
         painter.circle_stroke(*at, 4.5, stroke);
@@ -158,7 +153,7 @@ fn paint_mark(
     let point = mark
         .point
         .and_then(|index| products.cloud.points.get(index));
-    let at = point.and_then(|p| axes.at(scene.local(p.east_m, p.north_m, p.z_m)));
+    let at = point.and_then(|point| axes.at(scene.place(point)));
     if let Some(at) = at {
         painter.circle_stroke(at, 8.0, stroke);
     }

@@ -4,10 +4,11 @@ use crate::app::{CloudColour, Mark, ViewOptions};
 use crate::bathymetry;
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::progress::Progress;
-use crate::render::{CloudBuffers, PointVertex, depth_colour, depth_share};
+use crate::render::{CloudBuffers, PointVertex, Uploader, depth_colour, depth_share};
 use crate::survey::Side;
 use crate::ui::theme;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Points between two looks at whether the work was cancelled.
 const CHECK: usize = 1 << 16;
@@ -33,6 +34,11 @@ impl Counts {
         self.down_scan + self.port + self.starboard
     }
 
+    /// All points.
+    pub fn all(&self) -> usize {
+        self.kept() + self.removed + self.lost
+    }
+
     /// Share of the side-scan points that the filter removes, percent.
     pub fn removed_percent(&self) -> f64 {
         let side_scan = self.port + self.starboard + self.removed;
@@ -51,15 +57,14 @@ impl Counts {
     }
 }
 
-/// Points in drawing order with what belongs to them.
+/// A cloud on the GPU with what belongs to it. The places of points are worked out from the cloud when they are asked for:
+/// a second copy of them all would be the largest thing in memory.
 pub struct CloudScene {
+    cloud: Arc<PointCloud>,
+    kept: Arc<Vec<bool>>,
     /// What the vertices are relative to, metres east, north and up.
     pub origin_m: [f64; 3],
-    /// Kept points first, then those that the filter would remove.
-    pub vertices: Vec<PointVertex>,
-    /// Index into the cloud of each vertex.
-    pub order: Vec<u32>,
-    /// The vertices on the GPU.
+    /// The points on the GPU: kept ones first, then those that the filter would remove.
     pub buffers: Option<CloudBuffers>,
     /// Corners of the box around the kept points.
     pub corners: [Vec3; 2],
@@ -67,64 +72,60 @@ pub struct CloudScene {
     pub counts: Counts,
     /// Ends of the colour scale of depth, metres.
     pub range_m: Option<[f32; 2]>,
-    /// Ping and vertex of every side-scan point, by ping.
-    by_ping: Vec<(u32, u32)>,
 }
 
 impl CloudScene {
     /// `None` when there is no point, or cancelled.
     pub fn new(
-        cloud: &PointCloud,
-        kept: &[bool],
+        cloud: Arc<PointCloud>,
+        kept: Arc<Vec<bool>>,
         options: &ViewOptions,
-        device: Option<&wgpu::Device>,
+        uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
-        let is_kept = |index: usize| kept.get(index).copied().unwrap_or(true);
-        let (order, counts) = order(cloud, is_kept);
-        let first = cloud.points.get(*order.first()? as usize)?;
-        let origin_m = [first.east_m, first.north_m, 0.0];
-        let shown = || order.iter().map(|&index| &cloud.points[index as usize]);
-        let depths = shown().take(counts.kept()).map(|point| -point.z_m as f32);
+        let counts = counts(&cloud, &kept);
+        let in_box = counts.kept() > 0;
+        let first = points(&cloud, &kept, in_box).next()?.1;
+        let depths = points(&cloud, &kept, true).map(|(_, point)| -point.z_m as f32);
         let range_m = bathymetry::depth_range(depths);
-        let mut vertices = Vec::with_capacity(order.len());
-        for (index, point) in shown().enumerate() {
-            if index % CHECK == 0 {
-                progress.check().ok()?;
-            }
-            let colour = match index < counts.kept() {
-                true => colour(point, options, range_m),
-                false => theme::outlier_colour(),
-            };
-            vertices.push(vertex(point, origin_m, colour));
-        }
-        let corners = corners(match counts.kept() {
-            0 => &vertices,
-            kept => &vertices[..kept],
-        });
-        Some(Self {
-            origin_m,
-            buffers: device.map(|device| CloudBuffers::new(device, &vertices)),
-            by_ping: by_ping(cloud, &order),
-            vertices,
-            order,
-            corners,
+        let mut scene = Self {
+            origin_m: [first.east_m, first.north_m, 0.0],
+            buffers: None,
+            corners: [Vec3::ZERO; 2],
             counts,
             range_m,
-        })
+            cloud,
+            kept,
+        };
+        progress.check().ok()?;
+        scene.corners = scene.corners(in_box);
+        scene.buffers = uploader.map(|uploader| {
+            let vertices = scene.vertices(options, progress);
+            CloudBuffers::new(uploader, counts.all(), vertices)
+        });
+        progress.check().ok()?;
+        Some(scene)
     }
 
-    /// Vertices that are drawn.
+    /// How many points are drawn.
     pub fn shown(&self, outlier_preview: bool) -> usize {
         match outlier_preview {
-            true => self.vertices.len(),
+            true => self.counts.all(),
             false => self.counts.kept(),
         }
     }
 
-    /// A vertex's place.
-    pub fn place(&self, vertex: usize) -> Option<Vec3> {
-        self.vertices.get(vertex).map(|vertex| vertex.place.into())
+    /// Index and place of every point that is drawn.
+    pub fn places(&self, outlier_preview: bool) -> impl Iterator<Item = (usize, Vec3)> {
+        let kept = points(&self.cloud, &self.kept, true);
+        let removed = outlier_preview.then(|| points(&self.cloud, &self.kept, false));
+        kept.chain(removed.into_iter().flatten())
+            .map(|(index, point)| (index, self.place(point)))
+    }
+
+    /// A point's place in the scene.
+    pub fn place(&self, point: &CloudPoint) -> Vec3 {
+        self.local(point.east_m, point.north_m, point.z_m)
     }
 
     /// A place of the survey in the scene.
@@ -137,25 +138,52 @@ impl CloudScene {
         )
     }
 
-    /// Side-scan vertices of a ping.
-    pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = usize> {
-        let ping = ping.min(u32::MAX as usize) as u32;
-        let start = self.by_ping.partition_point(|(other, _)| *other < ping);
-        let same = self.by_ping[start..]
-            .iter()
-            .take_while(move |(other, _)| *other == ping);
-        same.map(|(_, vertex)| *vertex as usize)
+    /// Places of the side-scan points of a ping.
+    pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = Vec3> {
+        let points = self.cloud.of_ping(ping);
+        points
+            .filter(|point| is_placed(point))
+            .map(|point| self.place(point))
     }
 
-    /// The mark of a vertex.
-    pub fn mark(&self, cloud: &PointCloud, vertex: usize) -> Option<Mark> {
-        let index = *self.order.get(vertex)? as usize;
-        let point = cloud.points.get(index)?;
+    /// The mark of a point.
+    pub fn mark(&self, index: usize) -> Option<Mark> {
+        let point = self.cloud.points.get(index)?;
         Some(Mark {
             ping: point.ping as usize,
             side: side(point.source),
             sample: point.sample.is_finite().then_some(point.sample),
             point: Some(index),
+        })
+    }
+
+    /// The box around the kept points, or around the others.
+    fn corners(&self, kept: bool) -> [Vec3; 2] {
+        let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        let points = points(&self.cloud, &self.kept, kept);
+        points.fold(start, |[low, high], (_, point)| {
+            let place = self.place(point);
+            [low.min(place), high.max(place)]
+        })
+    }
+
+    /// All points in the order of drawing; ends early when cancelled.
+    fn vertices(
+        &self,
+        options: &ViewOptions,
+        progress: &Progress,
+    ) -> impl Iterator<Item = PointVertex> {
+        let goes_on = |count: usize| !count.is_multiple_of(CHECK) || progress.check().is_ok();
+        let kept = points(&self.cloud, &self.kept, true)
+            .map(|(_, point)| (point, colour(point, options, self.range_m)));
+        let removed = points(&self.cloud, &self.kept, false)
+            .map(|(_, point)| (point, theme::outlier_colour()));
+        let all = kept.chain(removed).enumerate();
+        all.map_while(move |(count, (point, colour))| {
+            goes_on(count).then(|| PointVertex {
+                place: self.place(point).into(),
+                colour: colour.to_array(),
+            })
         })
     }
 }
@@ -169,35 +197,29 @@ pub fn side(source: PointSource) -> Option<Side> {
     }
 }
 
-fn order(cloud: &PointCloud, is_kept: impl Fn(usize) -> bool) -> (Vec<u32>, Counts) {
-    let mut counts = Counts::default();
-    let (mut order, mut removed) = (Vec::new(), Vec::new());
-    for (index, point) in cloud.points.iter().enumerate() {
-        let place = [point.east_m, point.north_m, point.z_m];
-        if !place.iter().all(|metres| metres.is_finite()) {
-            continue;
-        }
-        let kept = is_kept(index);
-        counts.add(point.source, kept);
-        match kept {
-            true => order.push(index as u32),
-            false => removed.push(index as u32),
-        }
-    }
-    order.append(&mut removed);
-    (order, counts)
+/// Points that have a place and are kept, or are not, with their index.
+fn points<'a>(
+    cloud: &'a PointCloud,
+    kept: &'a [bool],
+    wanted: bool,
+) -> impl Iterator<Item = (usize, &'a CloudPoint)> {
+    let all = cloud.points.iter().enumerate();
+    all.filter(move |(index, point)| {
+        kept.get(*index).copied().unwrap_or(true) == wanted && is_placed(point)
+    })
 }
 
-fn vertex(point: &CloudPoint, origin_m: [f64; 3], colour: egui::Color32) -> PointVertex {
-    let [east, north, up] = origin_m;
-    PointVertex {
-        place: [
-            (point.east_m - east) as f32,
-            (point.north_m - north) as f32,
-            (point.z_m - up) as f32,
-        ],
-        colour: colour.to_array(),
+fn is_placed(point: &CloudPoint) -> bool {
+    let place = [point.east_m, point.north_m, point.z_m];
+    place.iter().all(|metres| metres.is_finite())
+}
+
+fn counts(cloud: &PointCloud, kept: &[bool]) -> Counts {
+    let mut counts = Counts::default();
+    for wanted in [true, false] {
+        points(cloud, kept, wanted).for_each(|(_, point)| counts.add(point.source, wanted));
     }
+    counts
 }
 
 fn colour(point: &CloudPoint, options: &ViewOptions, range_m: Option<[f32; 2]>) -> egui::Color32 {
@@ -212,25 +234,6 @@ fn colour(point: &CloudPoint, options: &ViewOptions, range_m: Option<[f32; 2]>) 
             egui::Color32::from_rgb(r, g, b)
         }
     }
-}
-
-fn corners(vertices: &[PointVertex]) -> [Vec3; 2] {
-    let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-    vertices.iter().fold(start, |[low, high], vertex| {
-        let place = Vec3::from(vertex.place);
-        [low.min(place), high.max(place)]
-    })
-}
-
-fn by_ping(cloud: &PointCloud, order: &[u32]) -> Vec<(u32, u32)> {
-    let points = order.iter().map(|&index| &cloud.points[index as usize]);
-    let mut pings: Vec<(u32, u32)> = points
-        .enumerate()
-        .filter(|(_, point)| point.source != PointSource::DownScan)
-        .map(|(vertex, point)| (point.ping, vertex as u32))
-        .collect();
-    pings.sort_unstable();
-    pings
 }
 
 #[cfg(test)]
@@ -263,12 +266,23 @@ mod tests {
         };
         let kept = [true, false, true, true];
         let options = ViewOptions::default();
-        let scene = CloudScene::new(&cloud, &kept, &options, None, &Progress::new()).unwrap();
-        assert_eq!(scene.order, [0, 3, 1]);
+        let progress = Progress::new();
+        let kept = Arc::new(kept.to_vec());
+        let scene = CloudScene::new(Arc::new(cloud), kept, &options, None, &progress).unwrap();
+        let order = |preview| scene.places(preview).map(|(index, _)| index);
+        assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
+        assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((scene.shown(false), scene.shown(true)), (2, 3));
         assert_eq!(scene.counts.removed_percent(), 50.0);
-        assert_eq!(scene.of_ping(4).collect::<Vec<_>>(), [1, 2]);
-        let mark = scene.mark(&cloud, 1).unwrap();
+        let depths: Vec<f32> = scene.of_ping(4).map(|place| place.z).collect();
+        assert_eq!(depths, [-9.0, -3.0]);
+        assert_eq!(scene.of_ping(5).count(), 0);
+        let drawn: Vec<f32> = scene
+            .vertices(&options, &progress)
+            .map(|vertex| vertex.place[2])
+            .collect();
+        assert_eq!(drawn, [-2.0, -3.0, -9.0]);
+        let mark = scene.mark(3).unwrap();
         assert_eq!(
             (mark.ping, mark.side, mark.point),
             (4, Some(Side::Starboard), Some(3))

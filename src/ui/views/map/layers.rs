@@ -1,12 +1,13 @@
 //! What the map shows, made off the window's thread so that a frame costs the same for any survey.
 
+use super::ping_boxes::PingBoxes;
 use super::transform::GroundBounds;
 use crate::bathymetry::{self, DepthMap, DepthMapSettings};
 use crate::progress::Progress;
-use crate::render::{LinePyramid, TrackBuffers, Vertex, depth_colour, depth_share};
+use crate::render::{LinePyramid, TrackBuffers, Uploader, Vertex, depth_colour, depth_share};
 use crate::survey::{Navigation, PingNav, Survey};
 use egui::{Color32, ColorImage, TextureHandle, TextureOptions};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
@@ -25,51 +26,43 @@ pub struct TrackLayer {
     pub pyramid: LinePyramid,
     /// The line on the GPU.
     pub buffers: Option<TrackBuffers>,
-    tree: Option<ImmutableKdTree<f64, 2>>,
-    tree_pings: Vec<u32>,
+    boxes: PingBoxes,
 }
 
 impl TrackLayer {
     /// `None` when nothing has a position, or cancelled.
     pub fn new(
         survey: &Survey,
-        navigation: &Navigation,
-        device: Option<&wgpu::Device>,
+        navigation: Arc<Navigation>,
+        uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
         let range_m = bathymetry::depth_range(locked_depths(survey));
-        let records = records(survey, navigation);
-        let bounds = bounds(records.iter().map(|(_, place, _)| place))?;
+        let records = || records(survey, &navigation);
+        let bounds = bounds(records().map(|(_, place, _)| place))?;
         let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
         progress.check().ok()?;
-        let pyramid = LinePyramid::new(&vertices(&records, origin_m, range_m));
+        let line = vertices(records(), origin_m, range_m);
+        let mut buffers = uploader.map(|_| TrackBuffers::default());
+        let pyramid = LinePyramid::new(line, |vertices| {
+            if let Some((uploader, buffers)) = uploader.zip(buffers.as_mut()) {
+                buffers.add(uploader, vertices);
+            }
+        });
         progress.check().ok()?;
-        let (places, tree_pings) = placed(&navigation.pings);
-        let tree = match places.is_empty() {
-            true => None,
-            false => ImmutableKdTree::new_from_slice(&places).ok(),
-        };
         Some(Self {
             origin_m,
             bounds,
             range_m,
-            buffers: device.map(|device| TrackBuffers::new(device, &pyramid)),
+            buffers,
             pyramid,
-            tree,
-            tree_pings,
+            boxes: PingBoxes::new(navigation),
         })
     }
 
     /// The ping nearest to a place, if one is within `reach_m`.
     pub fn nearest_ping(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
-        let found = self
-            .tree
-            .as_ref()?
-            .query(&place)
-            .nearest_one::<SquaredEuclidean<f64>>()
-            .execute();
-        let ping = *self.tree_pings.get(found.item as usize)?;
-        (found.distance <= reach_m * reach_m).then_some(ping as usize)
+        self.boxes.nearest(place, reach_m)
     }
 }
 
@@ -83,46 +76,39 @@ fn locked_depths(survey: &Survey) -> impl Iterator<Item = f32> {
 }
 
 /// Time, place and depth along the track: of the side-scan pings, or of the soundings in a log without.
-fn records<'a>(survey: &'a Survey, navigation: &'a Navigation) -> Vec<(f64, &'a PingNav, f32)> {
-    if navigation.pings.is_empty() {
-        let soundings = survey.soundings.iter().zip(&navigation.soundings);
-        return soundings
-            .map(|(sounding, place)| {
-                (
-                    sounding.time_s,
-                    place,
-                    if sounding.locked {
-                        sounding.depth_m
-                    } else {
-                        f32::NAN
-                    },
-                )
-            })
-            .collect();
-    }
+fn records<'a>(
+    survey: &'a Survey,
+    navigation: &'a Navigation,
+) -> impl Iterator<Item = (f64, &'a PingNav, f32)> {
     let pings = survey.side_scan.iter().zip(&navigation.pings);
-    pings
-        .map(|(ping, place)| (ping.time_s, place, ping.locked_depth_m()))
-        .collect()
+    let pings = pings.map(|(ping, place)| (ping.time_s, place, ping.locked_depth_m()));
+    let places = match navigation.pings.is_empty() {
+        true => &navigation.soundings[..],
+        false => &[],
+    };
+    let soundings = survey.soundings.iter().zip(places);
+    pings.chain(soundings.map(|(sounding, place)| {
+        let depth_m = match sounding.locked {
+            true => sounding.depth_m,
+            false => f32::NAN,
+        };
+        (sounding.time_s, place, depth_m)
+    }))
 }
 
-fn vertices(
-    records: &[(f64, &PingNav, f32)],
+fn vertices<'a>(
+    records: impl Iterator<Item = (f64, &'a PingNav, f32)>,
     [east_m, north_m]: [f64; 2],
     range_m: Option<[f32; 2]>,
 ) -> Vec<Vertex> {
-    let broken = Vertex {
-        place: [f32::NAN; 2],
-        colour: [0; 4],
-    };
-    let mut line = Vec::with_capacity(records.len());
+    let mut line = Vec::with_capacity(records.size_hint().0 + 1);
     let mut last_s = f64::NEG_INFINITY;
     for (time_s, place, depth_m) in records {
         if time_s - last_s > BREAK_S {
-            line.push(broken);
+            line.push(Vertex::BREAK);
         }
-        last_s = *time_s;
-        let share = range_m.map_or(f32::NAN, |range_m| depth_share(*depth_m, range_m));
+        last_s = time_s;
+        let share = range_m.map_or(f32::NAN, |range_m| depth_share(depth_m, range_m));
         let [r, g, b] = depth_colour(share);
         line.push(Vertex {
             place: [
@@ -135,16 +121,7 @@ fn vertices(
     line
 }
 
-fn placed(pings: &[PingNav]) -> (Vec<[f64; 2]>, Vec<u32>) {
-    pings
-        .iter()
-        .enumerate()
-        .filter(|(_, ping)| ping.east_m.is_finite() && ping.north_m.is_finite())
-        .map(|(index, ping)| ([ping.east_m, ping.north_m], index as u32))
-        .unzip()
-}
-
-fn bounds<'a>(places: impl Iterator<Item = &'a &'a PingNav>) -> Option<GroundBounds> {
+fn bounds<'a>(places: impl Iterator<Item = &'a PingNav>) -> Option<GroundBounds> {
     places
         .filter(|place| place.east_m.is_finite() && place.north_m.is_finite())
         .fold(None, |all: Option<GroundBounds>, place| {

@@ -3,6 +3,7 @@
 mod flat_spots;
 mod layers;
 mod overlay;
+mod ping_boxes;
 mod pointer;
 mod toolbar;
 mod track_picture;
@@ -11,6 +12,7 @@ mod transform;
 use super::background::{Background, Same};
 use super::empty;
 use crate::pipeline::Products;
+use crate::render::Uploader;
 use crate::survey::{Navigation, Survey};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
@@ -124,10 +126,12 @@ impl MapView {
     ) {
         let jobs = context.app.jobs();
         let key = || (Same(survey.clone()), Same(products.navigation.clone()));
-        let device = context.render_state.map(|state| state.device.clone());
+        let uploader = context
+            .render_state
+            .map(|state| Uploader::new(&state.device, &state.queue));
         let (survey, navigation) = key();
         self.track.ask(key(), jobs, move |progress| {
-            TrackLayer::new(&survey.0, &navigation.0, device.as_ref(), progress).map(Arc::new)
+            TrackLayer::new(&survey.0, navigation.0, uploader.as_ref(), progress).map(Arc::new)
         });
         if context.app.options.map.depth_map {
             let (survey, navigation) = key();

@@ -1,0 +1,131 @@
+//! Finds the ping nearest to a place. The boat cannot jump: a few hundred pings in a row lie close together, and a box around
+//! them tells whether they need to be looked at.
+
+use super::transform::GroundBounds;
+use crate::survey::{Navigation, PingNav};
+use std::sync::Arc;
+
+/// Pings in a box.
+const PINGS: usize = 256;
+
+/// Boxes around the pings of a track.
+pub struct PingBoxes {
+    navigation: Arc<Navigation>,
+    boxes: Vec<GroundBounds>,
+}
+
+impl PingBoxes {
+    /// One pass over the pings.
+    pub fn new(navigation: Arc<Navigation>) -> Self {
+        let boxes = navigation.pings.chunks(PINGS).map(bounds);
+        Self {
+            boxes: boxes.collect(),
+            navigation,
+        }
+    }
+
+    /// The ping nearest to a place, if one is within `reach_m`.
+    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
+        let away = self.boxes.iter().map(|bounds| away_square(place, bounds));
+        let away = away.enumerate();
+        // The nearest box first: what it holds rules out most of the others.
+        let (first, _) = away.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let mut best = (reach_m * reach_m, None);
+        self.look_into(first, place, &mut best);
+        for (index, square) in away {
+            if square <= best.0 && index != first {
+                self.look_into(index, place, &mut best);
+            }
+        }
+        best.1
+    }
+
+    fn look_into(
+        &self,
+        index: usize,
+        [east_m, north_m]: [f64; 2],
+        best: &mut (f64, Option<usize>),
+    ) {
+        let start = index * PINGS;
+        let pings = self.navigation.pings.iter().skip(start).take(PINGS);
+        for (ping, place) in (start..).zip(pings) {
+            let square = (place.east_m - east_m).powi(2) + (place.north_m - north_m).powi(2);
+            if square < best.0 || (square == best.0 && best.1.is_none()) {
+                *best = (square, Some(ping));
+            }
+        }
+    }
+}
+
+/// West, south, east and north of the pings that have a place; far from everything when none has.
+fn bounds(pings: &[PingNav]) -> GroundBounds {
+    let start = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    pings
+        .iter()
+        .fold(start, |[west, south, east, north], ping| {
+            [
+                west.min(ping.east_m),
+                south.min(ping.north_m),
+                east.max(ping.east_m),
+                north.max(ping.north_m),
+            ]
+        })
+}
+
+/// Square of the distance from a place to a box, 0 inside.
+fn away_square([east_m, north_m]: [f64; 2], [west, south, east, north]: &GroundBounds) -> f64 {
+    let beside = (west - east_m).max(east_m - east).max(0.0);
+    let beyond = (south - north_m).max(north_m - north).max(0.0);
+    beside * beside + beyond * beyond
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Projection;
+
+    #[test]
+    fn the_nearest_is_that_of_a_look_at_all() {
+        let place = |ping: usize| {
+            let (sin, cos) = (ping as f64 * 0.013).sin_cos();
+            let reach_m = 5.0 + ping as f64 * 0.02;
+            PingNav {
+                east_m: if ping % 400 < 3 {
+                    f64::NAN
+                } else {
+                    reach_m * cos
+                },
+                north_m: reach_m * sin,
+                heading_rad: 0.0,
+                speed_mps: 1.0,
+            }
+        };
+        let pings: Vec<PingNav> = (0..3000).map(place).collect();
+        let navigation = Navigation {
+            pings: pings.clone(),
+            soundings: Vec::new(),
+            projection: Projection::Enu,
+            zero_heading: 0,
+            moving: 0,
+        };
+        let boxes = PingBoxes::new(Arc::new(navigation));
+        for step in 0..200 {
+            let (sin, cos) = f64::from(step).sin_cos();
+            let at = [0.5 * f64::from(step) * cos, 0.5 * f64::from(step) * sin];
+            let off = |ping: &PingNav| (ping.east_m - at[0]).hypot(ping.north_m - at[1]);
+            let all = pings.iter().map(off).filter(|off| off.is_finite());
+            let least_m = all.fold(f64::MAX, f64::min);
+            let found = boxes.nearest(at, 20.0);
+            assert_eq!(found.is_some(), least_m <= 20.0, "{at:?}");
+            assert!(
+                found.is_none_or(|ping| off(&pings[ping]) == least_m),
+                "{at:?}"
+            );
+        }
+    }
+}
