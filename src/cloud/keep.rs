@@ -11,18 +11,18 @@ pub fn keep_points(
     settings: &OutlierSettings,
     progress: &Progress,
 ) -> Result<Vec<bool>, Cancelled> {
-    let beside: Vec<usize> = (0..cloud.points.len())
-        .filter(|&index| cloud.points[index].source != PointSource::DownScan)
-        .collect();
-    let places: Vec<[f64; 3]> = beside
-        .iter()
-        .map(|&index| &cloud.points[index])
-        .map(|point| [point.east_m, point.north_m, point.z_m])
-        .collect();
-    let flags = outliers::keep(&places, settings.radius_m, settings.min_neighbors, progress)?;
-    let mut kept: Vec<bool> = cloud.points.iter().map(|point| point.sound).collect();
-    for (index, flag) in beside.into_iter().zip(flags) {
-        kept[index] = flag;
+    let place = |index: u32| match &cloud.points[index as usize] {
+        // Soundings are nobody's neighbours.
+        point if point.source == PointSource::DownScan => [f64::NAN; 3],
+        point => [point.east_m, point.north_m, point.z_m],
+    };
+    let (radius_m, min_neighbors) = (settings.radius_m, settings.min_neighbors);
+    let count = cloud.points.len();
+    let mut kept = outliers::keep_places(count, &place, radius_m, min_neighbors, progress)?;
+    for (kept, point) in kept.iter_mut().zip(&cloud.points) {
+        if point.source == PointSource::DownScan {
+            *kept = point.sound;
+        }
     }
     Ok(kept)
 }

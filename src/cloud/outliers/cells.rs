@@ -1,6 +1,6 @@
 //! Points sorted by cell: rows of cells along x, ascending within the row.
 
-use super::Axis;
+use super::{Axis, Place};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -46,15 +46,15 @@ struct Axes {
 
 impl Axes {
     /// The smallest grid that the points `order` allow; its cells are at least `cell_m` wide.
-    fn new(points: &[[f64; 3]], order: &[u32], cell_m: f64) -> Self {
-        let along = |axis: usize| order.iter().map(move |&index| points[index as usize][axis]);
+    fn new(place: &impl Place, order: &[u32], cell_m: f64) -> Self {
+        let along = |axis: usize| order.iter().map(move |&index| place(index)[axis]);
         let even = |axis: usize| Axis::even(along(axis), cell_m);
         let few = |axes: &Axes| {
             axes.cell_count()
                 .is_some_and(|count| is_dense(count, order.len()))
         };
         if let (Some(x), Some(y)) = (even(0), even(1)) {
-            let flat = is_flat(points, order, &x, &y, cell_m);
+            let flat = is_flat(place, order, &x, &y, cell_m);
             let z = if flat { Some(Axis::single()) } else { even(2) };
             if let Some(axes) = z.map(|z| Self { x, y, z }).filter(few) {
                 return axes;
@@ -62,7 +62,7 @@ impl Axes {
         }
         let compact = |axis: usize| Axis::compact(along(axis), cell_m);
         let (x, y) = (compact(0), compact(1));
-        let flat = is_flat(points, order, &x, &y, cell_m);
+        let flat = is_flat(place, order, &x, &y, cell_m);
         let z = if flat { Axis::single() } else { compact(2) };
         Self { x, y, z }
     }
@@ -89,19 +89,17 @@ fn is_dense(cell_count: u64, points: usize) -> bool {
 
 /// Whether most of the points in a column of cells are within a cell of each other in height: then columns cost fewer
 /// tests than cells. Judged on a sample.
-fn is_flat(points: &[[f64; 3]], order: &[u32], x: &Axis, y: &Axis, cell_m: f64) -> bool {
+fn is_flat(place: &impl Place, order: &[u32], x: &Axis, y: &Axis, cell_m: f64) -> bool {
     let column = |point: &[f64; 3]| (x.cell(point[0]), y.cell(point[1]));
     let step = (order.len() / FLATNESS_COLUMNS).max(1);
-    let probes = order
-        .iter()
-        .step_by(step)
-        .map(|&index| &points[index as usize]);
-    let heights: HashMap<(u32, u32), f64> = probes.map(|point| (column(point), point[2])).collect();
+    let probes = order.iter().step_by(step).map(|&index| place(index));
+    let heights: HashMap<(u32, u32), f64> =
+        probes.map(|point| (column(&point), point[2])).collect();
     let step = order.len().div_ceil(FLATNESS_POINTS).max(1);
     let (mut near, mut all) = (0, 0);
     for &index in order.iter().step_by(step) {
-        let point = &points[index as usize];
-        if let Some(height) = heights.get(&column(point)) {
+        let point = place(index);
+        if let Some(height) = heights.get(&column(&point)) {
             all += 1;
             near += usize::from((point[2] - height).abs() < 1.5 * cell_m);
         }
@@ -110,27 +108,24 @@ fn is_flat(points: &[[f64; 3]], order: &[u32], x: &Axis, y: &Axis, cell_m: f64) 
 }
 
 impl Cells {
-    /// Sorts the points `order` into cells `cell_m` wide.
+    /// Sorts the points `order`, which lie at `place`, into cells `cell_m` wide.
     pub(super) fn sorted(
-        points: &[[f64; 3]],
+        place: &impl Place,
         order: Vec<u32>,
         cell_m: f64,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let axes = Axes::new(points, &order, cell_m);
+        let axes = Axes::new(place, &order, cell_m);
         progress.check()?;
         let order = match axes
             .cell_count()
             .filter(|&count| is_dense(count, order.len()))
         {
-            Some(count) => by_counting(points, &order, &axes, count as usize),
-            None => by_comparing(points, order, &axes),
+            Some(count) => by_counting(place, &order, &axes, count as usize),
+            None => by_comparing(place, order, &axes),
         };
         progress.check()?;
-        let sorted: Vec<[f64; 3]> = order
-            .par_iter()
-            .map(|&index| points[index as usize])
-            .collect();
+        let sorted: Vec<[f64; 3]> = order.par_iter().map(|&index| place(index)).collect();
         let x_cells = sorted
             .par_iter()
             .map(|point| axes.x.cell(point[0]))
@@ -147,9 +142,9 @@ impl Cells {
 }
 
 /// Counting sort: stable, so that points of a cell keep their order.
-fn by_counting(points: &[[f64; 3]], order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
+fn by_counting(place: &impl Place, order: &[u32], axes: &Axes, cell_count: usize) -> Vec<u32> {
     let cell = |index: &u32| {
-        let point = &points[*index as usize];
+        let point = &place(*index);
         (axes.row(point) * axes.x.len + u64::from(axes.x.cell(point[0]))) as u32
     };
     let cells: Vec<u32> = order.par_iter().map(cell).collect();
@@ -169,9 +164,9 @@ fn by_counting(points: &[[f64; 3]], order: &[u32], axes: &Axes, cell_count: usiz
     sorted
 }
 
-fn by_comparing(points: &[[f64; 3]], mut order: Vec<u32>, axes: &Axes) -> Vec<u32> {
+fn by_comparing(place: &impl Place, mut order: Vec<u32>, axes: &Axes) -> Vec<u32> {
     order.par_sort_by_cached_key(|&index| {
-        let point = &points[index as usize];
+        let point = &place(index);
         (axes.row(point), axes.x.cell(point[0]))
     });
     order

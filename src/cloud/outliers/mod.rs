@@ -26,16 +26,33 @@ pub fn keep(
     min_neighbors: usize,
     progress: &Progress,
 ) -> Result<Vec<bool>, Cancelled> {
-    let mut kept = vec![false; points.len()];
-    let finite = |point: &[f64; 3]| point.iter().all(|value| value.is_finite());
-    let order: Vec<u32> = (0..points.len() as u32)
-        .filter(|&index| finite(&points[index as usize]))
-        .collect();
+    let place = |index: u32| points[index as usize];
+    keep_places(points.len(), &place, radius_m, min_neighbors, progress)
+}
+
+/// Where the point of an index is, metres.
+trait Place: Fn(u32) -> [f64; 3] + Sync {}
+
+impl<P: Fn(u32) -> [f64; 3] + Sync> Place for P {}
+
+/// As [`keep`], over points that need not lie side by side in memory.
+pub(super) fn keep_places(
+    count: usize,
+    place: &(impl Fn(u32) -> [f64; 3] + Sync),
+    radius_m: f64,
+    min_neighbors: usize,
+    progress: &Progress,
+) -> Result<Vec<bool>, Cancelled> {
+    let mut kept = vec![false; count];
+    let finite = |index: &u32| place(*index).iter().all(|value| value.is_finite());
+    let finite_count = (0..count as u32).filter(finite).count();
+    let mut order = Vec::with_capacity(finite_count);
+    order.extend((0..count as u32).filter(finite));
     // A negated comparison, so that a radius that is no number keeps nothing either.
     if order.is_empty() || radius_m.is_nan() || radius_m <= 0.0 {
         return Ok(kept);
     }
-    let cells = Cells::sorted(points, order, radius_m * CELL_MARGIN, progress)?;
+    let cells = Cells::sorted(place, order, radius_m * CELL_MARGIN, progress)?;
     for (&index, flag) in
         cells
             .order
