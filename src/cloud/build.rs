@@ -2,7 +2,9 @@
 
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
-use super::{CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSource};
+use super::{
+    CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSource, SoundingIndex,
+};
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
@@ -108,7 +110,7 @@ fn sounding_points(
         .map(|(index, (sounding, place))| CloudPoint {
             source: PointSource::DownScan,
             ping: nearest_ping(sounding.time_s) as u32,
-            sounding: Some(index as u32),
+            sounding: SoundingIndex::new(index),
             sound: sounding.locked || down_scan == DownScan::All,
             sample: f32::NAN,
             east_m: place.east_m,

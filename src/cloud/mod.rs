@@ -16,6 +16,7 @@ pub use keep::keep_points;
 pub use residuals::{Residuals, residuals};
 
 use serde::{Deserialize, Serialize};
+use std::num::NonZero;
 
 /// Where a first return is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -106,6 +107,23 @@ impl PointSource {
     }
 }
 
+/// Index of a sounding, so that having none takes no room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SoundingIndex(NonZero<u32>);
+
+impl SoundingIndex {
+    /// `None` beyond four billion.
+    pub fn new(index: usize) -> Option<Self> {
+        let next = u32::try_from(index).ok()?.checked_add(1)?;
+        NonZero::new(next).map(Self)
+    }
+
+    /// Index into [`crate::survey::Survey::soundings`].
+    pub fn get(self) -> usize {
+        self.0.get() as usize - 1
+    }
+}
+
 /// One point, and where it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloudPoint {
@@ -114,7 +132,7 @@ pub struct CloudPoint {
     /// The side-scan ping; for a sounding the side-scan ping nearest in time (0 in a log without side-scan).
     pub ping: u32,
     /// The sounding for down-scan points.
-    pub sounding: Option<u32>,
+    pub sounding: Option<SoundingIndex>,
     /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless
     /// [`DownScan::All`] asks for it.
     pub sound: bool,

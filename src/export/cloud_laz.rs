@@ -67,7 +67,7 @@ fn las_writer(file: File, zone: UtmZone, origin: [f64; 2]) -> las::Result<Writer
 
 fn las_point(survey: &Survey, point: &CloudPoint, [x, y]: [f64; 2]) -> las::Result<Point> {
     let time_s = match point.sounding {
-        Some(sounding) => survey.soundings.get(sounding as usize).map(|s| s.time_s),
+        Some(sounding) => survey.soundings.get(sounding.get()).map(|s| s.time_s),
         None => survey
             .side_scan
             .get(point.ping as usize)
