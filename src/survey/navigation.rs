@@ -51,6 +51,9 @@ pub enum Projection {
     Mercator,
 }
 
+/// Records placed by a worker between two looks at whether the work was cancelled.
+const CHUNK: usize = 4096;
+
 /// Position and heading of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PingNav {
@@ -140,15 +143,11 @@ pub fn navigate(
         source: settings.source,
         projection,
     };
-    let ping_times: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-    let sounding_times: Vec<f64> = survey
-        .soundings
-        .iter()
-        .map(|sounding| sounding.time_s)
-        .collect();
-    progress.start((ping_times.len() + sounding_times.len()) as u64);
-    let (mut pings, moving) = navigator.place_all(&ping_times, progress)?;
-    let (mut soundings, _) = navigator.place_all(&sounding_times, progress)?;
+    progress.start((survey.side_scan.len() + survey.soundings.len()) as u64);
+    let (mut pings, moving) =
+        navigator.place_all(&survey.side_scan, |ping| ping.time_s, progress)?;
+    let (mut soundings, _) =
+        navigator.place_all(&survey.soundings, |sounding| sounding.time_s, progress)?;
     if settings.source == HeadingSource::Steps {
         head_along_steps(&mut pings);
         head_along_steps(&mut soundings);
@@ -184,26 +183,31 @@ struct Navigator<'a> {
 }
 
 impl Navigator<'_> {
-    /// One entry a time, and at how many of them the boat moves.
-    fn place_all(
+    /// One entry a record, and at how many of them the boat moves.
+    fn place_all<T: Sync>(
         &self,
-        times_s: &[f64],
+        records: &[T],
+        time_s: impl Fn(&T) -> f64 + Sync,
         progress: &Progress,
     ) -> Result<(Vec<PingNav>, usize), Cancelled> {
-        let place_chunk = |times_s: &[f64]| {
+        let mut places = vec![PingNav::UNKNOWN; records.len()];
+        let place_chunk = |(places, records): (&mut [PingNav], &[T])| {
             progress.check()?;
-            let placed: Vec<(PingNav, bool)> =
-                times_s.iter().map(|&time_s| self.place(time_s)).collect();
-            progress.advance(times_s.len() as u64);
-            Ok(placed)
+            let mut moving = 0;
+            for (place, record) in places.iter_mut().zip(records) {
+                let (placed, moves) = self.place(time_s(record));
+                *place = placed;
+                moving += usize::from(moves);
+            }
+            progress.advance(records.len() as u64);
+            Ok(moving)
         };
-        let chunks: Vec<_> = times_s
-            .par_chunks(4096)
+        let moving = places
+            .par_chunks_mut(CHUNK)
+            .zip(records.par_chunks(CHUNK))
             .map(place_chunk)
-            .collect::<Result<_, _>>()?;
-        let placed = chunks.concat();
-        let moving = placed.iter().filter(|(_, moving)| *moving).count();
-        Ok((placed.into_iter().map(|(place, _)| place).collect(), moving))
+            .try_reduce(|| 0, |a, b| Ok(a + b))?;
+        Ok((places, moving))
     }
 
     fn place(&self, time_s: f64) -> (PingNav, bool) {
