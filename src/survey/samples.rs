@@ -47,7 +47,7 @@ pub enum Encoding {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideSpan {
     /// Index into [`super::Survey::bytes`].
-    pub file: u16,
+    pub file: u8,
     /// How a sample is stored.
     pub encoding: Encoding,
     /// Which end is nearest.

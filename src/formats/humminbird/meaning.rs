@@ -110,7 +110,7 @@ impl Reader {
 
     fn span(&self, offset: usize, ping: &PingHeader) -> SideSpan {
         SideSpan {
-            file: self.file as u16,
+            file: self.file as u8,
             encoding: Encoding::U8,
             order: Order::NearToFar,
             offset: (offset + ping.header_len) as u64,

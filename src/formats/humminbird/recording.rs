@@ -108,6 +108,9 @@ fn only_dat(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
     dats.next().filter(|_| dats.next().is_none())
 }
 
+/// A survey numbers its files with a byte, and a DAT may be one of them. Recorders write five.
+const MOST_SONS: usize = 255;
+
 /// The SON files in `folder` that hold pings; `None` when there is none.
 fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> Option<Recording> {
     let read = |path: PathBuf| {
@@ -120,6 +123,7 @@ fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> 
         .filter(|path| has_extension(path, "son"))
         .filter_map(read)
         .filter(|son| son::byte_order(&son.bytes).is_some())
+        .take(MOST_SONS)
         .collect();
     if sons.is_empty() {
         return None;
