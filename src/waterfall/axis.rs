@@ -8,7 +8,7 @@ const FARTHEST_M: f32 = 5_000.0;
 /// Bins of the finest level at most, whatever the headers say, so that no header can ask for unbounded memory.
 const MAX_BINS: f64 = 65_536.0;
 /// The store of the far-out levels takes at most this part of the samples' bytes.
-const STORE_SHARE: u64 = 24;
+const STORE_SHARE: u64 = 48;
 
 /// Ping and range extent of a survey's picture, and the metres that one bin of its finest level covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,11 +80,11 @@ impl RangeAxis {
     }
 }
 
-/// 8 pings x 8 bins, both sides, two bytes each. Where a log's range changed, the far pings are finer than their samples on
+/// 16 pings x 8 bins, both sides, two bytes each: finer tiles than that come from the samples. Where a log's range changed, the far pings are finer than their samples on
 /// the common axis; the reduction across grows until the store is small all the same.
 fn store_level(pings: usize, bins: u32, samples: u64) -> Level {
     let mut level = Level {
-        along: 3,
+        along: 4,
         across: 3,
     };
     let rows = pings.div_ceil(level.pings()) as u64;

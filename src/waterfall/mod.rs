@@ -4,7 +4,7 @@
 //! to far. Its range axis has one scale for the whole survey ([`RangeAxis`]), so that every ping is placed by its metres
 //! even where the recorder's range changed mid-log. Tiles of at most [`TILE`] x [`TILE`] texels exist at every pair of
 //! power-of-two reductions along the track and across it. Fine ones are resampled from the mapped file when they come
-//! into view; the far-out ones come from a store of 8 pings x 8 bins or more that a worker builds once.
+//! into view; the far-out ones come from a store of 16 pings x 8 bins or more that a worker builds once.
 
 mod axis;
 mod cache;
