@@ -10,7 +10,7 @@
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
-//! geo (positions and planes), progress, statistics and calendar serve them all.
+//! geo (positions and planes), progress, statistics, calendar and contained serve them all.
 //! ```
 //!
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared
@@ -23,6 +23,7 @@ mod calendar;
 pub mod calibration;
 pub mod cli;
 pub mod cloud;
+mod contained;
 pub mod detection;
 pub mod export;
 pub mod first_return;

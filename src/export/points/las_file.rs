@@ -1,7 +1,7 @@
 //! Points in LAS and LAZ.
 
-use super::contained::contained;
 use super::las_claims;
+use crate::contained::contained;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};

@@ -3,7 +3,6 @@
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
-mod contained;
 mod las_claims;
 mod las_file;
 mod ply_file;

@@ -1,4 +1,4 @@
-//! Foreign code that panics on damaged bytes, made to fail instead.
+//! Foreign code that panics on damaged bytes, made to fail instead. Leans on nothing; any room may use it.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -10,7 +10,7 @@ thread_local! {
 
 /// Runs `work`; `None` when it panicked, of which nothing is printed. For work that leaves nothing behind when it stops half
 /// way: what it borrowed mutably may be half changed.
-pub(super) fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
+pub fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let before = panic::take_hook();
@@ -20,9 +20,9 @@ pub(super) fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
             }
         }));
     });
-    CONTAINED.set(true);
+    let outer = CONTAINED.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
-    CONTAINED.set(false);
+    CONTAINED.set(outer);
     outcome.ok()
 }
 
