@@ -8,6 +8,7 @@ mod cloud;
 mod damage;
 mod detection_metrics;
 mod detection_targets;
+mod detector;
 mod export;
 mod first_return;
 mod formats;
