@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
 mod dataset;
+mod detect;
 mod evaluate;
 mod filter;
 mod folders;
@@ -45,6 +46,8 @@ enum Command {
     Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
+    /// Find objects on the bottom, in logs or pictures, with a YOLO model
+    Detect(detect::DetectArgs),
     /// Draw the window, or one of its views, into a picture
     Snapshot(snapshot::SnapshotArgs),
     /// Make a survey of known truth: log, truth and objects
@@ -70,6 +73,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Process(args)),
             ..
         } => process::run(args),
+        Cli {
+            command: Some(Command::Detect(args)),
+            ..
+        } => detect::run(args),
         Cli {
             command: Some(Command::Snapshot(args)),
             ..

@@ -1,18 +1,22 @@
-//! Files that other programs open: CSV, PLY, LAZ; written aside, then renamed.
+//! Files that other programs open: CSV, PLY, LAZ, PNG; written aside, then renamed.
 //!
 //! One file a product, `aside` for the renaming; `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
+mod chips;
 mod cloud_csv;
 mod cloud_laz;
 mod cloud_ply;
+mod detections;
 mod first_returns;
 pub mod points;
 
 pub use aside::{ExportError, write_aside};
+pub use chips::{ChipError, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
+pub use detections::{detections_csv, picture_detections_csv};
 pub use first_returns::first_returns_csv;
 
 use crate::cloud::PointSource;

@@ -1,0 +1,220 @@
+//! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of other programs.
+
+use super::folders::Folders;
+use super::output;
+use super::status_line::StatusLine;
+use crate::detection::{
+    DetectorSettings, Model, Picture, Raster, find, find_in_picture, model::shipped,
+};
+use crate::export;
+use crate::formats;
+use crate::progress::Progress;
+use crate::survey::{HeadingSettings, Projection, navigate};
+use image::{ImageReader, Limits};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Pixels across or down of a picture.
+const LARGEST_PICTURE: u32 = 40_000;
+/// Bytes that a picture may unpack to.
+const LARGEST_UNPACKED: u64 = 1 << 30;
+
+/// `bathyscope detect SURVEY|PICTURE... -o DIR`.
+#[derive(Debug, clap::Args)]
+pub struct DetectArgs {
+    /// Logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
+    #[arg(required = true, value_name = "SURVEY|PICTURE")]
+    inputs: Vec<PathBuf>,
+    /// Folder for detections.csv and the chips; made when missing
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too
+    #[arg(long, value_name = "MODEL.onnx")]
+    model: Option<PathBuf>,
+    /// Least confidence of a box, 0 to 1; without it the model's own
+    #[arg(long, value_parser = share)]
+    score: Option<f32>,
+    /// Overlap (IoU) above which the less sure of two boxes is dropped, 0 to 1; without it the model's own
+    #[arg(long, value_parser = share)]
+    iou: Option<f32>,
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok();
+    number
+        .filter(|share| (0.0..=1.0).contains(share))
+        .ok_or_else(|| "a number between 0 and 1 is expected".to_owned())
+}
+
+/// Searches every input. Of several, one that cannot be used does not keep the others from being searched.
+pub fn run(args: DetectArgs) -> Result<(), String> {
+    let model = load(args.model.as_deref())?;
+    output::tell(format_args!("model: {}", model.description()));
+    let settings = DetectorSettings {
+        score: args.score,
+        iou: args.iou,
+    };
+    let [input] = args.inputs.as_slice() else {
+        return each(&args.inputs, &model, &settings, &args.output);
+    };
+    detect_into(input, &model, &settings, &args.output)
+}
+
+fn load(path: Option<&Path>) -> Result<Model, String> {
+    let loaded = match path {
+        Some(path) => Model::load(path),
+        None => shipped().ok_or("this build comes without a model; name one with --model")?,
+    };
+    loaded.map_err(|error| error.to_string())
+}
+
+fn each(
+    inputs: &[PathBuf],
+    model: &Model,
+    settings: &DetectorSettings,
+    output: &Path,
+) -> Result<(), String> {
+    let mut folders = Folders::in_folder(output);
+    let mut failed = 0;
+    for input in inputs {
+        let name = input.file_stem().unwrap_or(input.as_os_str());
+        let folder = folders.next(&name.to_string_lossy());
+        if let Err(sentence) = detect_into(input, model, settings, &folder) {
+            failed += 1;
+            output::tell(format_args!("bathyscope: {sentence}"));
+        }
+    }
+    if failed == 0 {
+        return Ok(());
+    }
+    Err(format!(
+        "{failed} of {} inputs could not be searched, for the reasons above",
+        inputs.len()
+    ))
+}
+
+fn detect_into(
+    input: &Path,
+    model: &Model,
+    settings: &DetectorSettings,
+    folder: &Path,
+) -> Result<(), String> {
+    let chips = folder.join("chips");
+    // Before the work: a folder that cannot be made should not cost minutes first.
+    fs::create_dir_all(&chips)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", chips.display()))?;
+    let found = if is_picture(input) {
+        search_picture(input, model, settings, folder, &chips)?
+    } else {
+        search_survey(input, model, settings, folder, &chips)?
+    };
+    let names = found.iter().map(|&class| model.names()[class].as_str());
+    output::results(format_args!(
+        "found {}; wrote detections.csv and chips into {}",
+        counted(names),
+        folder.display()
+    ))
+}
+
+fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|one| ending == *one))
+}
+
+/// `7 objects (4 rock, 3 tyre)`.
+fn counted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in names {
+        *counts.entry(name).or_default() += 1;
+    }
+    let each: Vec<String> = counts
+        .iter()
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    match counts.values().sum() {
+        0 => "no objects".to_owned(),
+        1 => format!("1 object ({})", each.join("")),
+        count => format!("{count} objects ({})", each.join(", ")),
+    }
+}
+
+/// The classes of what was found.
+type Classes = Vec<usize>;
+
+fn search_survey(
+    input: &Path,
+    model: &Model,
+    settings: &DetectorSettings,
+    folder: &Path,
+    chips: &Path,
+) -> Result<Classes, String> {
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("reading");
+    let survey = formats::open(input, &progress).map_err(|error| error.to_string())?;
+    let navigation = navigate(
+        &survey,
+        &HeadingSettings::default(),
+        Projection::Enu,
+        &progress,
+    )
+    .map_err(|error| error.to_string())?;
+    status.step("detecting");
+    let found = find(&survey, &navigation, model, settings, &progress, |_| ())
+        .map_err(|error| format!("{error}: {}", input.display()))?;
+    status.step("writing");
+    let raster = Raster::new(&survey, &navigation, model.pixel_m());
+    export::chips(chips, &survey, &raster, model.names(), &found, &progress)
+        .map_err(|error| error.to_string())?;
+    let table = folder.join("detections.csv");
+    export::detections_csv(&table, &survey, model.names(), &found)
+        .map_err(|error| error.to_string())?;
+    Ok(found.iter().map(|one| one.class).collect())
+}
+
+fn search_picture(
+    input: &Path,
+    model: &Model,
+    settings: &DetectorSettings,
+    folder: &Path,
+    chips: &Path,
+) -> Result<Classes, String> {
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("detecting");
+    let picture = read_picture(input)
+        .map_err(|error| format!("cannot read the picture: {error}: {}", input.display()))?;
+    let found = find_in_picture(&picture, model, settings, &progress)
+        .map_err(|error| format!("{error}: {}", input.display()))?;
+    export::picture_chips(chips, &picture, model.names(), &found)
+        .map_err(|error| error.to_string())?;
+    let name = input.file_name().unwrap_or_default().to_string_lossy();
+    let table = folder.join("detections.csv");
+    export::picture_detections_csv(&table, &name, model.names(), &found)
+        .map_err(|error| error.to_string())?;
+    Ok(found.iter().map(|one| one.class).collect())
+}
+
+fn read_picture(path: &Path) -> Result<Picture, String> {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(LARGEST_PICTURE);
+    limits.max_image_height = Some(LARGEST_PICTURE);
+    limits.max_alloc = Some(LARGEST_UNPACKED);
+    let mut reader = ImageReader::open(path)
+        .and_then(ImageReader::with_guessed_format)
+        .map_err(|error| error.to_string())?;
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(|error| error.to_string())?;
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    Ok(if decoded.color().has_color() {
+        Picture {
+            width,
+            height,
+            channels: 3,
+            levels: decoded.into_rgb8().into_raw(),
+        }
+    } else {
+        Picture::grey(width, height, decoded.into_luma8().into_raw())
+    })
+}
