@@ -158,6 +158,7 @@ impl Scene {
             ("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5),
             ("artefacts.range_change", artefacts.range_change, 0.25, 4.0),
             ("artefacts.surface_m", artefacts.surface_m, 0.0, 100.0),
+            ("artefacts.glints", artefacts.glints, 0.0, 1.0),
         ])
     }
 

@@ -19,6 +19,7 @@ mod artefacts;
 mod beam;
 mod bed;
 mod check;
+mod clutter;
 mod echo;
 mod hull;
 mod limbs;

@@ -39,6 +39,9 @@ const SECOND_ECHO_M: f64 = 0.15;
 const PULSE_LEAD_M: f64 = 0.1;
 /// Length of a fish's echo in slant range, metres (standard deviation).
 const FISH_M: f64 = 0.04;
+/// Strength of a glint over the ground: mean of an exponential, and its length in samples.
+const GLINT: f64 = 8.0;
+const GLINT_SAMPLES: usize = 3;
 /// Amplitude of neighbouring samples in the receiver's filter: a Gaussian with a standard deviation of one sample, which
 /// gives speckle correlated as in the real river recording (0.55 and 0.2 at one and two samples).
 const FILTER: [f64; 5] = [
@@ -153,6 +156,9 @@ impl<'a> Receiver<'a> {
         for &[fish_m, strength_db] in fish {
             self.add_fish(&mut power, fish_m, strength_db);
         }
+        if self.scene.artefacts.glints > 0.0 {
+            self.add_glints(&mut power, random);
+        }
         let speckle = self.speckle(random);
         let mut bytes: Vec<u8> = (0..self.samples)
             .map(|i| {
@@ -196,6 +202,19 @@ impl<'a> Receiver<'a> {
         for (index, power) in power[first..last].iter_mut().enumerate() {
             let off = ((first + index) as f64 - at) / width;
             *power += strength * exp(-0.5 * off * off);
+        }
+    }
+
+    /// Points on the ground that shine: the real effigy tiles are strewn with them.
+    fn add_glints(&self, power: &mut [f64], random: &mut Random) {
+        for first in 0..power.len() {
+            if random.chance(self.scene.artefacts.glints) {
+                let factor = 2.0 + GLINT * random.exponential();
+                let end = (first + GLINT_SAMPLES).min(power.len());
+                power[first..end]
+                    .iter_mut()
+                    .for_each(|power| *power *= factor);
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
 
+pub use super::clutter::{Pit, RippleSettings, Shoal, WeedClump};
 use super::objects::ObjectKind;
 use serde::{Deserialize, Serialize};
 
@@ -64,62 +65,6 @@ pub struct BedSettings {
     pub ripples: Option<RippleSettings>,
     /// Pits scoured out of the ground.
     pub pits: Vec<Pit>,
-}
-
-/// Ripples of sand.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RippleSettings {
-    /// Distance between crests, metres.
-    pub wavelength_m: f64,
-    /// Height of a crest above a trough, metres.
-    pub height_m: f64,
-    /// Direction across the crests, degrees clockwise from north.
-    pub heading_deg: f64,
-}
-
-/// A round pit with a low rim.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Pit {
-    /// Its centre, metres east.
-    pub east_m: f64,
-    /// Its centre, metres north.
-    pub north_m: f64,
-    /// Its radius without the rim, metres.
-    pub radius_m: f64,
-    /// Depth of its middle below the ground around, metres.
-    pub depth_m: f64,
-}
-
-/// A shoal of fish that keeps its place while the boat passes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shoal {
-    /// Its centre, metres east.
-    pub east_m: f64,
-    /// Its centre, metres north.
-    pub north_m: f64,
-    /// Its centre, metres below the water surface.
-    pub depth_m: f64,
-    /// Radius that holds most of it, metres.
-    pub radius_m: f64,
-    /// Number of fish.
-    pub count: u32,
-    /// Strength of a fish over that of a level bottom's edge, dB.
-    pub strength_db: f64,
-}
-
-/// A clump of water weed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WeedClump {
-    /// Its centre, metres east.
-    pub east_m: f64,
-    /// Its centre, metres north.
-    pub north_m: f64,
-    /// Its diameter, metres.
-    pub diameter_m: f64,
 }
 
 /// How a recorder turns power into bytes.
@@ -262,6 +207,8 @@ pub struct Artefacts {
     pub range_change: f64,
     /// Slant range at which the water surface is heard, metres: how deep a towed transducer hangs; 0 for none.
     pub surface_m: f64,
+    /// Share of the samples in which a pebble or a shell glints.
+    pub glints: f64,
 }
 
 /// An object on the ground.
@@ -388,6 +335,7 @@ impl Default for Artefacts {
             dropouts: 0.005,
             range_change: 1.25,
             surface_m: 0.0,
+            glints: 0.0,
         }
     }
 }
@@ -409,6 +357,7 @@ impl Artefacts {
             dropouts: 0.0,
             range_change: 1.0,
             surface_m: 0.0,
+            glints: 0.0,
         }
     }
 }
