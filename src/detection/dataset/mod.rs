@@ -10,7 +10,7 @@ mod yolo;
 
 pub use chip::{Boxes, Chip, Known};
 pub use coco::Coco;
-pub use visible::Contrast;
+pub use visible::{Contrast, Standing};
 pub use yolo::yolo_lines;
 
 #[cfg(test)]

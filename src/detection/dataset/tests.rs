@@ -32,12 +32,12 @@ fn an_echo_or_a_shadow_is_seen_and_level_ground_is_not() {
         |patch: &Rect, level| Contrast::of(&Smoothed::new(&noisy(patch, level)), &echo, &whole);
     let bright = contrast(&echo, 140);
     assert!(
-        bright.is_seen() && bright.echo > 5.0 && bright.shadow.abs() < 1.0,
+        bright.is_seen() && bright.echo.rise > 5.0 && !bright.shadow.is_seen(),
         "{bright:?}"
     );
     let dark = contrast(&shadow, 60);
     assert!(
-        dark.is_seen() && dark.shadow > 5.0 && dark.echo < 1.0,
+        dark.is_seen() && dark.shadow.rise > 5.0 && !dark.echo.is_seen(),
         "{dark:?}"
     );
     let nothing = contrast(&rect(0.0, 0.0, 0.0, 0.0), 0);

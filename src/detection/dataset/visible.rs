@@ -12,8 +12,8 @@ const GAP_PX: f32 = 4.0;
 const BESIDE_PX: f32 = 25.0;
 /// Fewest pixels that make a comparison.
 const FEWEST: usize = 20;
-/// Least contrast that is seen.
-const LEAST_CONTRAST: f32 = 1.0;
+/// Least share of a place, beyond a tenth, that is seen.
+const LEAST_AREA: f32 = 0.15;
 
 /// A tile averaged over small squares.
 pub struct Smoothed(Vec<f32>);
@@ -58,14 +58,32 @@ fn blur(levels: &[f32], step: usize, line: usize) -> Vec<f32> {
     out
 }
 
-/// How an object stands out, in standard deviations of the averaged ground beside it along the track at the same ranges.
+/// How an object stands out from the averaged ground beside it along the track, at the same ranges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contrast {
-    /// By how much the brightest twentieth of the echo's box outdoes that of the ground: a thin object across a box fills
-    /// little of it.
-    pub echo: f32,
-    /// By how much the darkest twentieth of what lies behind is darker than that of the ground; 0 without a shadow.
-    pub shadow: f32,
+    /// Of its echo: brighter.
+    pub echo: Standing,
+    /// Of what lies behind the echo, its shadow: darker.
+    pub shadow: Standing,
+}
+
+/// One part of an object against the ground beside it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Standing {
+    /// By how much its strongest twentieth outdoes that of the ground, in the ground's standard deviations: a thin object
+    /// across a box fills little of it.
+    pub rise: f32,
+    /// Which share of it lies beyond the ground's strongest tenth, less that tenth, over the share that chance alone
+    /// reaches: a large shadow is seen on ground that is as dark in spots.
+    pub area: f32,
+}
+
+impl Standing {
+    /// Whether an eye finds it. Both bounds lie low: an object that is seen but not asked for teaches a detector to be
+    /// blind, one that is asked for but hardly seen costs less.
+    pub fn is_seen(&self) -> bool {
+        self.rise >= 0.7 || self.area >= 0.6
+    }
 }
 
 impl Contrast {
@@ -75,58 +93,62 @@ impl Contrast {
             x0: echo.x1,
             ..*whole
         };
-        let brighter = Comparison::new(picture, echo, whole);
-        let darker = Comparison::new(picture, &behind, whole);
         Self {
-            echo: brighter.map_or(0.0, |pair| pair.rise(0.95)),
-            shadow: darker.map_or(0.0, |pair| -pair.rise(0.05)),
+            echo: standing(picture, echo, whole, 1.0),
+            shadow: standing(picture, &behind, whole, -1.0),
         }
     }
 
-    /// Whether an eye finds it: echo or shadow stand out by a standard deviation.
+    /// Whether an eye finds its echo or its shadow.
     pub fn is_seen(&self) -> bool {
-        self.echo.max(self.shadow) >= LEAST_CONTRAST
+        self.echo.is_seen() || self.shadow.is_seen()
     }
 }
 
-/// Sorted levels of a place, and of the ground beside it.
-struct Comparison {
-    here: Vec<f32>,
-    beside: Vec<f32>,
+/// Compares a place with the ground before and after the whole box; `sign` is 1 where the place should be brighter, -1
+/// where it should be darker. None where either has too few pixels in the tile.
+fn standing(picture: &Smoothed, place: &Rect, whole: &Rect, sign: f32) -> Standing {
+    let height = (whole.y1 - whole.y0).max(BESIDE_PX);
+    let ground = |y0: f32| {
+        picture.of(&Rect {
+            y0,
+            y1: y0 + height,
+            ..*place
+        })
+    };
+    let mut here = picture.of(place);
+    let mut beside = [
+        ground(whole.y0 - GAP_PX - height),
+        ground(whole.y1 + GAP_PX),
+    ]
+    .concat();
+    if here.len() < FEWEST || beside.len() < FEWEST {
+        return Standing::default();
+    }
+    let levels = |levels: &mut Vec<f32>| {
+        levels.iter_mut().for_each(|level| *level *= sign);
+        levels.sort_by(f32::total_cmp);
+    };
+    levels(&mut here);
+    levels(&mut beside);
+    let quantile =
+        |sorted: &[f32], share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
+    let strong = quantile(&beside, 0.9);
+    let beyond = here.len() - here.partition_point(|&level| level <= strong);
+    let share = beyond as f32 / here.len() as f32;
+    // The share of independent squares that exceed a tenth scatters by sqrt(0.1 0.9 / n); three times that is beyond chance.
+    let squares = here.len() as f32 / ((2 * HALF_PX + 1) * (2 * HALF_PX + 1)) as f32;
+    let chance = (0.9 / squares.sqrt()).max(LEAST_AREA);
+    Standing {
+        rise: (quantile(&here, 0.95) - quantile(&beside, 0.95)) / spread(&beside),
+        area: (share - 0.1) / chance,
+    }
 }
 
-impl Comparison {
-    /// `None` where either has too few pixels in the tile.
-    fn new(picture: &Smoothed, place: &Rect, whole: &Rect) -> Option<Self> {
-        let height = (whole.y1 - whole.y0).max(BESIDE_PX);
-        let before = Rect {
-            y0: whole.y0 - GAP_PX - height,
-            y1: whole.y0 - GAP_PX,
-            ..*place
-        };
-        let after = Rect {
-            y0: whole.y1 + GAP_PX,
-            y1: whole.y1 + GAP_PX + height,
-            ..*place
-        };
-        let mut here = picture.of(place);
-        let mut beside = [picture.of(&before), picture.of(&after)].concat();
-        if here.len() < FEWEST || beside.len() < FEWEST {
-            return None;
-        }
-        here.sort_by(f32::total_cmp);
-        beside.sort_by(f32::total_cmp);
-        Some(Self { here, beside })
-    }
-
-    /// By how much a quantile of the place exceeds that of the ground, in the ground's standard deviations.
-    fn rise(&self, share: f64) -> f32 {
-        let quantile = |sorted: &[f32]| sorted[(share * (sorted.len() - 1) as f64) as usize];
-        let count = self.beside.len() as f32;
-        let mean = self.beside.iter().sum::<f32>() / count;
-        let squares = self.beside.iter().map(|level| (level - mean).powi(2));
-        // Half a grey level at least: silence has no spread of its own.
-        let spread = (squares.sum::<f32>() / count).sqrt().max(0.5);
-        (quantile(&self.here) - quantile(&self.beside)) / spread
-    }
+/// Standard deviation; half a grey level at least, for silence has no spread of its own.
+fn spread(levels: &[f32]) -> f32 {
+    let count = levels.len() as f32;
+    let mean = levels.iter().sum::<f32>() / count;
+    let squares = levels.iter().map(|level| (level - mean).powi(2));
+    (squares.sum::<f32>() / count).sqrt().max(0.5)
 }
