@@ -4,21 +4,34 @@
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap.
+//! `nms` keeps the surest of boxes that overlap. `model` is a detector from an ONNX file, `decode` reads boxes from its
+//! numbers, `picture` is what it searches. `find` searches a survey tile by tile, `merge` makes one box of what several
+//! tiles saw.
 //! `review` holds what the analyst decides about the boxes.
-//! `metrics` measures predicted boxes against true ones.
+//! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
+//! `targets` places boxes in the world.
 
 pub mod dataset;
+pub mod decode;
+mod find;
+pub mod labels;
 mod level;
 mod mark;
+mod merge;
 pub mod metrics;
+pub mod model;
 mod nms;
+mod picture;
 mod raster;
 mod rect;
 pub mod review;
+pub mod targets;
 
+pub use find::{DetectorSettings, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};
+pub use model::{DetectError, Model, ModelError};
 pub use nms::{Nms, Overlap, suppress};
+pub use picture::Picture;
 pub use raster::{Raster, TILE_PX, Tile};
 pub use rect::{Labelled, Rect, Scored};

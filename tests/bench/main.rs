@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod decode;
+mod detector;
 mod first_return;
 mod large_log;
 mod map;
@@ -15,6 +16,7 @@ mod waterfall;
 /// Name on the command line and what it runs.
 const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
+    ("detector", detector::run),
     ("first_return", first_return::run),
     ("memory", memory::run),
     ("outliers", outliers::run),

@@ -61,7 +61,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 3] = ["calendar.rs", "progress.rs", "statistics.rs"];
+const SERVE_ALL: [&str; 4] = [
+    "calendar.rs",
+    "contained.rs",
+    "progress.rs",
+    "statistics.rs",
+];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();

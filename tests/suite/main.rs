@@ -8,6 +8,8 @@ mod cloud;
 mod damage;
 mod dataset;
 mod detection_metrics;
+mod detection_targets;
+mod detector;
 mod export;
 mod first_return;
 mod formats;

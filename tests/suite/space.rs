@@ -4,7 +4,7 @@ use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::bathymetry::{DepthMapSettings, depth_map, depth_points};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
-use bathyscope::cloud::{CloudPoint, PointCloud, PointSource};
+use bathyscope::cloud::{CloudPoint, PointCloud, PointSource, SoundingIndex};
 use bathyscope::first_return::FirstReturns;
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
@@ -89,7 +89,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
         CloudPoint {
             source,
             ping: ping as u32,
-            sounding: (source == PointSource::DownScan).then_some(ping as u32),
+            sounding: SoundingIndex::new(ping).filter(|_| source == PointSource::DownScan),
             sound: true,
             sample: 100.0,
             east_m,

@@ -11,7 +11,7 @@ def size_iou(sizes: np.ndarray, anchors: np.ndarray) -> np.ndarray:
 
 def cluster(sizes: np.ndarray, count: int, seed: int = 0, rounds: int = 100) -> np.ndarray:
     """`count` anchors `[count, 2]` for box sizes `[n, 2]` in pixels, from small to large area."""
-    sizes = sizes[(sizes > 1.0).all(1)]
+    sizes = sizes[(sizes > 1.0).all(1)].astype(float)
     if len(sizes) < count:
         raise SystemExit(f"too few boxes to choose {count} anchors: {len(sizes)}")
     rng = np.random.default_rng(seed)
@@ -27,8 +27,6 @@ def cluster(sizes: np.ndarray, count: int, seed: int = 0, rounds: int = 100) -> 
     return anchors[np.argsort(anchors.prod(1))]
 
 
-def per_head(sizes: np.ndarray, heads: int, seed: int = 0) -> tuple[list[list[list[float]]], float]:
-    """Three anchors for each head, the finest head first, and the mean best IoU of the boxes with them."""
-    anchors = cluster(sizes, 3 * heads, seed).round(1)
-    fit = float(size_iou(sizes, anchors).max(1).mean())
-    return anchors.reshape(heads, 3, 2).tolist(), fit
+def per_head(sizes: np.ndarray, heads: int, seed: int = 0) -> list[list[list[float]]]:
+    """Three anchors for each head, the finest head first."""
+    return cluster(sizes, 3 * heads, seed).round(1).reshape(heads, 3, 2).tolist()

@@ -112,10 +112,11 @@ class Augmenter:
         return torch.randn(*shape, generator=self.generator, device=self.device)
 
 
-def sample(
-    images: torch.Tensor, scale: torch.Tensor, offset: torch.Tensor, mirrored: torch.Tensor, side: int
-) -> torch.Tensor:
-    """Draws each u8 chip into a picture of `side` pixels at `out = offset + scale * source`, rows mirrored first where asked; black outside."""
+def sample(images: torch.Tensor, scale: torch.Tensor, offset: torch.Tensor, mirrored: torch.Tensor, side: int) -> torch.Tensor:
+    """Draws each u8 chip into a picture of `side` pixels at `out = offset + scale * source`, rows mirrored first where asked.
+
+    Black outside the chip.
+    """
     count, source = images.shape[0], images.shape[-1]
     # grid_sample wants the inverse in coordinates of -1..1: source = (out - offset) / scale.
     factor = side / source / scale

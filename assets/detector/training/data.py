@@ -111,12 +111,30 @@ def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
     return Chips(images, pad_boxes(boxes), [path.stem for path in paths])
 
 
+def has_split(root: Path, split: str) -> bool:
+    """Whether there is at least one chip in a split."""
+    return any((root / "images" / split).glob("*.png"))
+
+
+def join(parts: list[Chips]) -> Chips:
+    """The chips of several folders as one."""
+    if len(parts) == 1:
+        return parts[0]
+    slots = max(part.boxes.shape[1] for part in parts)
+    boxes = [torch.nn.functional.pad(part.boxes, (0, 0, 0, slots - part.boxes.shape[1]), value=ABSENT) for part in parts]
+    names = [f"{index}/{name}" for index, part in enumerate(parts) for name in part.names]
+    return Chips(torch.cat([part.images for part in parts]), torch.cat(boxes), names)
+
+
 def read_names(root: Path) -> list[str]:
     """The class names, in the order of the labels' numbers."""
     return (root / "classes.txt").read_text().split()
 
 
 def read_manifest(root: Path) -> dict:
-    """How the data was made; empty where nothing says."""
+    """How the data was made, without the seeds of its scenes; empty where nothing says."""
     path = root / "manifest.json"
-    return json.loads(path.read_text()) if path.exists() else {}
+    manifest = json.loads(path.read_text()) if path.exists() else {}
+    for part in manifest.get("parts", []):
+        part.pop("scene_seeds", None)
+    return manifest

@@ -100,21 +100,26 @@ def evaluate(network, meta: dict, val: Chips | None, test: Chips, tiles: "real.T
     return report
 
 
+def find(network, meta: dict, chips: Chips) -> list:
+    """What remains in each chip after suppression across classes."""
+    return [suppress(rows, agnostic=True) for rows in detect(network, meta["anchors"], chips)]
+
+
 def measure_real(network, meta: dict, tiles: "real.Tiles", split: str, score: float) -> dict:
     """Effigies in real tiles, against boxes with and without the shadow, with and without effigies that a tile's edge cuts."""
-    return {
-        f"{'echo_and_shadow' if extended else 'echo_only'}{'_whole' if whole else ''}": measure_effigies(
-            network, meta, real.single_chips(tiles, split, extended, whole, meta), score
-        )
-        for extended in (True, False)
-        for whole in (True, False)
-    }
+    report, whole, found = {}, tiles.whole()[tiles.split == split], None
+    for name, extended in (("echo_and_shadow", True), ("echo_only", False)):
+        chips = real.single_chips(tiles, split, extended, meta)
+        found = found or find(network, meta, chips)
+        report[name] = measure_effigies(found, truths(chips), chips.names, meta, score)
+        kept = [[rows for rows, keep in zip(each, whole) if keep] for each in (found, truths(chips), chips.names)]
+        report[name + "_whole"] = measure_effigies(*kept, meta, score)
+    return report
 
 
-def measure_effigies(network, meta: dict, chips: Chips, score: float) -> dict:
+def measure_effigies(found: list, truth: list, chips: list[str], meta: dict, score: float) -> dict:
     """Precision and counts of the one class that the real tiles label; `any_class` asks only whether the object was seen."""
-    truth, kind = truths(chips), meta["names"].index(real.CLASS)
-    found = [suppress(rows, agnostic=True) for rows in detect(network, meta["anchors"], chips)]
+    kind = meta["names"].index(real.CLASS)
     only = [rows[rows[:, 5] == kind] for rows in found]
     any_class = [np.concatenate([rows[:, :5], np.full((len(rows), 1), kind)], 1) for rows in found]
     report = {"chips": len(chips), "truths": sum(len(t) for t in truth)}
@@ -122,16 +127,13 @@ def measure_effigies(network, meta: dict, chips: Chips, score: float) -> dict:
         for limit in (0.5, 0.3):
             report[f"ap{limit * 100:.0f}{name}"] = metrics.class_precision(rows, truth, kind, limit)["all_points"]
         report[f"at_score{name}"] = metrics.counts(rows, truth, score)
-    return report | {
-        "sweep": metrics.sweep(only, truth),
-        "errors": metrics.errors(only, truth, chips.names, meta["names"], score),
-    }
+    return report | {"sweep": metrics.sweep(only, truth), "errors": metrics.errors(only, truth, chips, meta["names"], score)}
 
 
 def measure_plain(network, meta: dict, tiles: "real.Tiles", score: float) -> dict:
     """What is found in real tiles that hold no effigy; other objects lie there, unlabelled, so only effigies are false."""
-    chips = real.single_chips(tiles, "plain", True, False, meta)
-    found = [suppress(rows, agnostic=True) for rows in detect(network, meta["anchors"], chips)]
+    chips = real.single_chips(tiles, "plain", True, meta)
+    found = find(network, meta, chips)
     kinds = np.concatenate([rows[rows[:, 4] >= score, 5] for rows in found])
     return {"chips": len(chips), "found": {name: int((kinds == kind).sum()) for kind, name in enumerate(meta["names"])}}
 

@@ -99,6 +99,7 @@ def sidecar(meta: dict, network: torch.nn.Module, model: bytes) -> dict:
         "outputs": {"boxes": "boxes", "confs": "confs", "coordinates": "x1 y1 x2 y2, fractions of the chip"},
         "chip": {"pixel_m": meta["pixel_m"], "rows": "along track", "columns": "slant range, outward"},
         "pixel_m": meta["pixel_m"],
+        "level": "auto",
         "heads": heads,
         "thresholds": meta.get("thresholds", {"score": 0.25, "iou": 0.45, "nms": "plain", "class_agnostic": True}),
         "sha256": hashlib.sha256(model).hexdigest(),

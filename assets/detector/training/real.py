@@ -65,10 +65,10 @@ def resized(tiles: Tiles, tile: int, scale: float) -> np.ndarray:
     return levelled(np.asarray(Image.fromarray(tiles.images[tile]).resize((side, side), how)))
 
 
-def single_chips(tiles: Tiles, split: str, extended: bool, whole: bool, meta: dict) -> Chips:
-    """Each tile of a split at the network's resolution in the middle of a black chip; `whole` leaves out cut effigies."""
+def single_chips(tiles: Tiles, split: str, extended: bool, meta: dict) -> Chips:
+    """Each tile of a split at the network's resolution in the middle of a black chip."""
     side, kind = meta["side"], meta["names"].index(CLASS)
-    chosen = np.flatnonzero((tiles.split == split) & (tiles.whole() | (not whole)))
+    chosen = np.flatnonzero(tiles.split == split)
     images, boxes = [], []
     for tile in chosen:
         scale = tiles.pixel_m / meta["pixel_m"]

@@ -26,15 +26,21 @@ for run in "$@"; do
     trainings="$trainings $!"
     echo "$run" >>"$work/names"
 done
-(while sleep 20; do tail -qn 1 "$work"/*/printed.txt; done) &
+# Weights so far, in case the time runs out before the end.
+keep_weights() {
+    head -n 2 "$work/names" | while read -r run; do
+        [ ! -f "$work/$run/weights.npz" ] || cp "$work/$run/weights.npz" "$out/$run.npz"
+    done
+}
+(while sleep 20; do keep_weights && tail -qn 1 "$work"/*/printed.txt; done) &
 ticker=$!
 # shellcheck disable=SC2086 # several process ids
 wait $trainings || true
 kill "$ticker"
 
+keep_weights
 head -n 2 "$work/names" | while read -r run; do
     cp "$work/$run/$run.onnx" "$out/" || echo "$run left no model"
-    cp "$work/$run/weights.npz" "$out/$run.npz" || echo "$run left no weights"
 done
 tail -qn 8 "$work"/*/printed.txt
 tar -C "$work" --exclude='*.onnx' --exclude='*.npz' -czf "$out/results.tgz" .

@@ -21,10 +21,10 @@ import numpy as np
 import torch
 
 import real
-from anchors import per_head
+from anchors import per_head, size_iou
 from augment import Augmenter, Strength
 from darknet_weights import load_coco
-from data import DEFAULT_PIXEL_M, Chips, read_manifest, read_names, read_split
+from data import DEFAULT_PIXEL_M, Chips, has_split, join, read_manifest, read_names, read_split
 from detect import detect, judged, suppress, truths
 from evaluate import evaluate
 from export import export
@@ -169,7 +169,7 @@ class Log:
 
 
 def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) -> None:
-    """Trains until the budget is spent; looks at the validation chips and keeps the checkpoint now and then."""
+    """Trains until the budget is spent; looks at the validation chips, and keeps weights and checkpoint, now and then."""
     args, looks = trainer.args, int(trainer.progress() * trainer.args.looks)
     began, kept = time.monotonic() - trainer.seconds, time.monotonic()
     while trainer.progress() < 1.0:
@@ -180,6 +180,7 @@ def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) ->
         if trainer.progress() * args.looks >= looks + 1:
             looks = int(trainer.progress() * args.looks)
             log.line(trainer, terms, look(trainer, val, meta))
+            save_weights(trainer.average, meta, args.out / "weights.npz")
         elif log.due():
             log.line(trainer, terms, None)
         if args.state and time.monotonic() - kept > args.keep_seconds:
@@ -209,7 +210,8 @@ def arguments() -> argparse.Namespace:
     """What the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--data", type=Path, required=True, help="folder written by `bathyscope simulate --dataset`")
+    add("--data", type=Path, required=True, nargs="+", help="folders written by `bathyscope simulate --dataset`")
+    add("--test", type=Path, help="folder whose test split is measured (default: the first of --data)")
     add("--out", type=Path, required=True, help="folder for the results")
     add("--network", default="tiny", choices=["tiny", "tiny3l", "yolov4"])
     add("--width", type=float, default=0.25, help="channels of yolov4, as a share of the published ones")
@@ -243,14 +245,22 @@ def arguments() -> argparse.Namespace:
 def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
     """Reads all data and settles what the network must know: names, anchors, resolution."""
     began = time.monotonic()
-    train, val, test = (read_split(args.data, split, args.limit) for split in ("train", "val", "test"))
+    train, val = (join([read_split(root, split, args.limit) for root in args.data]) for split in ("train", "val"))
+    held = args.test or args.data[0]
+    test = read_split(held, "test", args.limit) if has_split(held, "test") else val
+    if test is val:
+        print("no test chips there: the validation chips are measured in their place", flush=True)
     tiles = real.read_tiles(args.real) if args.real else None
-    manifest, rows = read_manifest(args.data), train.boxes[train.boxes[..., 0] >= 0].numpy()
+    manifest, rows = read_manifest(args.data[0]), train.boxes[train.boxes[..., 0] >= 0].numpy()
     heads = 2 if args.network == "tiny" else 3
-    anchors, fit = per_head(rows[:, 3:5] - rows[:, 1:3], heads, args.seed)
+    sizes = rows[:, 3:5] - rows[:, 1:3]
+    earlier = read_meta(args.init) if args.init else {}
+    # A network of ours has learnt its sizes beside its own anchors.
+    anchors = earlier["anchors"] if earlier.get("network") == args.network else per_head(sizes, heads, args.seed)
+    fit = size_iou(sizes, np.array(anchors).reshape(-1, 2)).max(1).mean()
     meta = {
         "name": args.name or args.network, "network": args.network, "width": args.width if args.network == "yolov4" else 1.0,
-        "names": read_names(args.data), "anchors": anchors, "side": train.side,
+        "names": read_names(args.data[0]), "anchors": anchors, "side": train.side,
         "pixel_m": manifest.get("pixel_m", DEFAULT_PIXEL_M),
     }  # fmt: skip
     spent = time.monotonic() - began
@@ -267,7 +277,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
         "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle,
-        "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": read_manifest(args.data),
+        "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
 

@@ -1,6 +1,7 @@
 """Stores a network with what is needed to build it again, small enough to carry: convolutions as float16."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -9,13 +10,15 @@ META = "meta.json"
 
 
 def save_weights(network: torch.nn.Module, meta: dict, path: str) -> None:
-    """Writes every array of `network` (4-D ones as float16, the rest as they are) and `meta` into one `.npz`."""
+    """Writes every array of `network` (4-D ones as float16, the rest as they are) and `meta` into one `.npz`, aside at first."""
     arrays = {}
     for name, tensor in network.state_dict().items():
         values = tensor.detach().cpu().float().numpy() if tensor.is_floating_point() else tensor.cpu().numpy()
         arrays[name] = values.astype(np.float16) if values.ndim == 4 else values
     arrays[META] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
-    np.savez(path, **arrays)
+    aside = Path(path).with_suffix(".part.npz")
+    np.savez(aside, **arrays)
+    aside.replace(path)
 
 
 def read_meta(path: str) -> dict:

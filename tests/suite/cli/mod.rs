@@ -1,5 +1,7 @@
 //! The command line as scripts use it: names, columns, units and exit codes of the contract.
 
+mod detect;
+mod evaluate;
 mod refused;
 
 use crate::support;

@@ -148,9 +148,9 @@ fn tracker_stays_within_a_centimetre_on_ponds_of_every_kind() {
     for (kind, scene) in KINDS {
         let found = &measure(&scene(), 0..2, std::slice::from_ref(&tracker))[0];
         println!("{kind}: {found}");
-        assert!(found.mae_m <= 0.020, "{kind}: {found}");
-        assert!(found.p95_m <= 0.060, "{kind}: {found}");
-        assert!(found.gross <= 0.004, "{kind}: {found}");
+        assert!(found.mae_m <= 0.010, "{kind}: {found}");
+        assert!(found.p95_m <= 0.030, "{kind}: {found}");
+        assert!(found.gross <= 0.002, "{kind}: {found}");
         assert!(found.without_pick <= 0.01, "{kind}: {found}");
     }
 }

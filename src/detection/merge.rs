@@ -1,0 +1,192 @@
+//! One box an object, where overlapping tiles have seen it several times.
+//!
+//! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which the picture goes on. Of whole
+//! boxes the surest is kept, as within a tile. A cut box and a box of another tile are the same object when they cover each
+//! other by half (IoU) within the strip that both tiles saw, whatever their classes: the whole one is kept, with its own score; of two
+//! cut ones (an object longer than the strip) the box around both is kept, with the class and score of the surer. A cut box
+//! that has no counterpart stays as it is.
+
+use super::{Nms, Rect, Scored, suppress};
+use std::collections::HashMap;
+
+/// Pixels from a tile's edge within which a box counts as cut.
+const EDGE_PX: f32 = 2.0;
+/// Overlap within the strip from which two boxes are the same object.
+const SAME_IOU: f32 = 0.5;
+/// Rows of the picture whose boxes are looked at together.
+const BAND_PX: f32 = 512.0;
+
+/// A box as a tile saw it, in the whole picture's pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// What and where.
+    pub found: Scored,
+    /// The tile.
+    pub tile: Rect,
+    /// Whether it may go on beyond the tile.
+    pub cut: bool,
+}
+
+impl Seen {
+    /// `found` is in the pixels of `tile`, which lies in a picture that ends at `width` and `height`.
+    pub fn new(found: Scored, tile: Rect, width: f32, height: f32) -> Self {
+        let rect = found.rect.shifted(tile.x0, tile.y0);
+        let cut = (tile.x0 > 0.0 && rect.x0 < tile.x0 + EDGE_PX)
+            || (tile.y0 > 0.0 && rect.y0 < tile.y0 + EDGE_PX)
+            || (tile.x1 < width && rect.x1 > tile.x1 - EDGE_PX)
+            || (tile.y1 < height && rect.y1 > tile.y1 - EDGE_PX);
+        Self {
+            found: Scored { rect, ..found },
+            tile,
+            cut,
+        }
+    }
+
+    fn same_object(&self, other: &Seen) -> bool {
+        let strip = self.tile.intersection(&other.tile);
+        let [mine, theirs] = [self, other].map(|seen| seen.found.rect.intersection(&strip));
+        self.tile != other.tile && mine.iou(&theirs) >= SAME_IOU
+    }
+}
+
+/// The objects, each once, by falling score. Takes time and memory in proportion to the boxes.
+pub fn merge(seen: Vec<Seen>, nms: Nms, iou: f32) -> Vec<Scored> {
+    let (mut cut, whole): (Vec<Seen>, Vec<Seen>) = seen.into_iter().partition(|seen| seen.cut);
+    cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));
+
+    let mut wholes = Bands::default();
+    for seen in &whole {
+        wholes.add(&seen.found.rect, *seen);
+    }
+    let mut pieces = Bands::default();
+    let mut joined: Vec<Scored> = Vec::new();
+    for seen in cut {
+        let rect = seen.found.rect;
+        if wholes.near(&rect).any(|other| other.same_object(&seen)) {
+            continue;
+        }
+        let piece = pieces
+            .near(&rect)
+            .find(|(_, other): &&(usize, Seen)| other.same_object(&seen))
+            .map(|(object, _)| *object);
+        let object = piece.unwrap_or(joined.len());
+        match joined.get_mut(object) {
+            Some(object) => object.rect = object.rect.hull(&rect),
+            None => joined.push(seen.found),
+        }
+        pieces.add(&rect, (object, seen));
+    }
+    joined.extend(whole.iter().map(|seen| seen.found));
+    suppress(&mut joined, nms, iou);
+    joined
+}
+
+/// Boxes by the bands of rows that they reach into.
+struct Bands<T>(HashMap<i64, Vec<T>>);
+
+impl<T> Default for Bands<T> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<T: Copy> Bands<T> {
+    fn bands(rect: &Rect) -> std::ops::RangeInclusive<i64> {
+        // A tile's height bounds a seen box.
+        (rect.y0 / BAND_PX).floor() as i64..=(rect.y1 / BAND_PX).floor() as i64
+    }
+
+    fn add(&mut self, rect: &Rect, what: T) {
+        for band in Self::bands(rect) {
+            self.0.entry(band).or_default().push(what);
+        }
+    }
+
+    fn near(&self, rect: &Rect) -> impl Iterator<Item = &T> {
+        Self::bands(rect).flat_map(|band| self.0.get(&band).into_iter().flatten())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEIGHT: f32 = 1040.0;
+
+    /// Tiles of 416 rows, a new one every 312, of a picture 416 across.
+    fn tile(index: u8) -> Rect {
+        let y0 = 312.0 * f32::from(index);
+        Rect {
+            x0: 0.0,
+            y0,
+            x1: 416.0,
+            y1: y0 + 416.0,
+        }
+    }
+
+    /// What the tiles see of an object between two rows, each with the score given for it.
+    fn seen(class: usize, [y0, y1]: [f32; 2], scores: [Option<f32>; 3]) -> Vec<Seen> {
+        let object = Rect {
+            x0: 100.0,
+            y0,
+            x1: 150.0,
+            y1,
+        };
+        (0..3_u8)
+            .zip(scores)
+            .filter_map(|(index, score)| {
+                let rect = object
+                    .intersection(&tile(index))
+                    .shifted(0.0, -tile(index).y0);
+                let found = Scored {
+                    class,
+                    score: score?,
+                    rect,
+                };
+                Some(Seen::new(found, tile(index), 416.0, HEIGHT))
+            })
+            .collect()
+    }
+
+    fn merged(seen: Vec<Seen>) -> Vec<(f32, f32, f32)> {
+        merge(seen, Nms::PLAIN, 0.45)
+            .iter()
+            .map(|one| (one.score, one.rect.y0, one.rect.y1))
+            .collect()
+    }
+
+    #[test]
+    fn a_cut_box_gives_way_to_the_whole_one_even_if_surer() {
+        let boxes = seen(0, [380.0, 440.0], [Some(0.9), Some(0.6), None]);
+        assert!(boxes[0].cut && !boxes[1].cut);
+        assert_eq!(merged(boxes), [(0.6, 380.0, 440.0)]);
+    }
+
+    #[test]
+    fn a_long_object_is_put_together_from_its_pieces() {
+        let boxes = seen(0, [200.0, 900.0], [Some(0.5), Some(0.8), Some(0.7)]);
+        assert!(
+            boxes
+                .iter()
+                .all(|one| one.cut || one.found.rect.y1 == 900.0)
+        );
+        assert_eq!(merged(boxes), [(0.8, 200.0, 900.0)]);
+    }
+
+    #[test]
+    fn whole_boxes_of_two_tiles_are_one_and_neighbours_stay_two() {
+        let twice = seen(0, [330.0, 400.0], [Some(0.7), Some(0.8), None]);
+        assert_eq!(merged(twice), [(0.8, 330.0, 400.0)]);
+        let mut two = seen(0, [330.0, 360.0], [Some(0.7), Some(0.8), None]);
+        two.extend(seen(0, [365.0, 400.0], [Some(0.9), Some(0.6), None]));
+        assert_eq!(merged(two), [(0.9, 365.0, 400.0), (0.8, 330.0, 360.0)]);
+    }
+
+    #[test]
+    fn what_only_one_tile_saw_stays_and_the_pictures_own_edge_cuts_nothing() {
+        let alone = seen(0, [380.0, 440.0], [Some(0.9), None, None]);
+        assert_eq!(merged(alone), [(0.9, 380.0, 416.0)]);
+        let last = seen(0, [1000.0, HEIGHT], [None, None, Some(0.4)]);
+        assert!(!last[0].cut);
+    }
+}

@@ -1,0 +1,322 @@
+//! From a file to a model that has run once.
+
+use super::family::{self, Family, Shaped};
+use super::guard::guarded;
+use super::input::InputSpec;
+use super::metadata::Metadata;
+use super::screen::{self, Declared};
+use super::sidecar::{Colour, FamilyName, LevelEntry, Resize, Sidecar};
+use super::{Inference, Model, Output, Unusable, tract};
+use crate::detection::Nms;
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tract_onnx::pb::ModelProto;
+
+/// Bytes of the largest detector that runs on a laptop, doubled.
+const LARGEST_MIB: u64 = 512;
+/// Bytes of a sidecar: it holds names and anchors.
+const LARGEST_SIDECAR: u64 = 1 << 20;
+/// Time to understand and compile a network. YOLOv4 at full width takes a second.
+const COMPILE_LIMIT: Duration = Duration::from_secs(60);
+/// Time for the first picture. YOLOv4 at full width and 608 pixels takes a second and a half.
+const FIRST_RUN_LIMIT: Duration = Duration::from_secs(30);
+/// Pixels across or down that an input may have.
+const LARGEST_INPUT: usize = 4096;
+/// Pixels across and down where nothing tells.
+const USUAL_INPUT: usize = 416;
+
+/// Loads the file and its sidecar.
+pub fn from_path(path: &Path) -> Result<Model, Unusable> {
+    let bytes = read(path, LARGEST_MIB << 20)?.ok_or(Unusable::TooLarge(LARGEST_MIB))?;
+    let beside = path.with_extension("json");
+    let sidecar = match read(&beside, LARGEST_SIDECAR) {
+        Ok(Some(bytes)) => Some(
+            String::from_utf8(bytes).map_err(|_| Unusable::Sidecar("it is no text".to_owned()))?,
+        ),
+        Ok(None) => return Err(Unusable::Sidecar("it is larger than 1 MiB".to_owned())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(Unusable::Sidecar(error.to_string())),
+    };
+    from_bytes(bytes, sidecar.as_deref(), path.parent())
+}
+
+/// The file's bytes; `None` where there are more than `most`. A pipe or a device, which may never end, is refused.
+fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let found = std::fs::metadata(path)?;
+    if !found.is_file() {
+        return Err(io::Error::other("it is no file"));
+    }
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
+/// What a file was found to be, before its first run.
+struct Opened {
+    network: tract::Network,
+    input: InputSpec,
+    metadata: Metadata,
+}
+
+/// Loads a model; `folder` is where weights outside the file may lie.
+pub fn from_bytes(
+    onnx: Vec<u8>,
+    sidecar: Option<&str>,
+    folder: Option<&Path>,
+) -> Result<Model, Unusable> {
+    let said = sidecar.map(Sidecar::parse).transpose()?;
+    let sidecar = said.clone().unwrap_or_default();
+    let folder = folder.map(Path::to_path_buf);
+    let Opened {
+        network,
+        mut input,
+        metadata,
+    } = guarded("its compilation", COMPILE_LIMIT, move || {
+        open(&onnx, &said.unwrap_or_default(), folder.as_deref())
+    })?;
+
+    let network = Arc::new(network);
+    let (first, numbers) = (Arc::clone(&network), vec![0.5; input.count()]);
+    let outputs = guarded("its first picture", FIRST_RUN_LIMIT, move || {
+        first.run(numbers)
+    })?;
+    let (family, name, guessed) = understand(&outputs, &input, &sidecar, &metadata)?;
+    prepare_as_trained(&mut input, name, &sidecar)?;
+    let names = class_names(&sidecar, &metadata, &family)?;
+    Ok(assemble(
+        Box::new(Shared(network)),
+        family,
+        input,
+        names,
+        &sidecar,
+        (name, guessed),
+    ))
+}
+
+/// Reads, screens and compiles; all of it on numbers that nobody vouches for.
+fn open(onnx: &[u8], sidecar: &Sidecar, folder: Option<&Path>) -> Result<Opened, Unusable> {
+    let proto = tract::parse(onnx)?;
+    let declared = screen::screen(&proto)?;
+    let metadata = screen::metadata(&proto);
+    if let Some(task) = metadata.other_task() {
+        return Err(Unusable::Task(task.to_owned()));
+    }
+    check_outside_files(&proto, folder)?;
+    let input = input_of(&declared, sidecar, &metadata)?;
+    let InputSpec {
+        width,
+        height,
+        channels,
+        ..
+    } = input;
+    let shape = if input.channels_last {
+        [1, height, width, channels]
+    } else {
+        [1, channels, height, width]
+    };
+    let network = tract::compile(&proto, &declared, shape, folder)?;
+    Ok(Opened {
+        network,
+        input,
+        metadata,
+    })
+}
+
+fn check_outside_files(proto: &ModelProto, folder: Option<&Path>) -> Result<(), Unusable> {
+    let mut bytes = 0;
+    for name in screen::outside_files(proto) {
+        let found = folder.and_then(|folder| folder.join(&name).metadata().ok());
+        let Some(found) = found.filter(std::fs::Metadata::is_file) else {
+            return Err(Unusable::WeightsElsewhere(name));
+        };
+        bytes += found.len();
+    }
+    if bytes > LARGEST_MIB << 20 {
+        return Err(Unusable::TooLarge(LARGEST_MIB));
+    }
+    Ok(())
+}
+
+/// The input's size and layout; how levels become numbers is filled in once the family is known.
+fn input_of(
+    declared: &Declared,
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+) -> Result<InputSpec, Unusable> {
+    let [batch, second, third, fourth] = declared.shape;
+    let told = |what: &str| Unusable::Input(format!("`{}` {what}", declared.name));
+    if ![tract::FLOAT32, tract::FLOAT16].contains(&declared.element) {
+        return Err(told("takes no fractions (f32 or f16)"));
+    }
+    if batch.is_some_and(|batch| batch != 1) {
+        return Err(told("takes several pictures at once"));
+    }
+    let picture = |size: Option<usize>| matches!(size, Some(1 | 3));
+    let channels_last = picture(fourth) && !picture(second);
+    let (channels, height, width) = if channels_last {
+        (fourth, second, third)
+    } else {
+        (second, third, fourth)
+    };
+    let [usual_height, usual_width] = metadata.image_size().unwrap_or([USUAL_INPUT; 2]);
+    let input = InputSpec {
+        width: width.or(sidecar.input.width).unwrap_or(usual_width),
+        height: height.or(sidecar.input.height).unwrap_or(usual_height),
+        channels: channels.unwrap_or(3),
+        channels_last,
+        colour: Colour::Rgb,
+        scale: 1.0 / 255.0,
+        mean: [0.0; 3],
+        std: [1.0; 3],
+        resize: Resize::Stretch,
+    };
+    if ![1, 3].contains(&input.channels) {
+        return Err(told(&format!("has {} channels", input.channels)));
+    }
+    let sizes = [input.width, input.height];
+    if sizes
+        .iter()
+        .any(|size| !(32..=LARGEST_INPUT).contains(size))
+    {
+        return Err(told(&format!("is {} x {} pixels", sizes[0], sizes[1])));
+    }
+    Ok(input)
+}
+
+/// The family, its name, and whether it was guessed.
+fn understand(
+    outputs: &[Output],
+    input: &InputSpec,
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+) -> Result<(Family, FamilyName, bool), Unusable> {
+    let shapes: Vec<Shaped<'_>> = outputs
+        .iter()
+        .map(|output| (output.name.as_str(), output.shape.as_slice()))
+        .collect();
+    let size = [input.width, input.height];
+    let name = match sidecar.family {
+        Some(name) => name,
+        None => family::guess(&shapes, size, metadata)?,
+    };
+    let known = sidecar.names.clone().or_else(|| metadata.names());
+    let mut family = family::bind(name, &shapes, size, sidecar, known.map(|names| names.len()))?;
+    family.learn(outputs);
+    Ok((family, name, sidecar.family.is_none()))
+}
+
+/// How each family's own training prepares a picture, corrected by the sidecar.
+fn prepare_as_trained(
+    input: &mut InputSpec,
+    family: FamilyName,
+    sidecar: &Sidecar,
+) -> Result<(), Unusable> {
+    let (resize, colour, scale) = match family {
+        FamilyName::Yolov4 | FamilyName::RawHeads => (Resize::Stretch, Colour::Rgb, 1.0 / 255.0),
+        FamilyName::Yolox => (Resize::LetterboxTopLeft, Colour::Bgr, 1.0),
+        _ => (Resize::Letterbox, Colour::Rgb, 1.0 / 255.0),
+    };
+    let entry = &sidecar.input;
+    input.resize = entry.resize.unwrap_or(resize);
+    input.colour = entry.colour.unwrap_or(colour);
+    input.scale = entry.scale.unwrap_or(scale);
+    let channels = input.channels;
+    let spread = |values: &Option<Vec<f32>>, usual: f32| match values.as_deref() {
+        None => Ok([usual; 3]),
+        Some(&[value]) => Ok([value; 3]),
+        Some(&[red, green, blue]) if channels == 3 => Ok([red, green, blue]),
+        Some(_) => Err(Unusable::Sidecar(
+            "input.mean and input.std hold a number a channel".to_owned(),
+        )),
+    };
+    input.mean = spread(&entry.mean, 0.0)?;
+    input.std = spread(&entry.std, 1.0)?;
+    if input.std.contains(&0.0) {
+        return Err(Unusable::Sidecar("input.std is not 0".to_owned()));
+    }
+    Ok(())
+}
+
+fn class_names(
+    sidecar: &Sidecar,
+    metadata: &Metadata,
+    family: &Family,
+) -> Result<Vec<String>, Unusable> {
+    let known = sidecar.names.clone().or_else(|| metadata.names());
+    match known {
+        Some(names) if names.len() == family.classes => Ok(names),
+        Some(names) => Err(Unusable::Sidecar(format!(
+            "{} class names are given, but the outputs tell {} classes apart",
+            names.len(),
+            family.classes
+        ))),
+        None => Ok((0..family.classes)
+            .map(|class| format!("class {class}"))
+            .collect()),
+    }
+}
+
+fn assemble(
+    backend: Box<dyn Inference>,
+    family: Family,
+    input: InputSpec,
+    names: Vec<String>,
+    sidecar: &Sidecar,
+    (name, guessed): (FamilyName, bool),
+) -> Model {
+    let thresholds = &sidecar.thresholds;
+    let description = describe(name, guessed, &names, &input);
+    Model {
+        backend,
+        family,
+        input,
+        names,
+        pixel_m: sidecar.pixel_m.unwrap_or(0.04),
+        levelled: sidecar.level != Some(LevelEntry::Raw),
+        score: thresholds.score.unwrap_or(0.25),
+        iou: thresholds.iou.unwrap_or(0.45),
+        nms: Nms {
+            overlap: thresholds.nms.map(Into::into).unwrap_or_default(),
+            across_classes: thresholds.class_agnostic.unwrap_or(false),
+        },
+        description,
+    }
+}
+
+fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec) -> String {
+    let by = if guessed {
+        "guessed from the shapes of its outputs; a JSON file beside it corrects that"
+    } else {
+        "by its JSON file"
+    };
+    let colour = match (input.channels, input.colour) {
+        (1, _) | (_, Colour::Grey) => "grey",
+        (_, Colour::Rgb) => "RGB",
+        (_, Colour::Bgr) => "BGR",
+    };
+    let resize = match input.resize {
+        Resize::Stretch => "stretched",
+        Resize::Letterbox => "letterboxed",
+        Resize::LetterboxTopLeft => "letterboxed from the top left",
+    };
+    let classes = if names.len() == 1 { "class" } else { "classes" };
+    format!(
+        "{} with {} {classes}, {} x {} pixels, {colour}, {resize} ({by})",
+        name.words(),
+        names.len(),
+        input.width,
+        input.height,
+    )
+}
+
+/// A network that its first run may still hold.
+struct Shared(Arc<tract::Network>);
+
+impl Inference for Shared {
+    fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable> {
+        self.0.run(input)
+    }
+}

@@ -1,0 +1,141 @@
+//! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on many tiles.
+//!
+//! `screen` refuses what could harm before anything is computed, `tract` compiles and runs (behind `backend`, so that another
+//! may come), `guard` keeps failures and endless work to themselves. `family` tells by the outputs' shapes how boxes are
+//! written; `sidecar` (the JSON file beside the model) and `metadata` (inside it) tell the rest. `input` makes the numbers that
+//! the network takes. `shipped` is the model that comes with the program.
+
+mod backend;
+mod error;
+mod family;
+mod guard;
+mod input;
+mod load;
+mod metadata;
+mod screen;
+mod shipped;
+mod sidecar;
+mod tract;
+
+pub use backend::{Inference, Output};
+pub use error::{DetectError, ModelError, Unusable};
+pub use shipped::shipped;
+
+use super::{Nms, Picture, Scored, level, suppress};
+use family::Family;
+use input::InputSpec;
+use std::path::Path;
+
+/// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays bearable.
+const MOST_BOXES: usize = 1000;
+
+/// A detector that is ready to run, from several threads at once.
+pub struct Model {
+    backend: Box<dyn Inference>,
+    family: Family,
+    input: InputSpec,
+    names: Vec<String>,
+    pixel_m: f64,
+    levelled: bool,
+    score: f32,
+    iou: f32,
+    nms: Nms,
+    description: String,
+}
+
+impl std::fmt::Debug for Model {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_tuple("Model")
+            .field(&self.description)
+            .finish()
+    }
+}
+
+impl Model {
+    /// Loads `MODEL.onnx`, with `MODEL.json` beside it where there is one. The file may come from anywhere: whatever it holds,
+    /// this ends in a model that has run once, or in a sentence.
+    pub fn load(path: &Path) -> Result<Model, ModelError> {
+        load::from_path(path).map_err(|reason| ModelError {
+            reason,
+            path: path.to_path_buf(),
+        })
+    }
+
+    /// Loads a model from the bytes of an ONNX file and the text of its sidecar.
+    pub fn from_bytes(onnx: Vec<u8>, sidecar: Option<&str>) -> Result<Model, Unusable> {
+        load::from_bytes(onnx, sidecar, None)
+    }
+
+    /// Class names, in the order of [`Scored::class`].
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Side of a pixel that the network expects, metres.
+    pub fn pixel_m(&self) -> f64 {
+        self.pixel_m
+    }
+
+    /// The network's own size of picture, across and down.
+    pub fn input_size(&self) -> [usize; 2] {
+        [self.input.width, self.input.height]
+    }
+
+    /// The least confidence that its makers suggest.
+    pub fn score(&self) -> f32 {
+        self.score
+    }
+
+    /// The overlap above which the less sure of two boxes is dropped, as its makers suggest.
+    pub fn iou(&self) -> f32 {
+        self.iou
+    }
+
+    /// How overlap is measured.
+    pub fn nms(&self) -> Nms {
+        self.nms
+    }
+
+    /// One line: what the file was taken for, and by what.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The objects in one picture, of at least that score, by falling score, in the picture's pixels. For a network of one
+    /// channel the picture is made grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets its
+    /// colours as they are.
+    pub fn detect(&self, picture: &Picture, score: f32, iou: f32) -> Result<Vec<Scored>, Unusable> {
+        let grey = self.input.channels == 1;
+        let mut copy;
+        let picture = if grey && (self.levelled || picture.channels == 3) {
+            copy = picture.to_grey();
+            if self.levelled {
+                level(&mut copy.levels);
+            }
+            &copy
+        } else {
+            picture
+        };
+        let fit = self.input.fit(picture);
+        let outputs = self.backend.run(self.input.numbers(picture, &fit))?;
+        // Without a floor a network's every cell would be a box.
+        let least = score.max(0.001);
+        let mut boxes = self.family.decode(&outputs, self.input_size(), least);
+        keep_surest(&mut boxes);
+        for found in &mut boxes {
+            found.rect = fit.to_picture(&found.rect);
+        }
+        boxes.retain(|found| found.rect.area() > 0.0);
+        let iou = if self.family.suppresses() { 1.0 } else { iou };
+        suppress(&mut boxes, self.nms, iou);
+        Ok(boxes)
+    }
+}
+
+fn keep_surest(boxes: &mut Vec<Scored>) {
+    if boxes.len() > MOST_BOXES {
+        boxes.select_nth_unstable_by(MOST_BOXES, |a, b| b.score.total_cmp(&a.score));
+        boxes.truncate(MOST_BOXES);
+    }
+}

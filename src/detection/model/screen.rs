@@ -1,0 +1,239 @@
+//! The graph as the file tells it, looked through before anything is computed from it.
+
+use super::Unusable;
+use super::metadata::Metadata;
+use std::collections::{HashMap, HashSet};
+use tract_onnx::pb::tensor_proto::DataLocation;
+use tract_onnx::pb::tensor_shape_proto::dimension::Value as Size;
+use tract_onnx::pb::type_proto::Value as Kind;
+use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
+
+/// Layers of the largest detectors: about a thousand.
+const MOST_LAYERS: usize = 20_000;
+/// Elements that a shape written in the file may ask for.
+const MOST_ELEMENTS: i64 = 1 << 27;
+/// Pixels that a layer may gather into one.
+const MOST_GATHERED: i64 = 1 << 16;
+/// Layers whose output is as large as numbers in the file say.
+const GROWING: [&str; 12] = [
+    "AveragePool",
+    "ConstantOfShape",
+    "ConvTranspose",
+    "Expand",
+    "EyeLike",
+    "MaxPool",
+    "OneHot",
+    "Pad",
+    "Range",
+    "Resize",
+    "Tile",
+    "Upsample",
+];
+/// Layers that are refused, and what that means.
+const REFUSED: [(&str, &str); 5] = [
+    (
+        "NonMaxSuppression",
+        "which drops overlapping boxes inside the network; export it again without (nms=False, no --end2end): overlapping \
+         boxes are dropped here",
+    ),
+    (
+        "Upsample",
+        "which ONNX has given up; export it again with opset 11 or later",
+    ),
+    (
+        "Loop",
+        "which may never end; export a plain detector, without what follows it",
+    ),
+    (
+        "Scan",
+        "which may never end; export a plain detector, without what follows it",
+    ),
+    (
+        "SequenceMap",
+        "which may never end; export a plain detector, without what follows it",
+    ),
+];
+
+/// The input as the file declares it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declared {
+    /// The input's name.
+    pub name: String,
+    /// Sizes; `None` where the file leaves one open.
+    pub shape: [Option<usize>; 4],
+    /// ONNX's number of the element type.
+    pub element: i32,
+}
+
+/// Looks through the graph; gives its input.
+pub fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
+    let graph = proto.graph.as_ref().ok_or(Unusable::NotOnnx)?;
+    if graph.node.is_empty() || graph.output.is_empty() {
+        return Err(Unusable::NotOnnx);
+    }
+    let mut layers = 0;
+    screen_graph(graph, &mut layers)?;
+    declared_input(graph)
+}
+
+/// The key-value pairs of the file.
+pub fn metadata(proto: &ModelProto) -> Metadata {
+    let pairs = proto.metadata_props.iter();
+    Metadata(
+        pairs
+            .map(|pair| (pair.key.clone(), pair.value.clone()))
+            .collect(),
+    )
+}
+
+/// Names of the files that weights lie in.
+pub fn outside_files(proto: &ModelProto) -> Vec<String> {
+    let mut names: Vec<String> = tensors(proto)
+        .filter(|tensor| tensor.data_location == Some(DataLocation::External as i32))
+        .flat_map(|tensor| &tensor.external_data)
+        .filter(|entry| entry.key == "location")
+        .map(|entry| entry.value.clone())
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+fn tensors(proto: &ModelProto) -> impl Iterator<Item = &TensorProto> {
+    let graph = proto.graph.iter();
+    graph.flat_map(|graph| {
+        let constants = graph.node.iter().flat_map(|node| &node.attribute);
+        graph
+            .initializer
+            .iter()
+            .chain(constants.filter_map(|attribute| attribute.t.as_ref()))
+    })
+}
+
+fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> {
+    *layers += graph.node.len();
+    if *layers > MOST_LAYERS {
+        return Err(Unusable::TooBig(format!(
+            "it has more than {MOST_LAYERS} layers"
+        )));
+    }
+    let sizes = written_sizes(graph);
+    for node in &graph.node {
+        if let Some((layer, why)) = REFUSED.iter().find(|(layer, _)| *layer == node.op_type) {
+            return Err(Unusable::Layer {
+                layer: (*layer).to_owned(),
+                why,
+            });
+        }
+        if GROWING.contains(&node.op_type.as_str()) {
+            screen_growth(node, &sizes)?;
+        }
+        for attribute in &node.attribute {
+            let inner = attribute.g.iter().chain(&attribute.graphs);
+            inner
+                .into_iter()
+                .try_for_each(|inner| screen_graph(inner, layers))?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses sizes beyond measure that are written in the file. Those computed on the way are looked at once they are known.
+fn screen_growth(node: &NodeProto, sizes: &HashMap<&str, Vec<i64>>) -> Result<(), Unusable> {
+    let attributes = node.attribute.iter().map(|attribute| {
+        let gathers = attribute.name == "kernel_shape";
+        let most = if gathers {
+            MOST_GATHERED
+        } else {
+            MOST_ELEMENTS
+        };
+        (&attribute.ints, most)
+    });
+    let inputs = node
+        .input
+        .iter()
+        .filter_map(|name| sizes.get(name.as_str()));
+    for (sizes, most) in attributes.chain(inputs.map(|sizes| (sizes, MOST_ELEMENTS))) {
+        let elements = sizes
+            .iter()
+            .filter(|&&size| size > 0)
+            .try_fold(1_i64, |product, &size| product.checked_mul(size));
+        if elements.is_none_or(|elements| elements > most) {
+            return Err(Unusable::TooBig(format!(
+                "its layer {} asks for a size of {sizes:?}",
+                node.op_type
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The small whole-number tensors that the graph holds, by name: its shapes are among them.
+fn written_sizes(graph: &GraphProto) -> HashMap<&str, Vec<i64>> {
+    let weights = graph
+        .initializer
+        .iter()
+        .map(|held| (held.name.as_str(), held));
+    let constants = graph.node.iter().filter_map(|node| {
+        let tensor = node.attribute.iter().find_map(|one| one.t.as_ref())?;
+        Some((node.output.first()?.as_str(), tensor))
+    });
+    weights
+        .chain(constants)
+        .map(|(name, tensor)| (name, whole_numbers(tensor)))
+        .filter(|(_, numbers)| !numbers.is_empty())
+        .collect()
+}
+
+/// The whole numbers of a small tensor, whichever field they lie in; none of a large one, which is data and no shape.
+fn whole_numbers(tensor: &TensorProto) -> Vec<i64> {
+    const INT64: i32 = 7;
+    const LONGEST: usize = 8;
+    let count = tensor.int64_data.len() + tensor.raw_data.len() / 8;
+    if tensor.data_type != INT64 || count > LONGEST {
+        return Vec::new();
+    }
+    let (raw, _) = tensor.raw_data.as_chunks::<8>();
+    let raw = raw.iter().map(|bytes| i64::from_le_bytes(*bytes));
+    raw.chain(tensor.int64_data.iter().copied()).collect()
+}
+
+/// The one input that no weight fills.
+fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
+    let weights: HashSet<&str> = graph
+        .initializer
+        .iter()
+        .map(|one| one.name.as_str())
+        .collect();
+    let open = |input: &&ValueInfoProto| !weights.contains(input.name.as_str());
+    let inputs: Vec<&ValueInfoProto> = graph.input.iter().filter(open).collect();
+    let [input] = inputs[..] else {
+        return Err(Unusable::Input(format!("is {} inputs", inputs.len())));
+    };
+    let kind = input.r#type.as_ref().and_then(|kind| kind.value.as_ref());
+    let Some(Kind::TensorType(tensor)) = kind else {
+        return Err(Unusable::Input("is no tensor".to_owned()));
+    };
+    let sizes: Vec<Option<usize>> = tensor
+        .shape
+        .iter()
+        .flat_map(|shape| &shape.dim)
+        .map(|size| match size.value {
+            Some(Size::DimValue(size)) if size > 0 => Some(usize::try_from(size).unwrap_or(0)),
+            _ => None,
+        })
+        .collect();
+    let told = || {
+        let words = sizes
+            .iter()
+            .map(|size| size.map_or("?".to_owned(), |size| size.to_string()));
+        format!("is [{}]", words.collect::<Vec<_>>().join(", "))
+    };
+    let shape =
+        <[Option<usize>; 4]>::try_from(sizes.clone()).map_err(|_| Unusable::Input(told()))?;
+    Ok(Declared {
+        name: input.name.clone(),
+        shape,
+        element: tensor.elem_type,
+    })
+}

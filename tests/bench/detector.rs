@@ -1,0 +1,81 @@
+//! The detector: a tile, and a survey of 10 000 pings.
+
+use bathyscope::detection::{DetectorSettings, Model, Picture, TILE_PX, find, model::shipped};
+use bathyscope::formats;
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
+use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
+use std::hint::black_box;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+const PINGS: u32 = 10_000;
+const TILES: usize = 20;
+
+/// Goal: 10 000 pings in under 10 s on two cores. `BATHYSCOPE_MODEL` names another model than the one that is shipped.
+pub fn run() {
+    let Some(model) = model() else {
+        println!("skipped: no model is shipped, and BATHYSCOPE_MODEL names none");
+        return;
+    };
+    println!("{}", model.description());
+    let tile_s = one_tile(&model);
+    println!(
+        "a tile, one thread        {:8.1} ms (median of {TILES})",
+        1e3 * tile_s
+    );
+
+    let progress = Progress::new();
+    let simulated = simulate(&Scene::with_pings(PINGS), 1, &progress).expect("not cancelled");
+    let survey = formats::open_bytes("long.sl2", simulated.sl2_bytes(), &progress);
+    let survey: Survey = survey.expect("a readable log");
+    let navigation = navigate(
+        &survey,
+        &HeadingSettings::default(),
+        Projection::Enu,
+        &progress,
+    )
+    .expect("not cancelled");
+    let tiles = AtomicUsize::new(0);
+    let start = Instant::now();
+    let found = find(
+        &survey,
+        &navigation,
+        &model,
+        &DetectorSettings::default(),
+        &progress,
+        |_| {
+            tiles.fetch_add(1, Ordering::Relaxed);
+        },
+    );
+    let taken_s = start.elapsed().as_secs_f64();
+    let tiles = tiles.into_inner();
+    println!(
+        "{} pings, {tiles} tiles     {taken_s:8.1} s ({} objects; {:.2} of as many tiles one after the other)",
+        survey.side_scan.len(),
+        found.expect("a search").len(),
+        taken_s / (tiles as f64 * tile_s)
+    );
+}
+
+fn model() -> Option<Model> {
+    match std::env::var_os("BATHYSCOPE_MODEL") {
+        Some(path) => Some(Model::load(Path::new(&path)).expect("a usable model")),
+        None => shipped().map(|model| model.expect("a usable model")),
+    }
+}
+
+fn one_tile(model: &Model) -> f64 {
+    let levels = (0..TILE_PX * TILE_PX).map(|index| (index * 7 % 251) as u8);
+    let picture = Picture::grey(TILE_PX, TILE_PX, levels.collect());
+    let mut times_s: Vec<f64> = (0..TILES)
+        .map(|_| {
+            let start = Instant::now();
+            black_box(model.detect(&picture, model.score(), model.iou())).expect("boxes");
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times_s.sort_by(f64::total_cmp);
+    times_s[TILES / 2]
+}

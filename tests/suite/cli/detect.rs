@@ -1,0 +1,129 @@
+//! `bathyscope detect` as scripts use it, with a model of another maker.
+
+use super::{bathyscope, header, refusal, run, simulated};
+use std::fs;
+use std::path::Path;
+
+fn model() -> String {
+    format!(
+        "{}/tests/suite/detector_models/yolov8.onnx",
+        env!("CARGO_MANIFEST_DIR")
+    )
+}
+
+fn rows(path: &Path) -> Vec<Vec<String>> {
+    let mut table = csv::Reader::from_path(path).expect("a table");
+    let rows = table.records().map(|row| row.expect("a row"));
+    rows.map(|row| row.iter().map(str::to_owned).collect())
+        .collect()
+}
+
+#[test]
+fn objects_of_a_log_become_a_table_and_chips() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let model = model();
+    let args = [
+        "detect", "pond.sl2", "-o", "out", "--model", &model, "--score", "0.5",
+    ];
+    let output = bathyscope(folder, &args);
+    assert!(output.status.success());
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        told.contains("model: YOLOv8 to v12 with 3 classes, 64 x 64"),
+        "{told}"
+    );
+
+    let table = folder.join("out/detections.csv");
+    assert_eq!(
+        header(&table),
+        "id,file,class,score,state,side,ping_from,ping_to,sample_from,sample_to,lon,lat,east_m,north_m,length_m,width_m,\
+         height_m,depth_m"
+    );
+    let rows = rows(&table);
+    assert!(!rows.is_empty(), "a net of random weights fires");
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        told.contains(&format!("found {} object", rows.len())),
+        "{told}"
+    );
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], (index + 1).to_string());
+        assert_eq!(row[1], "pond");
+        assert!(["rock", "tyre", "log"].contains(&row[2].as_str()));
+        assert!((0.5..=1.0).contains(&row[3].parse::<f64>().expect("a score")));
+        assert_eq!(row[4], "proposed");
+        let number = |column: usize| row[column].parse::<u32>().expect("a whole number");
+        assert!(number(6) < number(7) && number(8) <= number(9), "{row:?}");
+        assert!(
+            folder
+                .join(format!("out/chips/{:04}-{}.png", index + 1, row[2]))
+                .is_file()
+        );
+    }
+}
+
+#[test]
+fn pictures_are_searched_in_their_own_pixels() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let speckle = |x: u32, y: u32| image::Luma([(x * x / 7 + y * y / 5 + x * y) as u8]);
+    for (name, width) in [("small.png", 80), ("large.jpg", 300)] {
+        image::GrayImage::from_fn(width, 90, speckle)
+            .save(folder.join(name))
+            .expect("a picture");
+    }
+    let model = model();
+    run(
+        folder,
+        &[
+            "detect",
+            "small.png",
+            "large.jpg",
+            "-o",
+            "out",
+            "--model",
+            &model,
+        ],
+    );
+    for (name, file, width) in [("small", "small.png", 80.0), ("large", "large.jpg", 300.0)] {
+        let table = folder.join("out").join(name).join("detections.csv");
+        assert_eq!(
+            header(&table),
+            "id,file,class,score,state,x_from,x_to,y_from,y_to"
+        );
+        let rows = rows(&table);
+        assert!(!rows.is_empty());
+        for row in rows {
+            assert_eq!(row[1], file);
+            let edge = |column: usize| row[column].parse::<f64>().expect("a number");
+            assert!(edge(5) <= edge(6) && edge(6) <= width, "{row:?}");
+            assert!(edge(7) <= edge(8) && edge(8) <= 90.0, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_searched_is_refused() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    fs::write(folder.join("text.onnx"), "no model").expect("a file");
+    fs::write(folder.join("torn.png"), b"\x89PNG\r\n\x1a\n").expect("a file");
+    let told = refusal(
+        folder,
+        &["detect", "x.sl2", "-o", "out", "--model", "text.onnx"],
+        1,
+    );
+    assert!(told.contains("it is no ONNX file"), "{told}");
+    assert!(!folder.join("out").exists());
+    let model = model();
+    let told = refusal(
+        folder,
+        &["detect", "torn.png", "-o", "out", "--model", &model],
+        1,
+    );
+    assert!(told.contains("cannot read the picture"), "{told}");
+    let told = refusal(folder, &["detect", "x.sl2", "-o", "out", "--score", "2"], 2);
+    assert!(told.contains("between 0 and 1"), "{told}");
+}

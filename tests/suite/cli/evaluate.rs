@@ -1,0 +1,76 @@
+//! `evaluate`: predicted boxes against true ones.
+
+use super::{bathyscope, refusal, run};
+use std::fs;
+use std::path::Path;
+
+/// Two pictures: a rock found, a tyre taken for a rock, a ghost; and a rock below the score.
+fn labels(folder: &Path) {
+    let write = |name: &str, text: &str| {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("a label file");
+    };
+    write("truth/classes.txt", "rock\ntyre\n");
+    write("truth/a.txt", "0 0.5 0.5 0.1 0.1\n1 0.2 0.2 0.1 0.1\n");
+    write("truth/b.txt", "0 0.5 0.5 0.2 0.2\n");
+    write(
+        "found/a.txt",
+        "0 0.5 0.5 0.1 0.08 0.9\n0 0.2 0.2 0.1 0.1 0.8\n",
+    );
+    write(
+        "found/b.txt",
+        "0 0.9 0.9 0.1 0.1 0.7\n0 0.5 0.5 0.2 0.2 0.1\n",
+    );
+}
+
+const ARGS: [&str; 5] = ["evaluate", "--truth", "truth", "--predicted", "found"];
+
+#[test]
+fn evaluate_tells_figures_matrix_and_mistakes() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    labels(folder);
+    let text = run(folder, &ARGS);
+    for line in [
+        "truth      YOLO labels, 2 pictures, 3 boxes: truth",
+        "predicted  YOLO labels, 2 pictures, 4 boxes: found",
+        "rock             2       1       2       1      0.333   0.500  0.400         0.800          0.267",
+        "all              3       1       2       2      0.333   0.333  0.333         0.800          0.267",
+        "rock             1       0           1",
+        "tyre             1       0           0",
+        "background       1       0           0",
+        "False alarms: 2 (background 1, duplicate 0, other class 1, loose box 0). --json lists them and the misses.",
+    ] {
+        assert!(text.lines().any(|found| found == line), "{line}\n{text}");
+    }
+
+    let mut args = ARGS.to_vec();
+    args.extend(["--json", "--score", "0.05"]);
+    let json: serde_json::Value = serde_json::from_str(&run(folder, &args)).expect("JSON");
+    assert_eq!(json["all"]["found"], 2);
+    assert_eq!(json["confusion"]["rows"], "truth");
+    assert_eq!(json["confusion"]["labels"][2], "background");
+    assert_eq!(json["false_alarms"][0]["cause"], "other class");
+    assert_eq!(json["misses"][0]["class"], "tyre");
+    // Rock: recall 1/2 at precision 1, then 1 at 2/4; tyre: 0.
+    assert_eq!(json["classes"][0]["ap_all_points"], 0.75);
+    assert_eq!(json["all"]["map_all_points"], 0.375);
+    assert_eq!(json["classes"][1]["precision"], serde_json::Value::Null);
+}
+
+#[test]
+fn evaluate_refuses_what_it_cannot_use() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    labels(folder);
+    fs::write(folder.join("found/b.txt"), "0 0.5 0.5 0.2\n").expect("a label file");
+    let sentence = refusal(folder, &ARGS, 1);
+    assert_eq!(
+        sentence.trim_end(),
+        "bathyscope: cannot use line 1: 4 numbers where a box is written class cx cy w h score: found/b.txt"
+    );
+    let mut args = ARGS.to_vec();
+    args.extend(["--iou", "50"]);
+    assert_eq!(bathyscope(folder, &args).status.code(), Some(2));
+}

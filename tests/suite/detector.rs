@@ -1,0 +1,217 @@
+//! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own (`detector_models/make.py`); what
+//! cannot be used is refused with a sentence that says what to do; and no file takes the program down.
+
+use bathyscope::detection::{Model, Picture, Scored};
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The score from which `make.py` counts a box.
+const SCORE: f32 = 0.35;
+const IOU: f32 = 0.45;
+
+fn models() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/suite/detector_models")
+}
+
+fn load(name: &str) -> Model {
+    Model::load(&models().join(format!("{name}.onnx"))).expect("a usable model")
+}
+
+fn refusal(path: &Path) -> String {
+    Model::load(path).expect_err("a refused model").to_string()
+}
+
+/// The picture that `make.py` draws: 96 x 80 in colour.
+fn picture() -> Picture {
+    let mut levels = Vec::new();
+    for y in 0..80 {
+        for x in 0..96 {
+            levels.extend((0..3).map(|c| (x * x / 9 + y * (5 + c) * 3 + c * 40 + x * y / 7) as u8));
+        }
+    }
+    Picture {
+        width: 96,
+        height: 80,
+        channels: 3,
+        levels,
+    }
+}
+
+/// Class, score, x0, y0, x1, y1.
+type Expected = BTreeMap<String, Vec<[f32; 6]>>;
+
+fn expected() -> Expected {
+    let text = fs::read_to_string(models().join("expected.json")).expect("a readable file");
+    serde_json::from_str(&text).expect("boxes of each model")
+}
+
+/// The widest differences of scores and of edges in pixels; boxes of nearly equal scores may change places.
+fn differences(found: &[Scored], expected: &[[f32; 6]]) -> (f32, f32) {
+    assert_eq!(found.len(), expected.len());
+    let mut left: Vec<&Scored> = found.iter().collect();
+    let (mut score, mut edge) = (0.0_f32, 0.0_f32);
+    for one in expected {
+        let away = |found: &Scored| {
+            let edges = [found.rect.x0, found.rect.y0, found.rect.x1, found.rect.y1];
+            let edges = edges.iter().zip(&one[2..]);
+            edges.fold(0.0_f32, |away, (a, b)| away.max((a - b).abs()))
+        };
+        let nearest = (0..left.len())
+            .filter(|&index| left[index].class as f32 == one[0])
+            .min_by(|&a, &b| away(left[a]).total_cmp(&away(left[b])))
+            .expect("a box of that class");
+        let taken = left.swap_remove(nearest);
+        edge = edge.max(away(taken));
+        score = score.max((taken.score - one[1]).abs());
+    }
+    (score, edge)
+}
+
+#[test]
+fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
+    let families = [
+        ("tianxiaomo", "YOLOv4 (boxes and scores) with 3 classes"),
+        ("darknet", "YOLOv4 (boxes and scores) with 3 classes"),
+        ("outside", "YOLOv4 (boxes and scores) with 3 classes"),
+        ("raw_heads", "raw YOLO heads with 3 classes"),
+        ("yolov5", "YOLOv5 or v7 with 3 classes"),
+        ("yolov5_one_class", "YOLOv5 or v7 with 1 class,"),
+        ("yolov8", "YOLOv8 to v12 with 3 classes"),
+        ("half", "YOLOv8 to v12 with 3 classes"),
+        ("end_to_end", "an end-to-end YOLO with 3 classes"),
+        ("yolox", "YOLOX with 3 classes"),
+    ];
+    let expected = expected();
+    assert_eq!(expected.len(), families.len());
+    for (name, family) in families {
+        let model = load(name);
+        let told = model.description();
+        assert!(told.starts_with(family), "{name}: {told}");
+        assert_eq!(told.contains("guessed"), name != "raw_heads", "{told}");
+        let found = model.detect(&picture(), SCORE, IOU).expect("boxes");
+        // Arithmetic in f16 rounds to three digits, in onnxruntime.
+        let tolerance = if name == "half" {
+            (3e-3, 0.3)
+        } else {
+            (1e-5, 1e-3)
+        };
+        let away = differences(&found, &expected[name]);
+        assert!(
+            away.0 <= tolerance.0 && away.1 <= tolerance.1,
+            "{name}: scores differ by {}, edges by {} pixels",
+            away.0,
+            away.1
+        );
+    }
+}
+
+#[test]
+fn class_names_come_from_the_file_or_its_sidecar() {
+    assert_eq!(load("yolov8").names(), ["rock", "tyre", "log"]);
+    assert_eq!(load("raw_heads").names(), ["rock", "tyre", "log"]);
+    assert_eq!(load("yolox").names(), ["class 0", "class 1", "class 2"]);
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_with_what_to_do() {
+    let refused = [
+        ("upsample", "export it again with opset 11"),
+        ("nms_inside", "export it again without (nms=False"),
+        ("classifier", "name the family in the JSON file"),
+        ("loop", "may never end"),
+        ("huge", "asks for a size of [1, 1, 1000000, 1000000]"),
+        ("huge_input", "is 1099511627776 x 1099511627776 pixels"),
+        (
+            "costly",
+            "billion multiplications; export a smaller network",
+        ),
+    ];
+    for (name, sentence) in refused {
+        let path = models().join(format!("{name}.onnx"));
+        let told = refusal(&path);
+        assert!(told.contains(sentence), "{name}: {told}");
+        assert!(told.starts_with("cannot use the model: "), "{told}");
+        assert!(told.ends_with(&path.display().to_string()), "{told}");
+    }
+}
+
+#[test]
+fn missing_companions_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["outside", "raw_heads"] {
+        let file = format!("{name}.onnx");
+        fs::copy(models().join(&file), folder.path().join(&file)).expect("a copy");
+    }
+    let told = refusal(&folder.path().join("outside.onnx"));
+    assert!(
+        told.contains("its weights lie in `outside.onnx.data`"),
+        "{told}"
+    );
+    let told = refusal(&folder.path().join("raw_heads.onnx"));
+    assert!(told.contains("write them into the JSON file"), "{told}");
+    let told = refusal(&folder.path().join("none.onnx"));
+    assert!(told.contains("cannot be read"), "{told}");
+    let told = refusal(folder.path());
+    assert!(told.contains("it is no file"), "{told}");
+}
+
+#[test]
+fn a_sidecar_corrects_the_guess_or_is_refused() {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    let with = |text: &str| Model::from_bytes(bytes.clone(), Some(text));
+    let model = with(
+        r#"{"family": "yolov11", "names": ["a", "b", "c"], "pixel_m": 0.1, "input": {"resize": "stretch"},
+            "thresholds": {"score": 0.6, "iou": 0.3, "nms": "darknet"}, "training": {"epochs": 3}}"#,
+    )
+    .expect("a usable sidecar");
+    assert_eq!(model.names(), ["a", "b", "c"]);
+    assert_eq!(
+        (model.pixel_m(), model.score(), model.iou()),
+        (0.1, 0.6, 0.3)
+    );
+    assert!(model.description().contains("stretched (by its JSON file)"));
+    let told = |text: &str| with(text).expect_err("a wrong sidecar").to_string();
+    assert!(told("{").contains("JSON file beside it is wrong"));
+    assert!(told(r#"{"family": "ssd"}"#).contains("unknown variant `ssd`"));
+    assert!(told(r#"{"names": ["a"]}"#).contains("1 class names are given, but"));
+    assert!(told(r#"{"family": "yolov4"}"#).contains("do not fit the family YOLOv4"));
+    assert!(told(r#"{"pixel_m": 0}"#).contains("pixel_m lies between"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    /// Damage ends in a sentence or in a model that runs.
+    #[test]
+    fn a_damaged_model_takes_nothing_down(
+        which in 0_usize..4,
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        end in prop::option::of(any::<prop::sample::Index>()),
+    ) {
+        let name = ["tianxiaomo", "yolov8", "end_to_end", "half"][which];
+        let mut bytes = fs::read(models().join(format!("{name}.onnx"))).expect("a model");
+        for (place, value) in flips {
+            let place = place.index(bytes.len());
+            bytes[place] ^= value;
+        }
+        if let Some(end) = end {
+            let end = end.index(bytes.len());
+            bytes.truncate(end);
+        }
+        if let Ok(model) = Model::from_bytes(bytes, None) {
+            let found = model.detect(&picture(), SCORE, IOU);
+            let within = |one: &Scored| (0.0..=96.0).contains(&one.rect.x0) && one.score <= 1.0;
+            prop_assert!(found.is_err() || found.unwrap().iter().all(within));
+        }
+    }
+}
+
+#[test]
+fn files_that_are_no_models_are_refused() {
+    for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", &[0; 4096], &[255; 4096]] {
+        let told = Model::from_bytes(bytes.to_vec(), None).expect_err("no model");
+        assert!(told.to_string().contains("no ONNX file"), "{told}");
+    }
+}
