@@ -1,4 +1,4 @@
-//! Files that other programs open: CSV, PLY, LAZ, PNG; written aside, then renamed.
+//! Files that other programs open: CSV, PLY, LAZ, PNG, GeoJSON, KML, GPX; written aside, then renamed.
 //!
 //! One file a product, `aside` for the renaming; `points` reads and writes the point files of `bathyscope filter`.
 
@@ -9,6 +9,7 @@ mod cloud_laz;
 mod cloud_ply;
 mod detections;
 mod first_returns;
+mod objects;
 pub mod points;
 
 pub use aside::{ExportError, write_aside};
@@ -18,6 +19,7 @@ pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
 pub use detections::{detections_csv, picture_detections_csv};
 pub use first_returns::first_returns_csv;
+pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml};
 
 use crate::cloud::PointSource;
 

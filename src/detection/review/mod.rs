@@ -1,16 +1,19 @@
 //! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a file of its own.
 //!
 //! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are there, `queue` the order
-//! in which boxes are looked at, `file` how a review is kept. The log itself is never touched.
+//! in which boxes are looked at, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
+//! never touched.
 
 mod adopt;
 mod edit;
 mod file;
 mod queue;
+mod tiles;
 
 pub use edit::Edit;
 pub use file::{LARGEST_FILE, ReviewError};
 pub use queue::{Counts, Filter, Queue, Sort};
+pub use tiles::ReviewedTile;
 
 use super::Mark;
 use crate::survey::Survey;

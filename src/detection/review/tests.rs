@@ -350,3 +350,48 @@ fn a_file_that_cannot_be_believed_is_refused_with_the_reason() {
         assert!(Review::from_json(half, &identity()).is_err());
     }
 }
+
+#[test]
+fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
+    let far = Mark {
+        near_m: 17.0,
+        far_m: 19.0,
+        ..mark(Side::Port, 130, 17.0)
+    };
+    let add = Edit::Add {
+        mark: far.clone(),
+        class: 1,
+    };
+    let edits = [Edit::Accept(BoxId(1)), Edit::Reject(BoxId(3)), add];
+    let review = edited(&proposed(), &edits);
+    let raster = raster();
+    let tiles = review.tiles(&raster);
+    assert_eq!(tiles.len(), 3, "the undecided tyre makes no tile");
+    let of_rock = &tiles[0];
+    assert_eq!((of_rock.side, of_rock.rejected), (Side::Port, 0));
+    let [rock] = of_rock.boxes.labels[..] else {
+        panic!("{of_rock:?}")
+    };
+    let wanted = raster.rect_of(&mark(Side::Port, 100, 5.0));
+    let (column, row) = (of_rock.column as f32, of_rock.row as f32);
+    assert_eq!(rock.rect.shifted(column, row), wanted);
+    // The added box is too far out for the rock's tile, and lies whole in its own.
+    let [added] = tiles[1].boxes.labels[..] else {
+        panic!("{:?}", tiles[1])
+    };
+    assert_eq!(added.class, 1);
+    assert_eq!(added.rect.area(), raster.rect_of(&far).area());
+    let negative = &tiles[2];
+    assert_eq!((negative.side, negative.rejected), (Side::Starboard, 1));
+    assert!(negative.boxes.labels.is_empty());
+
+    // Two tiles later the undecided box stands in the way of a negative: neither found nor missed.
+    let near = Edit::Reshape(BoxId(2), mark(Side::Starboard, 310, 5.0));
+    let review = edited(&review, &[near]);
+    let moved = edited(
+        &review,
+        &[Edit::SwapSide(BoxId(2)), Edit::SwapSide(BoxId(2))],
+    );
+    let tiles = moved.tiles(&raster);
+    assert_eq!(tiles[2].boxes.ignored.len(), 1);
+}

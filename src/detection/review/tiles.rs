@@ -1,0 +1,99 @@
+//! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
+
+use super::{Review, Reviewed, State};
+use crate::detection::dataset::Boxes;
+use crate::detection::{Labelled, Raster, Rect, TILE_PX};
+use crate::survey::Side;
+
+/// Least share of a box that lies in a tile for it to be asked for there.
+const LEAST_SHARE: f32 = 0.4;
+/// Least width and height of such a box, pixels.
+const LEAST_PX: f32 = 6.0;
+
+/// A tile of the raster with what is decided in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReviewedTile {
+    /// Its side.
+    pub side: Side,
+    /// Row of the raster that it starts at.
+    pub row: usize,
+    /// Column of the raster that it starts at.
+    pub column: usize,
+    /// Accepted and added boxes are labels; there are none where all was rejected, which makes a hard negative. Ignored are
+    /// boxes that nobody has decided about, and objects that the edge cuts off.
+    pub boxes: Boxes,
+    /// Boxes rejected in it.
+    pub rejected: usize,
+}
+
+impl Review {
+    /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes alone make no tile.
+    pub fn tiles(&self, raster: &Raster) -> Vec<ReviewedTile> {
+        let mut tiles = Vec::new();
+        for side in Side::BOTH {
+            let mut boxes: Vec<(Rect, &Reviewed)> = self
+                .boxes()
+                .filter(|one| one.mark.side == side)
+                .map(|one| (raster.rect_of(&one.mark), one))
+                .collect();
+            boxes.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
+            let first = tiles.len();
+            for (rect, one) in &boxes {
+                let is_held = |tile: &ReviewedTile| {
+                    let inside = rect.intersection(&frame(tile));
+                    inside.area() >= 0.999 * rect.area()
+                };
+                // Tiles follow the track: only the last few can hold the box.
+                let is_seen = tiles[first..].iter().rev().take(8).any(is_held);
+                if one.state != State::Proposed && !is_seen {
+                    tiles.push(around(rect, side, raster, &boxes));
+                }
+            }
+        }
+        tiles
+    }
+}
+
+fn frame(tile: &ReviewedTile) -> Rect {
+    let (x0, y0) = (tile.column as f32, tile.row as f32);
+    Rect {
+        x0,
+        y0,
+        x1: x0 + TILE_PX as f32,
+        y1: y0 + TILE_PX as f32,
+    }
+}
+
+/// A tile about the middle of a box, held to the picture.
+fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)]) -> ReviewedTile {
+    let start = |from: f32, to: f32, count: usize| {
+        let wanted = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
+        wanted.min(count.saturating_sub(TILE_PX))
+    };
+    let mut tile = ReviewedTile {
+        side,
+        row: start(rect.y0, rect.y1, raster.rows()),
+        column: start(rect.x0, rect.x1, raster.columns()),
+        boxes: Boxes::default(),
+        rejected: 0,
+    };
+    let frame = frame(&tile);
+    for (rect, one) in boxes {
+        let inside = rect.intersection(&frame);
+        if inside.area() <= 0.0 {
+            continue;
+        }
+        let label = Labelled {
+            class: one.class,
+            rect: inside.shifted(-frame.x0, -frame.y0),
+        };
+        let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
+        let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
+        match one.state {
+            State::Rejected => tile.rejected += 1,
+            State::Accepted | State::Added if whole_enough => tile.boxes.labels.push(label),
+            State::Accepted | State::Added | State::Proposed => tile.boxes.ignored.push(label),
+        }
+    }
+    tile
+}

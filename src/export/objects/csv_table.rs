@@ -1,0 +1,98 @@
+//! `objects.csv`: one line a box.
+
+use super::ObjectRow;
+use crate::export::{ExportError, write_aside};
+use crate::survey::Survey;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+const HEADER: [&str; 21] = [
+    "id",
+    "file",
+    "class",
+    "score",
+    "state",
+    "side",
+    "ping_from",
+    "ping_to",
+    "sample_from",
+    "sample_to",
+    "lon",
+    "lat",
+    "east_m",
+    "north_m",
+    "length_m",
+    "width_m",
+    "height_m",
+    "depth_m",
+    "sigma_m",
+    "object",
+    "note",
+];
+
+/// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
+/// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe.
+pub fn objects_csv(
+    path: &Path,
+    survey: &Survey,
+    rows: &[ObjectRow<'_>],
+) -> Result<(), ExportError> {
+    let file = survey.name();
+    write_aside(path, |out| {
+        let mut table = csv::Writer::from_writer(BufWriter::new(out));
+        table.write_record(HEADER)?;
+        for row in rows {
+            table.write_record(record(row, &file, survey))?;
+        }
+        table.flush()?;
+        table
+            .into_inner()
+            .map_err(|error| error.into_error())?
+            .flush()
+    })
+}
+
+fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 21] {
+    let samples = row.mark.samples(survey);
+    let target = row.target.as_ref();
+    let number = |value: f64, decimals: usize| match value.is_finite() {
+        true => format!("{value:.decimals$}"),
+        false => String::new(),
+    };
+    let of_target = |value: fn(&super::Target) -> f64, decimals| {
+        target.map_or_else(String::new, |target| number(value(target), decimals))
+    };
+    [
+        row.id.to_string(),
+        plain(file),
+        plain(row.class),
+        row.score
+            .map_or_else(String::new, |score| format!("{score:.4}")),
+        row.state.to_owned(),
+        row.mark.side.name().to_owned(),
+        row.mark.pings.start.to_string(),
+        row.mark.pings.end.to_string(),
+        samples.start.to_string(),
+        samples.end.to_string(),
+        of_target(|target| target.position.lon_deg, 8),
+        of_target(|target| target.position.lat_deg, 8),
+        of_target(|target| target.east_m, 3),
+        of_target(|target| target.north_m, 3),
+        of_target(|target| target.length_m, 3),
+        of_target(|target| target.width_m, 3),
+        of_target(|target| target.height_m, 3),
+        of_target(|target| target.depth_m, 3),
+        of_target(|target| target.sigma_m, 3),
+        row.object
+            .map_or_else(String::new, |object| object.to_string()),
+        plain(row.note),
+    ]
+}
+
+/// Text that no spreadsheet takes for a formula.
+fn plain(text: &str) -> String {
+    match text.starts_with(['=', '+', '-', '@']) {
+        true => format!("'{text}"),
+        false => text.to_owned(),
+    }
+}

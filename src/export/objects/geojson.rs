@@ -1,0 +1,54 @@
+//! `objects.geojson` (RFC 7946): one point a box that has a place.
+
+use super::ObjectRow;
+use crate::export::{ExportError, write_aside};
+use serde_json::{Value, json};
+use std::io::Write as _;
+use std::path::Path;
+
+/// Writes boxes as points with everything that is known about them. Boxes without a place are left out.
+pub fn objects_geojson(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
+    let features: Vec<Value> = rows.iter().filter_map(feature).collect();
+    let collection = json!({ "type": "FeatureCollection", "features": features });
+    write_aside(path, |mut file| {
+        let text = serde_json::to_vec_pretty(&collection)?;
+        file.write_all(&text)?;
+        file.write_all(b"\n")
+    })
+}
+
+fn feature(row: &ObjectRow<'_>) -> Option<Value> {
+    let target = row.target.as_ref()?;
+    Some(json!({
+        "type": "Feature",
+        "id": row.id,
+        "geometry": {
+            "type": "Point",
+            "coordinates": [target.position.lon_deg, target.position.lat_deg],
+        },
+        "properties": {
+            "class": row.class,
+            "score": row.score.map(round),
+            "state": row.state,
+            "side": row.mark.side.name(),
+            "ping_from": row.mark.pings.start,
+            "ping_to": row.mark.pings.end,
+            "length_m": metres(target.length_m),
+            "width_m": metres(target.width_m),
+            "height_m": metres(target.height_m),
+            "depth_m": metres(target.depth_m),
+            "sigma_m": metres(target.sigma_m),
+            "object": row.object,
+            "note": row.note,
+        },
+    }))
+}
+
+/// To the millimetre; `null` for what is not known.
+fn metres(value: f64) -> Option<f64> {
+    value.is_finite().then(|| (value * 1e3).round() / 1e3)
+}
+
+fn round(score: f32) -> f64 {
+    (f64::from(score) * 1e4).round() / 1e4
+}

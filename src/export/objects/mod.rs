@@ -1,0 +1,91 @@
+//! Boxes and their places in the world for other programs: tables, and what maps and plotters read.
+
+mod csv_table;
+mod geojson;
+mod gpx;
+mod kml;
+
+pub use csv_table::objects_csv;
+pub use geojson::objects_geojson;
+pub use gpx::objects_gpx;
+pub use kml::objects_kml;
+
+use crate::detection::Mark;
+use crate::detection::targets::Target;
+
+/// A box to write.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectRow<'a> {
+    /// Its number.
+    pub id: u32,
+    /// Name of its class.
+    pub class: &'a str,
+    /// Confidence, 0 to 1; `None` for a box drawn by hand.
+    pub score: Option<f32>,
+    /// `proposed`, `accepted`, `rejected` or `added`.
+    pub state: &'a str,
+    /// Where in the survey.
+    pub mark: &'a Mark,
+    /// Where in the world; `None` where that cannot be known.
+    pub target: Option<Target>,
+    /// Number of the object that it is a sighting of; `None` where it is none.
+    pub object: Option<usize>,
+    /// The analyst's remark.
+    pub note: &'a str,
+}
+
+impl ObjectRow<'_> {
+    /// `rock 12`.
+    fn name(&self) -> String {
+        format!("{} {}", self.class, self.id)
+    }
+
+    /// What a plotter shows beside the name: size, height, depth, confidence, note; what is not known is left out.
+    fn description(&self) -> String {
+        let mut parts = vec![self.state.to_owned()];
+        if let Some(score) = self.score {
+            parts.push(format!("confidence {score:.2}"));
+        }
+        if let Some(target) = &self.target {
+            parts.push(format!("{:.2} x {:.2} m", target.length_m, target.width_m));
+            let known = [
+                ("height", target.height_m),
+                ("depth", target.depth_m),
+                ("position within", target.sigma_m),
+            ];
+            let known = known.iter().filter(|(_, metres)| metres.is_finite());
+            parts.extend(known.map(|(what, metres)| format!("{what} {metres:.2} m")));
+        }
+        parts.push(format!(
+            "{}, pings {} to {}",
+            self.mark.side.name(),
+            self.mark.pings.start,
+            self.mark.pings.end.saturating_sub(1)
+        ));
+        if !self.note.is_empty() {
+            parts.push(self.note.to_owned());
+        }
+        parts.join("; ")
+    }
+}
+
+/// Text between the tags of an XML file: markup escaped, characters that XML 1.0 forbids left out.
+fn xml(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&apos;"),
+            '\t' | '\n' | '\r' => escaped.push(letter),
+            _ if letter.is_control() || matches!(letter, '\u{FFFE}' | '\u{FFFF}') => {}
+            _ => escaped.push(letter),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,174 @@
+//! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
+
+use super::Products;
+use crate::detection::dataset::{Chip, Coco, voc_xml, yolo_lines};
+use crate::detection::review::{Review, ReviewedTile, State};
+use crate::detection::targets::{GroupSettings, Placer, Target, group};
+use crate::detection::{Raster, level};
+use crate::export::{self, ObjectRow};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Name of the review's own file in the folder.
+const REVIEW: &str = "boxes.review.json";
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoxesWritten {
+    /// Boxes in the tables.
+    pub boxes: usize,
+    /// Pictures for training.
+    pub pictures: usize,
+    /// Of those, pictures in which there is nothing: hard negatives.
+    pub negatives: usize,
+}
+
+/// Writes into `folder`, which is made when it is missing: `objects.csv` and `objects.geojson` with every box and its state,
+/// `objects.kml` and `objects.gpx` with the accepted and added ones, the review itself, and `dataset/` with a picture around
+/// each decided box (`images/`), its labels as YOLO (`labels/`, `classes.txt`), Pascal VOC (`voc/`) and COCO
+/// (`annotations.json`). A picture in which all was rejected has no label: a hard negative. Undecided boxes are marked as to be
+/// neither found nor missed (COCO `iscrowd`, VOC `difficult`).
+///
+/// The error is one sentence that names the file. A cancelled run leaves whole files only.
+pub fn write_boxes(
+    survey: &Survey,
+    products: &Products,
+    review: &Review,
+    raster: &Raster,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<BoxesWritten, String> {
+    let tiles = review.tiles(raster);
+    progress.start((review.boxes().len() + tiles.len()) as u64);
+    make(folder)?;
+    let rows = rows(survey, products, review, progress)?;
+    tables(survey, &rows, folder).map_err(|error| error.to_string())?;
+    let dataset = folder.join("dataset");
+    let negatives = pictures(survey, review, raster, &tiles, &dataset, progress)?;
+    text(&folder.join(REVIEW), &(review.to_json() + "\n"))?;
+    Ok(BoxesWritten {
+        boxes: rows.len(),
+        pictures: tiles.len(),
+        negatives,
+    })
+}
+
+/// A line for each box; sightings of one object share its number.
+fn rows<'a>(
+    survey: &Survey,
+    products: &Products,
+    review: &'a Review,
+    progress: &Progress,
+) -> Result<Vec<ObjectRow<'a>>, String> {
+    let placer = Placer::new(
+        survey,
+        &products.navigation,
+        &products.returns,
+        &products.calibration,
+    );
+    let mut rows = Vec::with_capacity(review.boxes().len());
+    for one in review.boxes() {
+        progress.check().map_err(|error| error.to_string())?;
+        rows.push(ObjectRow {
+            id: one.id.0,
+            class: review.class_name(one.class),
+            score: one.score,
+            state: one.state.name(),
+            mark: &one.mark,
+            target: placer.place(&one.mark),
+            object: None,
+            note: &one.note,
+        });
+        progress.advance(1);
+    }
+    let sightings: Vec<(usize, (Target, usize))> = review
+        .boxes()
+        .zip(&rows)
+        .enumerate()
+        .filter(|(_, (one, _))| one.state.is_object())
+        .filter_map(|(index, (one, row))| Some((index, (row.target.clone()?, one.class))))
+        .collect();
+    let placed: Vec<(Target, usize)> = sightings.iter().map(|(_, placed)| placed.clone()).collect();
+    let groups = group(&placed, &GroupSettings::default());
+    for (number, group) in groups.iter().enumerate() {
+        for &member in &group.members {
+            rows[sightings[member].0].object = Some(number + 1);
+        }
+    }
+    Ok(rows)
+}
+
+fn tables(
+    survey: &Survey,
+    rows: &[ObjectRow<'_>],
+    folder: &Path,
+) -> Result<(), export::ExportError> {
+    let is_object =
+        |row: &&ObjectRow<'_>| [State::Accepted.name(), State::Added.name()].contains(&row.state);
+    let objects: Vec<ObjectRow<'_>> = rows.iter().filter(is_object).cloned().collect();
+    export::objects_csv(&folder.join("objects.csv"), survey, rows)?;
+    export::objects_geojson(&folder.join("objects.geojson"), rows)?;
+    export::objects_kml(&folder.join("objects.kml"), &survey.name(), &objects)?;
+    export::objects_gpx(&folder.join("objects.gpx"), &objects)
+}
+
+/// Writes the pictures with their labels; returns how many are hard negatives.
+fn pictures(
+    survey: &Survey,
+    review: &Review,
+    raster: &Raster,
+    tiles: &[ReviewedTile],
+    folder: &Path,
+    progress: &Progress,
+) -> Result<usize, String> {
+    let [images, labels, voc] = ["images", "labels", "voc"].map(|name| folder.join(name));
+    for folder in [&images, &labels, &voc] {
+        make(folder)?;
+    }
+    let names = review.classes();
+    let mut coco = Coco::new(names.iter().map(String::as_str));
+    let mut negatives = 0;
+    for (index, tile) in tiles.iter().enumerate() {
+        progress.check().map_err(|error| error.to_string())?;
+        let mut pixels = raster.tile(survey, tile.side, tile.row, tile.column).pixels;
+        level(&mut pixels);
+        let chip = Chip {
+            pixels,
+            boxes: tile.boxes.clone(),
+        };
+        negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
+        let stem = format!("{:05}", index + 1);
+        let picture = format!("{stem}.png");
+        bytes(&images.join(&picture), &chip.png())?;
+        text(
+            &labels.join(format!("{stem}.txt")),
+            &yolo_lines(&chip.boxes.labels),
+        )?;
+        text(
+            &voc.join(format!("{stem}.xml")),
+            &voc_xml(&picture, names, &chip.boxes),
+        )?;
+        coco.add(picture, &chip.boxes);
+        progress.advance(1);
+    }
+    let annotations = serde_json::to_string_pretty(&coco).map_err(|error| error.to_string())?;
+    text(&folder.join("annotations.json"), &(annotations + "\n"))?;
+    text(&folder.join("classes.txt"), &(names.join("\n") + "\n"))?;
+    Ok(negatives)
+}
+
+fn make(folder: &Path) -> Result<(), String> {
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))
+}
+
+fn text(path: &Path, text: &str) -> Result<(), String> {
+    bytes(path, text.as_bytes())
+}
+
+fn bytes(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    export::write_aside(path, |mut file| file.write_all(bytes)).map_err(|error| error.to_string())
+}
