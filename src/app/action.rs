@@ -41,6 +41,7 @@ actions! {
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
+    ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
     Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";

@@ -45,6 +45,7 @@ impl App {
             Command::LineUp(queue) => self.set_queue(*queue),
             Command::OpenReview(path) => self.open_review(path),
             Command::SaveReview(path) => self.save_review(path),
+            Command::ExportBoxes(folder) => self.export_boxes(folder),
             // Views and their arrangement belong to the shell.
             Command::Focus(_) | Command::Layout(_) => {}
         }

@@ -65,6 +65,8 @@ pub enum Command {
     OpenReview(PathBuf),
     /// Write the review into a file.
     SaveReview(PathBuf),
+    /// Write reviewed boxes and objects into a folder.
+    ExportBoxes(PathBuf),
     /// Tell the analyst a sentence.
     Tell(String),
     /// Forget a notice.

@@ -3,8 +3,9 @@
 use super::figures::Figures;
 use super::loader::Loading;
 use super::preview::Request;
-use super::{App, History, Notice, Origin, Outcome, Task};
-use crate::pipeline::{Products, Written, write_products};
+use super::{App, History, Jobs, Notice, Origin, Outcome, Task};
+use crate::pipeline::{Products, write_products};
+use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,13 +13,23 @@ use std::sync::Arc;
 /// Logs remembered.
 const RECENT: usize = 10;
 
-/// Products being written.
+/// Products or boxes being written.
 pub(super) struct Exporting {
-    folder: PathBuf,
-    task: Task<Result<Written, String>>,
+    /// What was written, in a sentence.
+    task: Task<Result<String, String>>,
 }
 
 impl Exporting {
+    /// Starts writing.
+    pub fn start(
+        jobs: &Jobs,
+        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
+    ) -> Self {
+        Self {
+            task: Task::start(jobs, write),
+        }
+    }
+
     pub fn fraction(&self) -> f32 {
         self.task.fraction()
     }
@@ -49,6 +60,7 @@ impl App {
         }
         self.poll_export();
         self.poll_review();
+        self.poll_places();
     }
 
     fn poll_loading(&mut self) {
@@ -149,11 +161,12 @@ impl App {
         let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
             return;
         };
-        let (survey, products, into) = (survey.clone(), products.clone(), folder.clone());
-        let task = Task::start(&self.jobs, move |progress| {
-            write_products(&survey, &products, &into, progress)
-        });
-        self.exporting = Some(Exporting { folder, task });
+        let (survey, products) = (survey.clone(), products.clone());
+        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
+            let written = write_products(&survey, &products, &folder, progress)?;
+            let files = written.files.join(", ");
+            Ok(format!("Wrote {files} into {}", folder.display()))
+        }));
     }
 
     fn poll_export(&mut self) {
@@ -165,13 +178,9 @@ impl App {
             Outcome::Done(written) => written,
             Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
         };
-        let folder = exporting.folder.display().to_string();
         self.exporting = None;
         match written {
-            Ok(written) => self.tell(
-                format!("Wrote {} into {folder}", written.files.join(", ")),
-                false,
-            ),
+            Ok(text) => self.tell(text, false),
             Err(text) => self.tell(text, true),
         }
     }

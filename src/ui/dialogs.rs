@@ -16,6 +16,7 @@ enum Purpose {
     ExportInto,
     OpenReview,
     SaveReview,
+    ExportBoxesInto,
 }
 
 /// What a system dialog came back with.
@@ -77,6 +78,11 @@ impl Dialogs {
     pub fn name_review(&mut self, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
         self.ask(Purpose::SaveReview, jobs);
+    }
+
+    /// Asks for the folder that reviewed boxes go into.
+    pub fn pick_box_folder(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::ExportBoxesInto, jobs);
     }
 
     /// Shows the path field.
@@ -144,6 +150,7 @@ impl Dialogs {
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
             Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
+            Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
         };
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
             ui.set_width(480.0);
@@ -182,6 +189,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::ExportInto => Command::Export(path),
         Purpose::OpenReview => Command::OpenReview(path),
         Purpose::SaveReview => Command::SaveReview(path),
+        Purpose::ExportBoxesInto => Command::ExportBoxes(path),
     }
 }
 
@@ -200,6 +208,9 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
             .pick_file(),
         Purpose::ExportInto => rfd::FileDialog::new()
             .set_title("Write the products into")
+            .pick_folder(),
+        Purpose::ExportBoxesInto => rfd::FileDialog::new()
+            .set_title("Write the boxes into")
             .pick_folder(),
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")

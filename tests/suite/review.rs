@@ -1,9 +1,11 @@
 //! The review of a detector's boxes, driven as an analyst would: by keys alone, and by the mouse.
 
-use crate::window::{Window, app, demo_window, press};
-use bathyscope::app::{Command, Tool};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, Command, Tool};
 use bathyscope::detection::review::{BoxId, Edit, Identity, Review, State};
 use bathyscope::detection::{Detection, Mark, Raster};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
 use bathyscope::survey::Side;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
@@ -123,6 +125,98 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     next.state_mut().app.apply(Command::OpenReview(path));
     next.run();
     assert_eq!(review_of(&next), review_of(&window));
+
+    let folder = folder.path().join("out");
+    export_by_keys(&mut window, &folder);
+    let exported = folder.join("boxes.review.json");
+    let mut again = demo_window();
+    again.state_mut().app.apply(Command::OpenReview(exported));
+    again.run();
+    assert_eq!(review_of(&again), review_of(&window));
+    check_tables(&folder, review_of(&window));
+    check_dataset(&folder.join("dataset"), review_of(&window));
+}
+
+/// Runs a command of the palette, then answers the path field.
+fn export_by_keys(window: &mut Window, folder: &Path) {
+    press(window, Modifiers::COMMAND, Key::P);
+    window.get_by_label("Command").type_text("export boxes");
+    window.run();
+    press(window, Modifiers::NONE, Key::Enter);
+    window
+        .get_by_role_and_label(Role::TextInput, "Folder to write into")
+        .type_text(&folder.to_string_lossy());
+    window.run();
+    window.get_by_label("Export").click();
+    window.run();
+    assert!(window.query_by_label_contains("Wrote 50 boxes").is_some());
+}
+
+fn check_tables(folder: &Path, review: &Review) {
+    let objects = review.boxes().filter(|one| one.state.is_object()).count();
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("a file");
+    let table = read("objects.csv");
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let lines: Vec<csv::StringRecord> = table.records().map(|line| line.expect("a line")).collect();
+    assert_eq!(lines.len(), 50);
+    for (line, one) in lines.iter().zip(review.boxes()) {
+        assert_eq!(line[0], one.id.0.to_string());
+        assert_eq!(&line[2], review.class_name(one.class));
+        assert_eq!(&line[4], one.state.name());
+        // The pond of the demo lies at 29.41 N 82.11 W.
+        let [lon, lat]: [f64; 2] =
+            [&line[10], &line[11]].map(|degrees| degrees.parse().expect("degrees"));
+        assert!(
+            f64::abs(lon + 82.11) < 1e-3 && f64::abs(lat - 29.41) < 1e-3,
+            "{line:?}"
+        );
+    }
+    assert_eq!(read("objects.kml").matches("<Placemark>").count(), objects);
+    assert_eq!(read("objects.gpx").matches("<wpt ").count(), objects);
+    let points: serde_json::Value = serde_json::from_str(&read("objects.geojson")).expect("JSON");
+    assert_eq!(points["features"].as_array().map(Vec::len), Some(50));
+}
+
+fn check_dataset(folder: &Path, review: &Review) {
+    let coco = fs::read_to_string(folder.join("annotations.json")).expect("annotations");
+    let coco: serde_json::Value = serde_json::from_str(&coco).expect("JSON");
+    let images = coco["images"].as_array().expect("images");
+    let annotations = coco["annotations"].as_array().expect("annotations");
+    let classes = fs::read_to_string(folder.join("classes.txt")).expect("classes");
+    assert!(classes.lines().eq(review.classes()));
+    let mut labelled = 0;
+    for image in images {
+        let name = image["file_name"].as_str().expect("a name");
+        let stem = name.trim_end_matches(".png");
+        let picture = image::open(folder.join("images").join(name)).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (416, 416));
+        let yolo = fs::read_to_string(folder.join("labels").join(format!("{stem}.txt")));
+        let yolo = yolo.expect("labels");
+        let voc = fs::read_to_string(folder.join("voc").join(format!("{stem}.xml")));
+        let voc = voc.expect("labels");
+        let sure = |one: &&serde_json::Value| one["image_id"] == image["id"] && one["iscrowd"] == 0;
+        let sure: Vec<_> = annotations.iter().filter(sure).collect();
+        assert_eq!(yolo.lines().count(), sure.len());
+        assert_eq!(voc.matches("<difficult>0<").count(), sure.len());
+        for (line, one) in yolo.lines().zip(&sure) {
+            let numbers: Vec<f64> = line
+                .split(' ')
+                .map(|number| number.parse().expect("a number"))
+                .collect();
+            assert_eq!(
+                numbers[0] as u64 + 1,
+                one["category_id"].as_u64().expect("a class")
+            );
+            let [left, width] = [0, 2].map(|index| one["bbox"][index].as_f64().expect("pixels"));
+            assert!((numbers[1] * 416.0 - (left + 0.5 * width)).abs() < 0.01);
+        }
+        labelled += sure.len();
+    }
+    let objects = review.boxes().filter(|one| one.state.is_object()).count();
+    assert!(
+        labelled >= objects,
+        "{labelled} labels of {objects} objects"
+    );
 }
 
 #[test]
@@ -454,4 +548,70 @@ fn what_is_written_about_a_box_is_kept_when_the_next_one_is_selected() {
         review_of(&window).get(id).map(|one| one.note.as_str()),
         Some("two tyres, see dive 3")
     );
+}
+
+/// What a perfect detector would find in the demo: each sighting of each object, with its shadow.
+fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
+    let simulated = simulate(&Scene::demo(), 1, &Progress::new()).expect("the demo");
+    let mut names: Vec<String> = Vec::new();
+    let mut found = Vec::new();
+    let pings = identity(window).pings;
+    for (index, object) in simulated.objects.iter().enumerate() {
+        let name = object.kind.name();
+        let known = names.iter().position(|known| known == name);
+        let class = known.unwrap_or_else(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        });
+        for (pass, sighting) in object.sightings.iter().enumerate() {
+            let end_m = sighting.shadow_m[1];
+            found.push(Detection {
+                class,
+                score: 0.95 - 0.07 * ((index * 3 + pass * 5) % 9) as f32,
+                mark: Mark {
+                    side: sighting.side,
+                    pings: sighting.first_ping..(sighting.last_ping + 1).min(pings),
+                    near_m: sighting.near_m,
+                    far_m: if end_m.is_finite() {
+                        end_m
+                    } else {
+                        sighting.far_m
+                    },
+                },
+            });
+        }
+    }
+    (names, found)
+}
+
+#[test]
+fn the_window_in_review_looks_as_it_did() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = drawn_window([1400.0, 900.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    let (names, found) = truth(&window);
+    let review = Review::new(identity(&window), names.clone());
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let path = folder.path().join("demo.review.json");
+    fs::write(&path, review.to_json()).expect("a file");
+    app_mut(&mut window).apply(Command::OpenReview(path));
+    window.run();
+    app_mut(&mut window).apply(Command::Dismiss(0));
+    let by_place = review.boxes().map(|one| (one.mark.pings.start, one.id));
+    let mut by_place: Vec<_> = by_place.collect();
+    by_place.sort();
+    for (index, (_, id)) in by_place.iter().enumerate().take(6) {
+        let edit = match index % 3 {
+            0 => Edit::Accept(*id),
+            1 => Edit::Reject(*id),
+            _ => continue,
+        };
+        app_mut(&mut window).apply(Command::Edit { edit, live: false });
+    }
+    app_mut(&mut window).apply(Command::SelectBox(Some(by_place[2].1)));
+    app_mut(&mut window).apply(Command::Do(Action::EditBox));
+    window.state_mut().show_pings(0..700);
+    settle(&mut window);
+    window.snapshot("window_review");
 }

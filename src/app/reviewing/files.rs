@@ -1,8 +1,10 @@
 //! The file that a review is kept in, beside the log and never in it.
 
+use crate::app::work::Exporting;
 use crate::app::{App, Outcome, Task};
 use crate::detection::review::{Identity, LARGEST_FILE, Review};
 use crate::export;
+use crate::pipeline::write_boxes;
 use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -55,6 +57,27 @@ impl App {
             }
             Err(error) => self.tell(error.to_string(), true),
         }
+    }
+
+    /// Writes boxes, objects and training pictures into a folder.
+    pub(in crate::app) fn export_boxes(&mut self, folder: PathBuf) {
+        let (Some(survey), Some(products), Some(raster)) =
+            (&self.survey, &self.products, self.reviewing.raster())
+        else {
+            return;
+        };
+        let (survey, products, raster) = (survey.clone(), products.clone(), raster.clone());
+        let review = self.reviewing.review.clone();
+        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
+            let written = write_boxes(&survey, &products, &review, &raster, &folder, progress)?;
+            Ok(format!(
+                "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
+                written.boxes,
+                written.pictures,
+                written.negatives,
+                folder.display()
+            ))
+        }));
     }
 
     /// Starts reading a review of the open survey.

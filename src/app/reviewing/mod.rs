@@ -1,12 +1,14 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `decide` carries out edits and moves on to the next box, `files` keeps the review, `detect` asks a model, `export` writes
-//! what other programs read.
+//! `decide` carries out edits and moves on to the next box, `places` puts boxes on the ground, `files` keeps the review and
+//! writes what other programs read.
 
 mod decide;
 mod files;
+mod places;
 
 pub use decide::Nudge;
+pub use places::Placed;
 
 use super::Mark;
 use crate::detection::review::{BoxId, Counts, Identity, Queue, Review, Reviewed, State};
@@ -14,6 +16,7 @@ use crate::detection::{self, Raster};
 use crate::pipeline::Settings;
 use crate::survey::{Navigation, Survey};
 use files::Opening;
+use places::Places;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -74,6 +77,8 @@ pub struct Reviewing {
     along: Vec<Arc<Reviewed>>,
     longest: usize,
     counts: Counts,
+    /// Some box was decided or corrected.
+    is_touched: bool,
     /// Class of the next box that is drawn: that of the last one that was named.
     class: usize,
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
@@ -81,6 +86,7 @@ pub struct Reviewing {
     saved: Arc<Review>,
     parked: Vec<Parked>,
     opening: Option<Opening>,
+    places: Places,
 }
 
 impl Default for Reviewing {
@@ -97,10 +103,12 @@ impl Default for Reviewing {
             along: Vec::new(),
             longest: 0,
             counts: Counts::default(),
+            is_touched: false,
             class: 0,
             raster: None,
             parked: Vec::new(),
             opening: None,
+            places: Places::default(),
         }
     }
 }
@@ -123,6 +131,11 @@ impl Reviewing {
     /// The boxes to look at, in order.
     pub fn line(&self) -> &[BoxId] {
         &self.line
+    }
+
+    /// The boxes in line, along the track.
+    pub fn in_line(&self) -> impl Iterator<Item = &Reviewed> {
+        self.along.iter().map(AsRef::as_ref)
     }
 
     /// The boxes in line that have pings in a range. Costs what it finds.
@@ -153,14 +166,22 @@ impl Reviewing {
         self.raster.as_ref().map(|(_, raster)| raster)
     }
 
-    /// Whether decisions are in no file yet.
+    /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them again.
     pub fn is_unsaved(&self) -> bool {
-        !Arc::ptr_eq(&self.review, &self.saved)
+        !Arc::ptr_eq(&self.review, &self.saved) && (self.is_touched || is_touched(&self.saved))
     }
 
-    /// Whether a review is being read.
+    /// Whether decisions about any log that was open are in no file yet.
+    pub fn has_unsaved(&self) -> bool {
+        let is_unsaved = |parked: &Parked| {
+            !Arc::ptr_eq(&parked.review, &parked.saved) && is_touched(&parked.review)
+        };
+        self.is_unsaved() || self.parked.iter().any(is_unsaved)
+    }
+
+    /// Whether a review is being read or boxes are being placed.
     pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some()
+        self.opening.is_some() || self.places.is_busy()
     }
 
     /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
@@ -171,6 +192,8 @@ impl Reviewing {
     /// Takes another version of the boxes.
     fn set(&mut self, review: Arc<Review>) {
         self.review = review;
+        self.places.outdate();
+        self.is_touched = is_touched(&self.review);
         if self.selected_box().is_none() {
             self.selected = None;
         }
@@ -196,6 +219,7 @@ impl Reviewing {
 
     /// Lays the raster out where pings lie elsewhere than before.
     pub(super) fn follow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
+        self.places.outdate();
         let is_known = |(known, _): &(Arc<Navigation>, _)| Arc::ptr_eq(known, navigation);
         if !self.raster.as_ref().is_some_and(is_known) {
             let raster = Raster::new(survey, navigation, PIXEL_M);
@@ -243,6 +267,10 @@ impl Reviewing {
         };
         around.copied().find(|one| is_open(one))
     }
+}
+
+fn is_touched(review: &Review) -> bool {
+    review.boxes().any(Reviewed::is_kept)
 }
 
 fn size_m(raster: Option<&Raster>, mark: &detection::Mark) -> [f64; 2] {

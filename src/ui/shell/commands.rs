@@ -34,6 +34,7 @@ impl Shell {
                 self.dialogs.pick_review(self.app.jobs());
             }
             Action::SaveReview => self.save_review(),
+            Action::ExportBoxes => self.export_boxes(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),
             Action::Help => self.help_open = !self.help_open,
@@ -68,6 +69,18 @@ impl Shell {
                 self.dialogs.name_review(path, self.app.jobs());
             }
             _ => self.app.apply(Command::Tell(NO_BOXES.to_owned())),
+        }
+    }
+
+    fn export_boxes(&mut self) {
+        let is_writing = self.app.export_fraction().is_some();
+        if !self.app.reviewing.has_boxes() {
+            self.app.apply(Command::Tell(NO_BOXES.to_owned()));
+        } else if is_writing {
+            let text = "products are still being written; wait, or cancel that first";
+            self.app.apply(Command::Tell(text.to_owned()));
+        } else {
+            self.dialogs.pick_box_folder(self.app.jobs());
         }
     }
 

@@ -42,7 +42,7 @@ const PROCESSING: &[Action] = &[
     Action::Cancel,
 ];
 
-const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview];
+const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
 const BOXES: &[Action] = &[
     Action::NextBox,
     Action::PreviousBox,

@@ -80,6 +80,8 @@ pub struct Shell {
     help_open: bool,
     alone: Option<Alone>,
     started: bool,
+    /// The analyst knows that closing loses decisions.
+    warned_of_loss: bool,
     /// The survey that the window is named after.
     titled: u64,
 }
@@ -99,6 +101,7 @@ impl Shell {
             help_open: false,
             alone: None,
             started: false,
+            warned_of_loss: false,
             titled: 0,
         }
     }
@@ -132,6 +135,7 @@ impl Shell {
     pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
         self.meet_survey(ui.ctx());
+        self.guard_decisions(ui.ctx());
         theme::apply(ui.ctx(), self.app.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
@@ -165,6 +169,21 @@ impl Shell {
         if let Some(survey) = &self.app.survey {
             let title = format!("{} - Bathyscope", survey.name());
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
+        }
+    }
+
+    /// Decisions about boxes that are in no file are not lost by a slip: the first wish to close only says so.
+    fn guard_decisions(&mut self, ctx: &egui::Context) {
+        if !self.app.reviewing.has_unsaved() {
+            self.warned_of_loss = false;
+            return;
+        }
+        let closes = ctx.input(|input| input.viewport().close_requested());
+        if closes && !self.warned_of_loss {
+            self.warned_of_loss = true;
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            let text = "decisions about boxes are not saved; save them with Ctrl+S, or close again to leave them";
+            self.app.apply(Command::Tell(text.to_owned()));
         }
     }
 

@@ -74,7 +74,11 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_wrapped(|ui| {
-        for (action, name) in [(Action::SaveReview, "Save"), (Action::OpenReview, "Open…")] {
+        for (action, name) in [
+            (Action::SaveReview, "Save"),
+            (Action::OpenReview, "Open…"),
+            (Action::ExportBoxes, "Export…"),
+        ] {
             button(ui, context, action, name, true);
         }
     });

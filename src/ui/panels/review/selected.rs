@@ -3,12 +3,12 @@
 use super::super::parts::{fact, remark};
 use super::chip::Chip;
 use super::{ReviewPanel, button, chip, size};
-use crate::app::{Action, Command, Tool, middle};
+use crate::app::{Action, Command, Tool};
 use crate::detection::review::{Edit, Reviewed};
+use crate::detection::targets::Target;
 use crate::ui::views::background::Same;
-use crate::ui::{ViewContext, place, text, theme};
+use crate::ui::{ViewContext, text, theme};
 use egui::{Button, RichText, TextEdit, Ui};
-use std::sync::Arc;
 
 /// Classes that have a key.
 const KEYED: usize = 9;
@@ -30,7 +30,7 @@ impl ReviewPanel {
         };
         self.picture(ui, context, &one);
         title(ui, context, &one);
-        decisions(ui, context);
+        decisions(ui, context, &one);
         classes(ui, context, &one);
         facts(ui, context, &one);
         self.note(ui, context, &one);
@@ -115,13 +115,12 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     });
 }
 
-fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>) {
+fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
     let tool = context.app.reviewing.tool;
     ui.horizontal_wrapped(|ui| {
         for (action, name) in [
             (Action::AcceptBox, "Accept"),
             (Action::RejectBox, "Reject"),
-            (Action::UndecideBox, "Undecide"),
             (Action::PreviousBox, "Previous"),
             (Action::NextBox, "Next"),
         ] {
@@ -135,11 +134,16 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>) {
         } else {
             "New box"
         };
+        // A box drawn by hand has no proposal to go back to.
+        let back = match one.model {
+            Some(_) => (Action::UndecideBox, "Undecide"),
+            None => (Action::RemoveBox, "Remove"),
+        };
         for (action, name) in [
+            back,
             (Action::EditBox, edits),
             (Action::SwapSide, "Swap side"),
             (Action::NewBox, draws),
-            (Action::RemoveBox, "Remove"),
         ] {
             button(ui, context, action, name, true);
         }
@@ -196,18 +200,42 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
             mark.side.name()
         ),
     );
-    let Some(survey) = app.survey.as_ref().map(Arc::as_ref) else {
-        return;
-    };
-    let at = middle(survey, mark);
-    if let Some(place) = place::lon_lat(app, at) {
-        fact(
-            ui,
-            "Place",
-            "Its middle, on a flat bottom at the recorded depth.",
-            RichText::new(text::place(place)).monospace(),
-        );
+    if let Some(placed) = app.reviewing.placed(one.id) {
+        on_the_ground(ui, &placed.target);
     }
     let model = one.model.as_deref().unwrap_or("drawn by hand");
     fact(ui, "From", "The model that proposed it.", model);
+}
+
+/// Where its object lies and how large it is.
+fn on_the_ground(ui: &mut Ui, target: &Target) {
+    fact(
+        ui,
+        "Place",
+        "The middle of the object on a flat bottom, WGS84.",
+        RichText::new(text::place(target.position)).monospace(),
+    );
+    fact(
+        ui,
+        "Within",
+        "Standard deviation of the place, without the receiver's own error.",
+        text::measure(target.sigma_m, 2, "m"),
+    );
+    fact(
+        ui,
+        "Object",
+        "Length along the track, width across it, and height from the shadow where it ends within the range.",
+        format!(
+            "{:.2} × {:.2} m, height {}",
+            target.length_m,
+            target.width_m,
+            text::measure(target.height_m, 2, "m")
+        ),
+    );
+    fact(
+        ui,
+        "Depth",
+        "Of the bottom below the transducer, where it lies.",
+        text::measure(target.depth_m, 2, "m"),
+    );
 }

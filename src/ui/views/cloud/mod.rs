@@ -2,6 +2,7 @@
 
 mod axes;
 mod controls;
+mod objects;
 mod picture;
 mod pointer;
 mod scene;
@@ -114,6 +115,7 @@ impl CloudView {
         let draw = draw(&axes, &scene, options, ui.pixels_per_point());
         self.picture.show(&painter, rect, state, &scene, draw);
         axes.labels(&painter);
+        objects::paint(&painter, context.app, &scene, &axes);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
         controls::paint_legend(&painter, rect, options, &survey, &scene);
         controls::paint_read_out(&painter, rect, context.app, &products);

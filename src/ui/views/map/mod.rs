@@ -2,6 +2,7 @@
 
 mod flat_spots;
 mod layers;
+mod objects;
 mod overlay;
 mod ping_boxes;
 mod pointer;
@@ -114,7 +115,7 @@ impl MapView {
             &mut self.wish,
             &mut self.pointer,
         );
-        name(&survey, &products, &track)
+        name(&survey, &products, &track) + &boxes(context)
     }
 
     fn ask_for_layers(
@@ -192,7 +193,19 @@ fn paint(
     flat_spots::paint(&painter, scene);
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);
+    objects::paint(&painter, scene, context.app);
     overlay::marks(&painter, scene, context.app);
+}
+
+fn boxes(context: &ViewContext<'_>) -> String {
+    let reviewing = &context.app.reviewing;
+    let placed = reviewing
+        .in_line()
+        .filter(|one| reviewing.placed(one.id).is_some());
+    match reviewing.has_boxes() {
+        true => format!(", {}", text::plural(placed.count(), "box", "boxes")),
+        false => String::new(),
+    }
 }
 
 fn name(survey: &Survey, products: &Products, track: &TrackLayer) -> String {

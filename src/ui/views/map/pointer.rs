@@ -1,8 +1,8 @@
 //! What the pointer does on the map: move, read, select, calibrate.
 
-use super::flat_spots;
 use super::overlay::Scene;
 use super::transform::MapTransform;
+use super::{flat_spots, objects};
 use crate::app::{Command, Mark};
 use crate::calibration::PingRange;
 use crate::ui::views::legend;
@@ -108,6 +108,10 @@ impl Pointer {
                 context.push(Command::CalibrateAt(pings));
                 self.calibrating = false;
             }
+            return;
+        }
+        if let Some(id) = objects::under(scene, context.app, at) {
+            context.push(Command::SelectBox(Some(id)));
             return;
         }
         self.offered = spot;

@@ -84,9 +84,12 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
 
 /// Squares at the corners and on the middles of the edges.
 pub fn handles(painter: &Painter, rect: Rect, colour: Color32) {
+    // In a small box they would hide it.
+    let is_small = rect.size().min_elem() < 10.0 * HANDLE;
     for across in [0.0, 0.5, 1.0] {
         for down in [0.0, 0.5, 1.0] {
-            if across == 0.5 && down == 0.5 {
+            let is_middle = across == 0.5 || down == 0.5;
+            if is_middle && (is_small || across == down) {
                 continue;
             }
             let at = rect.lerp_inside(vec2(across, down));

@@ -1,0 +1,46 @@
+//! Objects in the cloud: the footprint of each box on the bottom.
+
+use super::axes::Axes;
+use super::scene::CloudScene;
+use crate::app::App;
+use crate::detection::review::State;
+use crate::ui::theme;
+use egui::{Painter, Pos2, Shape, Stroke};
+
+/// Least half of a footprint on the screen, points: one that is far away stays a mark.
+const LEAST: f32 = 3.0;
+
+/// Draws the footprints of the boxes in the queue; those that were rejected only while they are selected.
+pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+    let reviewing = &app.reviewing;
+    for one in reviewing.in_line() {
+        let is_selected = Some(one.id) == reviewing.selected;
+        let Some(placed) = reviewing.placed(one.id) else {
+            continue;
+        };
+        if one.state == State::Rejected && !is_selected {
+            continue;
+        }
+        let z_m = -placed.target.depth_m;
+        let corner = |[east_m, north_m]: [f64; 2]| axes.at(scene.local(east_m, north_m, z_m));
+        let corners: Vec<Pos2> = placed.corners.iter().filter_map(|at| corner(*at)).collect();
+        let Some(middle) = corner([placed.target.east_m, placed.target.north_m]) else {
+            continue;
+        };
+        let is_drawn = corners.len() == 4 && painter.clip_rect().contains(middle);
+        if !is_drawn {
+            continue;
+        }
+        let colour = theme::box_colour_on_panel(axes.options.theme, one.state);
+        let stroke = Stroke::new(if is_selected { 2.5 } else { 1.5 }, colour);
+        if corners.iter().all(|at| at.distance(middle) < LEAST) {
+            painter.circle_stroke(middle, LEAST, stroke);
+        } else {
+            painter.add(Shape::closed_line(corners, stroke));
+        }
+        if is_selected {
+            let ring = Stroke::new(2.0, theme::selection_colour());
+            painter.circle_stroke(middle, 9.0, ring);
+        }
+    }
+}

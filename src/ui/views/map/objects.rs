@@ -1,0 +1,103 @@
+//! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
+
+use super::overlay::Scene;
+use crate::app::{App, Placed};
+use crate::detection::review::{BoxId, Reviewed, State};
+use crate::ui::theme;
+use crate::ui::views::legend;
+use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
+use std::sync::Arc;
+
+/// Half of a mark, points.
+const HALF: f32 = 4.5;
+/// How near a mark a click must be, points.
+const REACH: f32 = 8.0;
+/// Longer side of a footprint on the screen from which it is drawn, points.
+const FOOTPRINT: f32 = 12.0;
+
+/// Boxes of the queue with their place, the selected one last.
+fn placed<'a>(
+    scene: &Scene<'_>,
+    app: &'a App,
+) -> impl Iterator<Item = (&'a Reviewed, &'a Arc<Placed>, Pos2)> {
+    let reviewing = &app.reviewing;
+    let others = reviewing.in_line();
+    let others = others.filter(|one| Some(one.id) != reviewing.selected);
+    let all = others.chain(reviewing.selected_box());
+    let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
+    let frame = scene.rect;
+    all.filter_map(move |one| {
+        let placed = reviewing.placed(one.id)?;
+        let at = transform.to_screen(frame, [placed.target.east_m, placed.target.north_m]);
+        rect.contains(at).then_some((one, placed, at))
+    })
+}
+
+/// Draws them.
+pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+    for (one, placed, at) in placed(scene, app) {
+        let is_selected = Some(one.id) == app.reviewing.selected;
+        let colour = theme::box_colour_on_panel(scene.options.theme, one.state);
+        let footprint = placed.corners.map(|corner| scene.at(corner));
+        if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
+            let stroke = Stroke::new(1.0, colour);
+            painter.add(Shape::closed_line(footprint.to_vec(), stroke));
+        }
+        mark(painter, at, one.state, colour);
+        if is_selected {
+            let ring = Stroke::new(2.0, theme::selection_colour());
+            painter.circle_stroke(at, HALF + 4.0, ring);
+            let sigma = (placed.target.sigma_m / scene.transform.metres_per_point) as f32;
+            if sigma > HALF + 4.0 && sigma.is_finite() {
+                let faint = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.6));
+                painter.circle_stroke(at, sigma, faint);
+            }
+            let name = app.reviewing.review.class_name(one.class);
+            let corner = at + vec2(HALF + 8.0, 0.0);
+            legend::plate(
+                painter,
+                scene.options,
+                corner,
+                Align2::LEFT_CENTER,
+                name,
+                colour,
+            );
+        }
+    }
+}
+
+/// A ring for a proposal, a dot for an object, a square for one drawn by hand, a cross for nothing.
+fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
+    let stroke = Stroke::new(1.5, colour);
+    let rim = Stroke::new(3.5, egui::Color32::from_black_alpha(120));
+    match state {
+        State::Proposed => {
+            painter.circle_stroke(at, HALF, rim);
+            painter.circle_stroke(at, HALF, stroke);
+        }
+        State::Accepted => {
+            painter.circle(at, HALF, colour, Stroke::new(1.0, egui::Color32::BLACK));
+        }
+        State::Added => {
+            let square = Rect::from_center_size(at, egui::Vec2::splat(2.0 * HALF));
+            painter.rect_filled(square, 0.0, colour);
+            let edge = Stroke::new(1.0, egui::Color32::BLACK);
+            painter.rect_stroke(square, 0.0, edge, StrokeKind::Outside);
+        }
+        State::Rejected => {
+            for across in [vec2(HALF, HALF), vec2(HALF, -HALF)] {
+                let small = 0.7 * across;
+                painter.line_segment([at - small, at + small], stroke);
+            }
+        }
+    }
+}
+
+/// The box whose mark is under the pointer.
+pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<BoxId> {
+    placed(scene, app)
+        .map(|(one, _, place)| (one.id, place.distance(at)))
+        .filter(|(_, distance)| *distance <= REACH)
+        .min_by(|(_, a), (_, b)| a.total_cmp(b))
+        .map(|(id, _)| id)
+}
