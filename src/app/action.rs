@@ -75,6 +75,9 @@ actions! {
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
+    FindObjects, "Find objects", None, "Searches the side-scan with the detector; what was decided about boxes stays.";
+    ChooseModel, "Choose a model…", None, "Takes a detector of your own: YOLO as ONNX.";
+    ShippedModel, "Use the shipped model", None, "Takes the detector that comes with the program.";
     NextBox, "Next box", Some("Tab"), "Selects the next box in the queue.";
     PreviousBox, "Previous box", Some("Shift+Tab"), "Selects the box before in the queue.";
     AcceptBox, "Accept box", Some("A"), "There is an object: on to the next undecided box.";

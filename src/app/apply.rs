@@ -43,6 +43,7 @@ impl App {
             Command::SelectBox(id) => self.select_box(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::LineUp(queue) => self.set_queue(*queue),
+            Command::UseModel(path) => self.use_model(Some(path)),
             Command::OpenReview(path) => self.open_review(path),
             Command::SaveReview(path) => self.save_review(path),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
@@ -183,6 +184,8 @@ impl App {
             }
             Action::PresetRecommended => self.use_preset(Preset::Recommended),
             Action::PresetPublished => self.use_preset(Preset::Published),
+            Action::FindObjects => self.detect(),
+            Action::ShippedModel => self.use_model(None),
             Action::NextBox => self.step_box(1),
             Action::PreviousBox => self.step_box(-1),
             Action::AcceptBox => self.decide(Edit::Accept),

@@ -61,6 +61,8 @@ pub enum Command {
     Nudge(Nudge),
     /// Sort and filter the boxes.
     LineUp(Box<Queue>),
+    /// Search for objects with the model in this file from now on.
+    UseModel(PathBuf),
     /// Read the review of the open survey's boxes from a file.
     OpenReview(PathBuf),
     /// Write the review into a file.

@@ -60,6 +60,7 @@ impl App {
         }
         self.poll_export();
         self.poll_review();
+        self.poll_detecting();
         self.poll_places();
     }
 
@@ -188,6 +189,7 @@ impl App {
     /// Stops everything that runs; the last results stay.
     pub(super) fn cancel(&mut self) {
         self.engine.cancel();
+        self.stop_detecting();
         self.previewer.forget();
         self.preview = None;
         self.loading = None;

@@ -17,6 +17,7 @@ enum Purpose {
     OpenReview,
     SaveReview,
     ExportBoxesInto,
+    OpenModel,
 }
 
 /// What a system dialog came back with.
@@ -85,6 +86,11 @@ impl Dialogs {
         self.ask(Purpose::ExportBoxesInto, jobs);
     }
 
+    /// Asks for a detector.
+    pub fn pick_model(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenModel, jobs);
+    }
+
     /// Shows the path field.
     pub fn ask_for_path(&mut self) {
         self.field = Field::new(Purpose::OpenLog, false, None);
@@ -151,6 +157,7 @@ impl Dialogs {
             Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
+            Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
             ui.set_width(480.0);
@@ -190,6 +197,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::OpenReview => Command::OpenReview(path),
         Purpose::SaveReview => Command::SaveReview(path),
         Purpose::ExportBoxesInto => Command::ExportBoxes(path),
+        Purpose::OpenModel => Command::UseModel(path),
     }
 }
 
@@ -212,6 +220,10 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
         Purpose::ExportBoxesInto => rfd::FileDialog::new()
             .set_title("Write the boxes into")
             .pick_folder(),
+        Purpose::OpenModel => rfd::FileDialog::new()
+            .set_title("Choose a detector")
+            .add_filter("ONNX models", &["onnx"])
+            .pick_file(),
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")
             .add_filter("Reviews", &["json"])

@@ -1,11 +1,9 @@
 //! The review of a detector's boxes, driven as an analyst would: by keys alone, and by the mouse.
 
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, Command, Tool};
+use crate::window::{Window, app, demo_window, press};
+use bathyscope::app::{Command, Tool};
 use bathyscope::detection::review::{BoxId, Edit, Identity, Review, State};
 use bathyscope::detection::{Detection, Mark, Raster};
-use bathyscope::progress::Progress;
-use bathyscope::simulation::{Scene, simulate};
 use bathyscope::survey::Side;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2};
@@ -548,70 +546,4 @@ fn what_is_written_about_a_box_is_kept_when_the_next_one_is_selected() {
         review_of(&window).get(id).map(|one| one.note.as_str()),
         Some("two tyres, see dive 3")
     );
-}
-
-/// What a perfect detector would find in the demo: each sighting of each object, with its shadow.
-fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
-    let simulated = simulate(&Scene::demo(), 1, &Progress::new()).expect("the demo");
-    let mut names: Vec<String> = Vec::new();
-    let mut found = Vec::new();
-    let pings = identity(window).pings;
-    for (index, object) in simulated.objects.iter().enumerate() {
-        let name = object.kind.name();
-        let known = names.iter().position(|known| known == name);
-        let class = known.unwrap_or_else(|| {
-            names.push(name.to_owned());
-            names.len() - 1
-        });
-        for (pass, sighting) in object.sightings.iter().enumerate() {
-            let end_m = sighting.shadow_m[1];
-            found.push(Detection {
-                class,
-                score: 0.95 - 0.07 * ((index * 3 + pass * 5) % 9) as f32,
-                mark: Mark {
-                    side: sighting.side,
-                    pings: sighting.first_ping..(sighting.last_ping + 1).min(pings),
-                    near_m: sighting.near_m,
-                    far_m: if end_m.is_finite() {
-                        end_m
-                    } else {
-                        sighting.far_m
-                    },
-                },
-            });
-        }
-    }
-    (names, found)
-}
-
-#[test]
-fn the_window_in_review_looks_as_it_did() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut window = drawn_window([1400.0, 900.0]);
-    window.state_mut().app.apply(Command::OpenDemo);
-    window.run();
-    let (names, found) = truth(&window);
-    let review = Review::new(identity(&window), names.clone());
-    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
-    let path = folder.path().join("demo.review.json");
-    fs::write(&path, review.to_json()).expect("a file");
-    app_mut(&mut window).apply(Command::OpenReview(path));
-    window.run();
-    app_mut(&mut window).apply(Command::Dismiss(0));
-    let by_place = review.boxes().map(|one| (one.mark.pings.start, one.id));
-    let mut by_place: Vec<_> = by_place.collect();
-    by_place.sort();
-    for (index, (_, id)) in by_place.iter().enumerate().take(6) {
-        let edit = match index % 3 {
-            0 => Edit::Accept(*id),
-            1 => Edit::Reject(*id),
-            _ => continue,
-        };
-        app_mut(&mut window).apply(Command::Edit { edit, live: false });
-    }
-    app_mut(&mut window).apply(Command::SelectBox(Some(by_place[2].1)));
-    app_mut(&mut window).apply(Command::Do(Action::EditBox));
-    window.state_mut().show_pings(0..700);
-    settle(&mut window);
-    window.snapshot("window_review");
 }

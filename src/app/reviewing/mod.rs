@@ -1,9 +1,10 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `decide` carries out edits and moves on to the next box, `places` puts boxes on the ground, `files` keeps the review and
-//! writes what other programs read.
+//! `decide` carries out edits and moves on to the next box, `detect` asks a model, `places` puts boxes on the
+//! ground, `files` keeps the review and writes what other programs read.
 
 mod decide;
+mod detect;
 mod files;
 mod places;
 
@@ -15,6 +16,7 @@ use crate::detection::review::{BoxId, Counts, Identity, Queue, Review, Reviewed,
 use crate::detection::{self, Raster};
 use crate::pipeline::Settings;
 use crate::survey::{Navigation, Survey};
+use detect::{Detecting, Detector};
 use files::Opening;
 use places::Places;
 use std::path::PathBuf;
@@ -87,6 +89,11 @@ pub struct Reviewing {
     parked: Vec<Parked>,
     opening: Option<Opening>,
     places: Places,
+    /// The analyst's own model; `None` for the one that comes with the program.
+    model_path: Option<PathBuf>,
+    /// The model that was asked last, ready to be asked again.
+    detector: Option<Detector>,
+    detecting: Option<Detecting>,
 }
 
 impl Default for Reviewing {
@@ -109,6 +116,9 @@ impl Default for Reviewing {
             parked: Vec::new(),
             opening: None,
             places: Places::default(),
+            model_path: None,
+            detector: None,
+            detecting: None,
         }
     }
 }
@@ -179,9 +189,9 @@ impl Reviewing {
         self.is_unsaved() || self.parked.iter().any(is_unsaved)
     }
 
-    /// Whether a review is being read or boxes are being placed.
+    /// Whether a review is being read, objects are being searched or boxes are being placed.
     pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.places.is_busy()
+        self.opening.is_some() || self.places.is_busy() || self.detecting.is_some()
     }
 
     /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
@@ -233,6 +243,8 @@ impl Reviewing {
         let last = std::mem::take(self);
         let identity = Identity::of(survey);
         self.parked = last.parked;
+        self.model_path = last.model_path;
+        self.detector = last.detector;
         self.queue.sort = last.queue.sort;
         self.queue.threshold = last.queue.threshold;
         if last.review.boxes().len() > 0 {

@@ -4,6 +4,7 @@ pub mod calibration;
 pub mod cloud;
 pub mod first_return;
 pub mod notices;
+pub mod objects;
 pub mod outliers;
 mod parts;
 pub mod products;
@@ -25,5 +26,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     calibration::ui(ui, context);
     cloud::ui(ui, context);
     outliers::ui(ui, context);
+    objects::ui(ui, context);
     products::ui(ui, context);
 }

@@ -1,4 +1,4 @@
-//! Step 5: what other programs open.
+//! Step 6: what other programs open.
 
 use super::parts::{self, Section, section};
 use crate::app::{Action, Command};
@@ -8,7 +8,7 @@ use egui::Ui;
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
-        number: Some(5),
+        number: Some(6),
         title: "Products",
         stage: None,
     };

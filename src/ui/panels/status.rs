@@ -87,8 +87,10 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             Some((stage.name().to_owned(), fraction))
         }
         (None, EngineStatus::Idle) => {
-            let share = context.app.export_fraction();
-            share.map(|share| ("exporting".to_owned(), share))
+            let detecting = context.app.detect_fraction();
+            let exporting = context.app.export_fraction();
+            (detecting.map(|share| ("finding objects".to_owned(), share)))
+                .or(exporting.map(|share| ("exporting".to_owned(), share)))
         }
     };
     let since = egui::Id::unique("job since");

@@ -42,6 +42,12 @@ const PROCESSING: &[Action] = &[
     Action::Cancel,
 ];
 
+/// What makes boxes.
+const DETECTOR: &[Action] = &[
+    Action::FindObjects,
+    Action::ChooseModel,
+    Action::ShippedModel,
+];
 const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
 const BOXES: &[Action] = &[
     Action::NextBox,
@@ -174,6 +180,11 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.survey.is_some();
     let has_boxes = context.app.reviewing.has_boxes();
+    for &action in DETECTOR {
+        let enabled = action != Action::FindObjects || context.app.products.is_some();
+        titled(ui, context, action, action.label(), enabled);
+    }
+    ui.separator();
     for &action in BOXES {
         let enabled = is_open && (has_boxes || action == Action::NewBox);
         titled(ui, context, action, action.label(), enabled);

@@ -1,0 +1,188 @@
+//! Asking a detector: on a worker, results as they come.
+
+use crate::app::{App, Outcome, Task};
+use crate::detection::model::shipped;
+use crate::detection::{Detection, DetectorSettings, Model, find};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, mpsc};
+
+/// Least confidence that is asked for: what lies below the slider is there when it is drawn down.
+const LEAST_SCORE: f32 = 0.05;
+/// Name of the step in the undo menu.
+const LABEL: &str = "find objects";
+
+/// A detector at hand.
+#[derive(Clone)]
+pub(super) struct Detector {
+    /// `None`: the one that comes with the program.
+    path: Option<PathBuf>,
+    model: Arc<Model>,
+}
+
+/// What the worker tells on its way.
+enum Heard {
+    /// The model is ready.
+    Ready(Detector),
+    /// Boxes of one tile; those that two tiles saw come twice.
+    Boxes(Vec<Detection>),
+}
+
+/// A search under way.
+pub(super) struct Detecting {
+    heard: mpsc::Receiver<Heard>,
+    /// Boxes so far.
+    found: Vec<Detection>,
+    task: Task<Result<Vec<Detection>, String>>,
+}
+
+impl App {
+    /// Name of the model that is or will be asked.
+    pub fn model_name(&self) -> String {
+        let path = self.reviewing.model_path.as_deref();
+        path.map_or_else(|| "shipped with the program".to_owned(), file_name)
+    }
+
+    /// What the model's file was taken for, once it has been loaded.
+    pub fn model_description(&self) -> Option<&str> {
+        let detector = self.reviewing.detector.as_ref()?;
+        Some(detector.model.description())
+    }
+
+    /// Done share of the search under way, 0 to 1.
+    pub fn detect_fraction(&self) -> Option<f32> {
+        let detecting = self.reviewing.detecting.as_ref()?;
+        Some(detecting.task.fraction())
+    }
+
+    /// Takes another model for the next search; `None` for the one that comes with the program.
+    pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
+        self.reviewing.model_path = path;
+    }
+
+    /// Starts a search for objects; one that runs is replaced.
+    pub(in crate::app) fn detect(&mut self) {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+            let text = "open a log first; its objects can be found once its track is placed";
+            return self.tell(text.to_owned(), true);
+        };
+        if !survey.has_side_scan() {
+            let text = "there is no usable side-scan in this log to find objects in";
+            return self.tell(text.to_owned(), true);
+        }
+        let (survey, navigation) = (survey.clone(), products.navigation.clone());
+        let path = self.reviewing.model_path.clone();
+        let known = self.reviewing.detector.clone();
+        let known = known.filter(|detector| detector.path == path);
+        let (sender, heard) = mpsc::channel();
+        let task = Task::start(&self.jobs, move |progress| {
+            let detector = match known {
+                Some(detector) => detector,
+                None => load(path)?,
+            };
+            let model = detector.model.clone();
+            // Nobody listens any more when the search was replaced.
+            sender.send(Heard::Ready(detector)).ok();
+            let settings = DetectorSettings {
+                score: Some(LEAST_SCORE.min(model.score())),
+                ..DetectorSettings::default()
+            };
+            let hear = |boxes: &[Detection]| {
+                if !boxes.is_empty() {
+                    sender.send(Heard::Boxes(boxes.to_vec())).ok();
+                }
+            };
+            find(&survey, &navigation, &model, &settings, progress, hear)
+                .map_err(|error| error.to_string())
+        });
+        self.reviewing.detecting = Some(Detecting {
+            heard,
+            found: Vec::new(),
+            task,
+        });
+    }
+
+    /// Ends a search; what it found so far stays.
+    pub(in crate::app) fn stop_detecting(&mut self) {
+        if self.reviewing.detecting.take().is_some() {
+            let review = self.reviewing.review.clone();
+            self.take_review(review, LABEL, false);
+        }
+    }
+
+    /// Collects what a search found.
+    pub(in crate::app) fn poll_detecting(&mut self) {
+        let Some(mut detecting) = self.reviewing.detecting.take() else {
+            return;
+        };
+        let outcome = detecting.task.poll();
+        let so_far = detecting.found.len();
+        while let Ok(heard) = detecting.heard.try_recv() {
+            match heard {
+                Heard::Ready(detector) => self.meet(detector),
+                Heard::Boxes(boxes) => detecting.found.extend(boxes),
+            }
+        }
+        let found = match outcome {
+            Outcome::Pending => {
+                if detecting.found.len() > so_far {
+                    self.adopt(&detecting.found, true);
+                }
+                self.reviewing.detecting = Some(detecting);
+                return;
+            }
+            Outcome::Done(found) => found,
+            Outcome::Failed => Err("the search for objects failed unexpectedly".to_owned()),
+        };
+        match found {
+            Ok(found) => {
+                self.adopt(&found, false);
+                if found.is_empty() {
+                    let text =
+                        "no objects were found; draw what you see with N, or choose another model";
+                    self.tell(text.to_owned(), false);
+                }
+            }
+            Err(text) => {
+                let review = self.reviewing.review.clone();
+                self.take_review(review, LABEL, false);
+                self.tell(text, true);
+            }
+        }
+    }
+
+    /// The first search with a model shows from the confidence that its makers suggest.
+    fn meet(&mut self, detector: Detector) {
+        let known = self.reviewing.detector.as_ref();
+        if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
+            self.reviewing.queue.threshold = detector.model.score();
+        }
+        self.reviewing.detector = Some(detector);
+    }
+
+    fn adopt(&mut self, found: &[Detection], live: bool) {
+        let Some((detector, raster)) =
+            (self.reviewing.detector.clone()).zip(self.reviewing.raster().cloned())
+        else {
+            return;
+        };
+        let path = detector.path.as_deref();
+        let name = path.map_or_else(|| "shipped".to_owned(), file_name);
+        let review = &self.reviewing.review;
+        let review = review.adopt(&name, detector.model.names(), found, &raster);
+        self.take_review(Arc::new(review), LABEL, live);
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+fn load(path: Option<PathBuf>) -> Result<Detector, String> {
+    let loaded = match &path {
+        Some(path) => Model::load(path),
+        None => shipped().ok_or("this build comes without a model; choose one of your own")?,
+    };
+    let model = Arc::new(loaded.map_err(|error| error.to_string())?);
+    Ok(Detector { path, model })
+}

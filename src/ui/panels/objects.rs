@@ -1,0 +1,75 @@
+//! Step 5: objects on the bottom, found by a detector and decided by the analyst.
+
+use super::parts::{self, Section, fact, section};
+use crate::app::{Action, Command};
+use crate::ui::{ViewContext, text, theme};
+use egui::{Button, ProgressBar, Ui};
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: Some(5),
+        title: "Objects",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        found(ui, context);
+        let hint = context.app.model_description().map_or_else(
+            || "The detector that is asked.".to_owned(),
+            |known| format!("The detector that is asked: {known}"),
+        );
+        fact(ui, "Model", &hint, context.app.model_name());
+        search(ui, context);
+    });
+}
+
+fn found(ui: &mut Ui, context: &ViewContext<'_>) {
+    if !context.app.reviewing.has_boxes() {
+        parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
+        return;
+    }
+    let counts = context.app.reviewing.counts();
+    let boxes = text::plural(counts.total(), "box", "boxes");
+    let value = match counts.proposed {
+        0 => format!("{boxes} · all decided"),
+        open => format!("{boxes} · {} undecided", text::count(open)),
+    };
+    fact(
+        ui,
+        "Found",
+        "Boxes of the confidence shown, and those that were decided.",
+        value,
+    );
+}
+
+fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    if let Some(share) = context.app.detect_fraction() {
+        ui.horizontal(|ui| {
+            let bar = ProgressBar::new(share)
+                .desired_width(140.0)
+                .desired_height(8.0)
+                .fill(theme::accent_colour(context.app.options.theme));
+            ui.add(bar);
+            if ui
+                .small_button("Stop")
+                .on_hover_text("What was found so far stays.")
+                .clicked()
+            {
+                context.push(Command::Do(Action::Cancel));
+            }
+        });
+        return;
+    }
+    let ready = context.app.products.is_some();
+    ui.horizontal(|ui| {
+        for (action, ready) in [(Action::FindObjects, ready), (Action::ChooseModel, true)] {
+            let button = ui
+                .add_enabled(ready, Button::new(action.label()))
+                .on_hover_text(action.hint())
+                .on_disabled_hover_text("There is no track yet to place objects on.");
+            if button.clicked() {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
