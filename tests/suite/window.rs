@@ -408,7 +408,7 @@ fn settings_options_and_arrangement_come_back_but_no_flat_spot() {
 }
 
 /// A window with a GPU: lavapipe where there is no other.
-fn drawn_window(size: [f32; 2]) -> Window {
+pub(crate) fn drawn_window(size: [f32; 2]) -> Window {
     let mut window = Harness::builder()
         .with_size(size)
         .with_max_steps(24)
@@ -424,7 +424,7 @@ fn drawn_window(size: [f32; 2]) -> Window {
 }
 
 /// Draws frames until tiles and layers have arrived.
-fn settle(window: &mut Window) {
+pub(crate) fn settle(window: &mut Window) {
     for _ in 0..200 {
         window.step();
         window.render().expect("a picture");
