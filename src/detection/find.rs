@@ -111,6 +111,7 @@ fn search(
         };
         let seen: Vec<Seen> = boxes
             .into_iter()
+            .filter_map(|found| inside(found, [width - tile.x0, height - tile.y0]))
             .map(|found| Seen::new(found, tile, width, height))
             .collect();
         progress.advance(1);
@@ -122,6 +123,18 @@ fn search(
         .map(one)
         .collect::<Result<_, _>>()?;
     Ok(merge(seen.concat(), model.nms(), iou))
+}
+
+/// A box cut at the picture's end, which lies within a tile that is larger; `None` where most of it lies beyond: what looks
+/// like an object there is the edge itself.
+fn inside(found: Scored, [width, height]: [f32; 2]) -> Option<Scored> {
+    let rect = found.rect.intersection(&Rect {
+        x0: 0.0,
+        y0: 0.0,
+        x1: width,
+        y1: height,
+    });
+    (rect.area() >= 0.5 * found.rect.area()).then_some(Scored { rect, ..found })
 }
 
 /// Tiles over a picture, overlapping.
@@ -177,6 +190,24 @@ fn step(tile: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_lies_beyond_the_picture_is_no_object() {
+        let found = |x0, x1| Scored {
+            class: 0,
+            score: 0.5,
+            rect: Rect {
+                x0,
+                y0: 0.0,
+                x1,
+                y1: 10.0,
+            },
+        };
+        let edges = |x0, x1| inside(found(x0, x1), [375.0, 416.0]).map(|one| one.rect.x1);
+        assert_eq!(edges(300.0, 320.0), Some(320.0));
+        assert_eq!(edges(360.0, 380.0), Some(375.0));
+        assert_eq!(edges(370.0, 390.0), None);
+    }
 
     #[test]
     fn tiles_cover_the_picture_and_overlap() {

@@ -1,7 +1,7 @@
 //! A small picture of each object found.
 
 use super::{ExportError, write_aside};
-use crate::detection::{Detection, Picture, Raster, Rect, Scored, TILE_PX};
+use crate::detection::{Detection, Picture, Raster, Rect, Scored, TILE_PX, level};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use image::codecs::png::PngEncoder;
@@ -24,7 +24,7 @@ pub enum ChipError {
 }
 
 /// Writes `0001-rock.png` and so on into `folder`: each box of a survey with its surroundings, range to the right, a pixel the
-/// raster's. Of a box longer than a tile its beginning is shown.
+/// raster's, levels as a detector sees them. Of a box longer than a tile its beginning is shown.
 pub fn chips(
     folder: &Path,
     survey: &Survey,
@@ -38,7 +38,8 @@ pub fn chips(
         progress.check()?;
         let (x, y, width, height) = around(&raster.rect_of(&found.mark));
         let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));
-        let tile = raster.tile(survey, found.mark.side, y, x);
+        let mut tile = raster.tile(survey, found.mark.side, y, x);
+        level(&mut tile.pixels);
         let chip = Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height);
         write(folder, index, names, found.class, &chip)?;
         progress.advance(1);
