@@ -3,13 +3,16 @@
 use super::folders::Folders;
 use super::output;
 use super::status_line::StatusLine;
+use crate::detection::model::shipped;
+use crate::detection::review::State;
+use crate::detection::targets::{GroupSettings, Placer, Target, group};
 use crate::detection::{
-    DetectorSettings, Model, Picture, Raster, find, find_in_picture, model::shipped,
+    Detection, DetectorSettings, Model, Picture, Raster, find, find_in_picture,
 };
-use crate::export;
+use crate::export::{self, ObjectRow};
 use crate::formats;
+use crate::pipeline::{self, Settings};
 use crate::progress::Progress;
-use crate::survey::{HeadingSettings, Projection, navigate};
 use image::{ImageReader, Limits};
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,7 +29,7 @@ pub struct DetectArgs {
     /// Logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
-    /// Folder for detections.csv and the chips; made when missing
+    /// Folder for detections.csv, detections.geojson and the chips; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too
@@ -111,7 +114,7 @@ fn detect_into(
     };
     let names = found.iter().map(|&class| model.names()[class].as_str());
     output::results(format_args!(
-        "found {}; wrote detections.csv and chips into {}",
+        "found {}; wrote the tables and chips into {}",
         counted(names),
         folder.display()
     ))
@@ -153,24 +156,64 @@ fn search_survey(
     let status = StatusLine::new(&progress);
     status.step("reading");
     let survey = formats::open(input, &progress).map_err(|error| error.to_string())?;
-    let navigation = navigate(
-        &survey,
-        &HeadingSettings::default(),
-        Projection::Enu,
-        &progress,
-    )
+    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |stage| {
+        status.step(stage.name())
+    })
     .map_err(|error| error.to_string())?;
+    let navigation = &products.navigation;
     status.step("detecting");
-    let found = find(&survey, &navigation, model, settings, &progress, |_| ())
+    let found = find(&survey, navigation, model, settings, &progress, |_| ())
         .map_err(|error| format!("{error}: {}", input.display()))?;
     status.step("writing");
-    let raster = Raster::new(&survey, &navigation, model.pixel_m());
+    let raster = Raster::new(&survey, navigation, model.pixel_m());
     export::chips(chips, &survey, &raster, model.names(), &found, &progress)
         .map_err(|error| error.to_string())?;
-    let table = folder.join("detections.csv");
-    export::detections_csv(&table, &survey, model.names(), &found)
+    let placer = Placer::new(
+        &survey,
+        navigation,
+        &products.returns,
+        &products.calibration,
+    );
+    let rows = rows(model.names(), &found, &placer);
+    export::objects_csv(&folder.join("detections.csv"), &survey, &rows)
+        .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
         .map_err(|error| error.to_string())?;
     Ok(found.iter().map(|one| one.class).collect())
+}
+
+/// The rows of the tables; boxes of the same object share its number.
+fn rows<'a>(
+    names: &'a [String],
+    found: &'a [Detection],
+    placer: &Placer<'_>,
+) -> Vec<ObjectRow<'a>> {
+    let mut rows: Vec<ObjectRow<'a>> = (1..)
+        .zip(found)
+        .map(|(id, one)| ObjectRow {
+            id,
+            class: names.get(one.class).map_or("", String::as_str),
+            score: Some(one.score),
+            state: State::Proposed.name(),
+            mark: &one.mark,
+            target: placer.place(&one.mark),
+            object: None,
+            note: "",
+        })
+        .collect();
+    let placed: Vec<usize> = (0..rows.len())
+        .filter(|&row| rows[row].target.is_some())
+        .collect();
+    let sightings: Vec<(Target, usize)> = placed
+        .iter()
+        .filter_map(|&row| Some((rows[row].target.clone()?, found[row].class)))
+        .collect();
+    let groups = group(&sightings, &GroupSettings::default());
+    for (object, group) in (1..).zip(&groups) {
+        for &member in &group.members {
+            rows[placed[member]].object = Some(object);
+        }
+    }
+    rows
 }
 
 fn search_picture(
@@ -191,7 +234,7 @@ fn search_picture(
         .map_err(|error| error.to_string())?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
     let table = folder.join("detections.csv");
-    export::picture_detections_csv(&table, &name, model.names(), &found)
+    export::picture_boxes_csv(&table, &name, model.names(), &found)
         .map_err(|error| error.to_string())?;
     Ok(found.iter().map(|one| one.class).collect())
 }

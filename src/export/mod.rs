@@ -7,9 +7,9 @@ mod chips;
 mod cloud_csv;
 mod cloud_laz;
 mod cloud_ply;
-mod detections;
 mod first_returns;
 mod objects;
+mod picture_boxes;
 pub mod points;
 
 pub use aside::{ExportError, write_aside};
@@ -17,9 +17,9 @@ pub use chips::{ChipError, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
-pub use detections::{detections_csv, picture_detections_csv};
 pub use first_returns::first_returns_csv;
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml};
+pub use picture_boxes::picture_boxes_csv;
 
 use crate::cloud::PointSource;
 

@@ -39,10 +39,15 @@ fn objects_of_a_log_become_a_table_and_chips() {
     assert_eq!(
         header(&table),
         "id,file,class,score,state,side,ping_from,ping_to,sample_from,sample_to,lon,lat,east_m,north_m,length_m,width_m,\
-         height_m,depth_m"
+         height_m,depth_m,sigma_m,object,note"
     );
     let rows = rows(&table);
     assert!(!rows.is_empty(), "a net of random weights fires");
+    let text = fs::read(folder.join("out/detections.geojson")).expect("a map");
+    let map: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+    let placed = rows.iter().filter(|row| !row[10].is_empty()).count();
+    assert!(placed > 0, "the demo pond has positions and depths");
+    assert_eq!(map["features"].as_array().map(Vec::len), Some(placed));
     let told = String::from_utf8_lossy(&output.stdout);
     assert!(
         told.contains(&format!("found {} object", rows.len())),
