@@ -1,10 +1,10 @@
 //! One box an object, where overlapping tiles have seen it several times.
 //!
 //! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which the picture goes on. Of whole
-//! boxes the surest is kept, as within a tile. A cut box and a box of another tile are the same object when they cover each
-//! other by half (IoU) within the strip that both tiles saw, whatever their classes: the whole one is kept, with its own score; of two
-//! cut ones (an object longer than the strip) the box around both is kept, with the class and score of the surer. A cut box
-//! that has no counterpart stays as it is.
+//! boxes the surest is kept, as within a tile. A cut box gives way to a whole one of another tile that covers half of it within
+//! the strip that both tiles saw, whatever their classes and scores: it is a piece of that object. Two cut boxes are pieces of
+//! one object (longer than the strip) when they cover each other by half (IoU) there: the box around both is kept, with the
+//! class and score of the surer. A cut box that has no counterpart stays as it is.
 
 use super::{Nms, Rect, Scored, suppress};
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 /// Pixels from a tile's edge within which a box counts as cut.
 const EDGE_PX: f32 = 2.0;
 /// Overlap within the strip from which two boxes are the same object.
-const SAME_IOU: f32 = 0.5;
+const SAME: f32 = 0.5;
 /// Rows of the picture whose boxes are looked at together.
 const BAND_PX: f32 = 512.0;
 
@@ -42,10 +42,25 @@ impl Seen {
         }
     }
 
-    fn same_object(&self, other: &Seen) -> bool {
+    /// The two boxes within the strip that both tiles saw; `None` within one tile.
+    fn in_strip(&self, other: &Seen) -> Option<[Rect; 2]> {
         let strip = self.tile.intersection(&other.tile);
-        let [mine, theirs] = [self, other].map(|seen| seen.found.rect.intersection(&strip));
-        self.tile != other.tile && mine.iou(&theirs) >= SAME_IOU
+        (self.tile != other.tile)
+            .then(|| [self, other].map(|seen| seen.found.rect.intersection(&strip)))
+    }
+
+    /// Whether two cut boxes show one object.
+    fn continues(&self, other: &Seen) -> bool {
+        self.in_strip(other)
+            .is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
+    }
+
+    /// Whether a cut box is a piece of a whole one.
+    fn is_piece_of(&self, whole: &Seen) -> bool {
+        self.in_strip(whole).is_some_and(|[mine, theirs]| {
+            let covered = mine.intersection(&theirs).area();
+            covered > 0.0 && covered >= SAME * mine.area()
+        })
     }
 }
 
@@ -62,12 +77,12 @@ pub fn merge(seen: Vec<Seen>, nms: Nms, iou: f32) -> Vec<Scored> {
     let mut joined: Vec<Scored> = Vec::new();
     for seen in cut {
         let rect = seen.found.rect;
-        if wholes.near(&rect).any(|other| other.same_object(&seen)) {
+        if wholes.near(&rect).any(|whole| seen.is_piece_of(whole)) {
             continue;
         }
         let piece = pieces
             .near(&rect)
-            .find(|(_, other): &&(usize, Seen)| other.same_object(&seen))
+            .find(|(_, other): &&(usize, Seen)| other.continues(&seen))
             .map(|(object, _)| *object);
         let object = piece.unwrap_or(joined.len());
         match joined.get_mut(object) {
@@ -160,6 +175,24 @@ mod tests {
         let boxes = seen(0, [380.0, 440.0], [Some(0.9), Some(0.6), None]);
         assert!(boxes[0].cut && !boxes[1].cut);
         assert_eq!(merged(boxes), [(0.6, 380.0, 440.0)]);
+    }
+
+    #[test]
+    fn the_cut_end_of_a_whole_box_is_no_object_of_its_own() {
+        let mut boxes = seen(0, [330.0, 420.0], [None, Some(0.8), None]);
+        let end = Rect {
+            x0: 120.0,
+            y0: 400.0,
+            x1: 140.0,
+            y1: 416.0,
+        };
+        let found = Scored {
+            class: 1,
+            score: 0.9,
+            rect: end,
+        };
+        boxes.push(Seen::new(found, tile(0), 416.0, HEIGHT));
+        assert_eq!(merged(boxes), [(0.8, 330.0, 420.0)]);
     }
 
     #[test]
