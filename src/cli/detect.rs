@@ -67,7 +67,7 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
 fn load(path: Option<&Path>) -> Result<Model, String> {
     let loaded = match path {
         Some(path) => Model::load(path),
-        None => shipped().ok_or("this build comes without a model; name one with --model")?,
+        None => shipped(),
     };
     loaded.map_err(|error| error.to_string())
 }

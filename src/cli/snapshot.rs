@@ -2,7 +2,7 @@
 
 use super::output;
 use super::process::{SettingsArgs, check_against};
-use crate::app::{App, Command, Jobs, Mark, Origin, ThemeChoice, View};
+use crate::app::{Action, App, Command, Jobs, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
 use crate::export::write_aside;
 use crate::pipeline::Settings;
@@ -30,6 +30,9 @@ pub struct SnapshotArgs {
     /// Pixels in a point: 2 draws all text and lines twice as large
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
     scale: f32,
+    /// Search for objects first, and draw their boxes
+    #[arg(long)]
+    objects: bool,
     /// Dark or light
     #[arg(long, value_enum, default_value_t = Theme::Dark)]
     theme: Theme,
@@ -92,6 +95,10 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     calibrate(&mut app, settings)?;
     select(&mut app, args.pings)?;
+    if args.objects {
+        app.apply(Command::Do(Action::FindObjects));
+        wait(&mut app)?;
+    }
     let mut shell = Shell::new(app);
     if let Some(alone) = alone(args.view) {
         shell.show_alone(alone);

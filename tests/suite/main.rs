@@ -20,6 +20,7 @@ mod navigation;
 mod real_window;
 mod review;
 mod river;
+mod shipped_model;
 mod simulation;
 mod space;
 mod support;

@@ -181,7 +181,7 @@ fn file_name(path: &Path) -> String {
 fn load(path: Option<PathBuf>) -> Result<Detector, String> {
     let loaded = match &path {
         Some(path) => Model::load(path),
-        None => shipped().ok_or("this build comes without a model; choose one of your own")?,
+        None => shipped(),
     };
     let model = Arc::new(loaded.map_err(|error| error.to_string())?);
     Ok(Detector { path, model })

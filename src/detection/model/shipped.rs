@@ -1,8 +1,17 @@
 //! The model that comes with the program.
 
 use super::{Model, ModelError};
+use std::path::PathBuf;
 
-/// The model that comes with the program; `None` in a build without one.
-pub fn shipped() -> Option<Result<Model, ModelError>> {
-    None
+/// YOLOv4-tiny, its origin, data and figures in the model card beside it.
+const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
+/// Classes, input and thresholds of the model.
+const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
+
+/// The model that comes with the program: compiled into it, so that nothing is downloaded.
+pub fn shipped() -> Result<Model, ModelError> {
+    Model::from_bytes(ONNX.to_vec(), Some(SIDECAR)).map_err(|reason| ModelError {
+        reason,
+        path: PathBuf::from("the model that comes with the program"),
+    })
 }

@@ -1,0 +1,95 @@
+//! The detector that comes with the program, on the demo survey, whose objects are known.
+
+use bathyscope::detection::model::shipped;
+use bathyscope::detection::{Detection, DetectorSettings, Mark, Raster, find};
+use bathyscope::formats;
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, Sighting, simulate};
+use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
+
+const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
+const SCENE: &str = include_str!("../../assets/demo.toml");
+
+/// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs off the range.
+fn clear_box(seen: &Sighting) -> Option<Mark> {
+    let pings = seen.first_ping..seen.last_ping + 1;
+    let far_m = seen.shadow_m[1].max(seen.far_m);
+    (pings.len() >= 4 && seen.shadow_m[1].is_finite()).then_some(Mark {
+        side: seen.side,
+        pings,
+        near_m: seen.near_m,
+        far_m,
+    })
+}
+
+fn meets(raster: &Raster, found: &Detection, mark: &Mark, iou: f32) -> bool {
+    let [a, b] = [&found.mark, mark].map(|mark| raster.rect_of(mark));
+    found.mark.side == mark.side && a.iou(&b) >= iou
+}
+
+fn searched(survey: &Survey) -> (Vec<String>, Raster, Vec<Detection>) {
+    let progress = Progress::new();
+    let heading = HeadingSettings::default();
+    let navigation = navigate(survey, &heading, Projection::Enu, &progress).expect("not cancelled");
+    let model = shipped().expect("a model that loads");
+    let settings = DetectorSettings::default();
+    let found = find(survey, &navigation, &model, &settings, &progress, |_| ()).expect("a search");
+    let raster = Raster::new(survey, &navigation, model.pixel_m());
+    (model.names().to_vec(), raster, found)
+}
+
+#[test]
+fn finds_the_objects_of_the_demo() {
+    let progress = Progress::new();
+    let survey = formats::open_bytes("demo.sl2", DEMO.to_vec(), &progress).expect("the demo");
+    let (names, raster, found) = searched(&survey);
+    let scene: Scene = toml::from_str(SCENE).expect("the demo's scene");
+    let truth = simulate(&scene, 1, &progress).expect("not cancelled");
+    let (mut clear, mut hit) = (0, 0);
+    for object in &truth.objects {
+        let marks: Vec<Mark> = object.sightings.iter().filter_map(clear_box).collect();
+        let seen = |mark: &&Mark| found.iter().any(|one| meets(&raster, one, mark, 0.5));
+        let named = |mark: &&Mark| {
+            found
+                .iter()
+                .any(|one| names[one.class] == object.kind.name() && meets(&raster, one, mark, 0.5))
+        };
+        clear += marks.len();
+        hit += marks.iter().filter(seen).count();
+        let kind = object.kind.name();
+        assert!(
+            marks.iter().any(|mark| named(&mark)),
+            "no pass over a {kind} found it"
+        );
+    }
+    let known: Vec<Mark> = truth
+        .objects
+        .iter()
+        .flat_map(|object| &object.sightings)
+        .map(|seen| Mark {
+            side: seen.side,
+            pings: seen.first_ping.saturating_sub(3)..seen.last_ping + 4,
+            near_m: seen.near_m - 0.5,
+            far_m: f64::INFINITY,
+        })
+        .collect();
+    let on_something = |one: &&Detection| {
+        known.iter().any(|mark| {
+            one.mark.side == mark.side
+                && one.mark.pings.start < mark.pings.end
+                && mark.pings.start < one.mark.pings.end
+                && one.mark.far_m > mark.near_m
+        })
+    };
+    let false_alarms = found.len() - found.iter().filter(on_something).count();
+    println!(
+        "{hit} of {clear} clear sightings, {} boxes, {false_alarms} false alarms",
+        found.len()
+    );
+    assert!(hit * 10 >= clear * 8, "{hit} of {clear}");
+    assert!(
+        false_alarms * 5 <= found.len(),
+        "{false_alarms} of {}",
+        found.len()
+    );
+}
