@@ -62,6 +62,7 @@ fn finds_the_objects_of_the_demo() {
             "no pass over a {kind} found it"
         );
     }
+    // Whatever lies on an object or in its shadow is no false alarm, glimpses included.
     let known: Vec<Mark> = truth
         .objects
         .iter()
