@@ -4,12 +4,8 @@ use super::folders::Folders;
 use super::output;
 use super::status_line::StatusLine;
 use crate::detection::model::shipped;
-use crate::detection::review::State;
-use crate::detection::targets::{GroupSettings, Placer, Target, group};
-use crate::detection::{
-    Detection, DetectorSettings, Model, Picture, Raster, find, find_in_picture,
-};
-use crate::export::{self, ObjectRow};
+use crate::detection::{DetectorSettings, Model, Picture, find_in_picture};
+use crate::export;
 use crate::formats;
 use crate::pipeline::{self, Settings};
 use crate::progress::Progress;
@@ -55,6 +51,7 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
     let model = load(args.model.as_deref())?;
     output::tell(format_args!("model: {}", model.description()));
     let settings = DetectorSettings {
+        model: args.model,
         score: args.score,
         iou: args.iou,
     };
@@ -64,7 +61,8 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
     detect_into(input, &model, &settings, &args.output)
 }
 
-fn load(path: Option<&Path>) -> Result<Model, String> {
+/// The model at a path, or the one that comes with the program.
+pub fn load(path: Option<&Path>) -> Result<Model, String> {
     let loaded = match path {
         Some(path) => Model::load(path),
         None => shipped(),
@@ -110,7 +108,7 @@ fn detect_into(
     let found = if is_picture(input) {
         search_picture(input, model, settings, folder, &chips)?
     } else {
-        search_survey(input, model, settings, folder, &chips)?
+        search_survey(input, model, settings, folder)?
     };
     let names = found.iter().map(|&class| model.names()[class].as_str());
     output::results(format_args!(
@@ -126,7 +124,7 @@ fn is_picture(path: &Path) -> bool {
 }
 
 /// `7 objects (4 rock, 3 tyre)`.
-fn counted<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub fn counted<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for name in names {
         *counts.entry(name).or_default() += 1;
@@ -150,7 +148,6 @@ fn search_survey(
     model: &Model,
     settings: &DetectorSettings,
     folder: &Path,
-    chips: &Path,
 ) -> Result<Classes, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
@@ -160,60 +157,10 @@ fn search_survey(
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
-    let navigation = &products.navigation;
     status.step("detecting");
-    let found = find(&survey, navigation, model, settings, &progress, |_| ())
+    let found = pipeline::write_detections(&survey, &products, model, settings, folder, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    status.step("writing");
-    let raster = Raster::new(&survey, navigation, model.pixel_m());
-    export::chips(chips, &survey, &raster, model.names(), &found, &progress)
-        .map_err(|error| error.to_string())?;
-    let placer = Placer::new(
-        &survey,
-        navigation,
-        &products.returns,
-        &products.calibration,
-    );
-    let rows = rows(model.names(), &found, &placer);
-    export::objects_csv(&folder.join("detections.csv"), &survey, &rows)
-        .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
-        .map_err(|error| error.to_string())?;
     Ok(found.iter().map(|one| one.class).collect())
-}
-
-/// The rows of the tables; boxes of the same object share its number.
-fn rows<'a>(
-    names: &'a [String],
-    found: &'a [Detection],
-    placer: &Placer<'_>,
-) -> Vec<ObjectRow<'a>> {
-    let mut rows: Vec<ObjectRow<'a>> = (1..)
-        .zip(found)
-        .map(|(id, one)| ObjectRow {
-            id,
-            class: names.get(one.class).map_or("", String::as_str),
-            score: Some(one.score),
-            state: State::Proposed.name(),
-            mark: &one.mark,
-            target: placer.place(&one.mark),
-            object: None,
-            note: "",
-        })
-        .collect();
-    let placed: Vec<usize> = (0..rows.len())
-        .filter(|&row| rows[row].target.is_some())
-        .collect();
-    let sightings: Vec<(Target, usize)> = placed
-        .iter()
-        .filter_map(|&row| Some((rows[row].target.clone()?, found[row].class)))
-        .collect();
-    let groups = group(&sightings, &GroupSettings::default());
-    for (object, group) in (1..).zip(&groups) {
-        for &member in &group.members {
-            rows[placed[member]].object = Some(object);
-        }
-    }
-    rows
 }
 
 fn search_picture(

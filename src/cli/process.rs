@@ -2,7 +2,8 @@
 
 use super::folders::Folders;
 use super::status_line::StatusLine;
-use super::{input, output};
+use super::{detect, input, output};
+use crate::detection::Model;
 use crate::formats;
 use crate::pipeline::{self, Preset, Settings};
 use crate::progress::Progress;
@@ -19,6 +20,9 @@ pub struct ProcessArgs {
     /// Folder for the products; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Leave out the search for objects, which takes the longest
+    #[arg(long)]
+    no_objects: bool,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -62,18 +66,29 @@ impl SettingsArgs {
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
     let settings = args.settings.resolve()?;
-    let [survey] = args.surveys.as_slice() else {
-        return each(&args.surveys, &settings, &args.output);
+    // Before the work: a model that cannot be used should not cost minutes first.
+    let model = match args.no_objects {
+        true => None,
+        false => Some(detect::load(settings.detector.model.as_deref())?),
     };
-    process_into(&open(survey)?, &settings, &args.output)
+    let [survey] = args.surveys.as_slice() else {
+        return each(&args.surveys, &settings, model.as_ref(), &args.output);
+    };
+    process_into(&open(survey)?, &settings, model.as_ref(), &args.output)
 }
 
-fn each(surveys: &[PathBuf], settings: &Settings, output: &Path) -> Result<(), String> {
+fn each(
+    surveys: &[PathBuf],
+    settings: &Settings,
+    model: Option<&Model>,
+    output: &Path,
+) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for path in surveys {
-        let outcome = open(path)
-            .and_then(|survey| process_into(&survey, settings, &folders.next(&survey.name())));
+        let outcome = open(path).and_then(|survey| {
+            process_into(&survey, settings, model, &folders.next(&survey.name()))
+        });
         if let Err(sentence) = outcome {
             failed += 1;
             output::tell(format_args!("bathyscope: {sentence}"));
@@ -109,8 +124,14 @@ pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String>
     }
 }
 
-/// Runs the pipeline on one survey, writes its products and tells in a few lines what came out.
-pub fn process_into(survey: &Survey, settings: &Settings, folder: &Path) -> Result<(), String> {
+/// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
+/// what came out.
+pub fn process_into(
+    survey: &Survey,
+    settings: &Settings,
+    model: Option<&Model>,
+    folder: &Path,
+) -> Result<(), String> {
     check_against(survey, settings)?;
     // Before the work: a folder that cannot be made should not cost minutes first.
     fs::create_dir_all(folder)
@@ -122,12 +143,26 @@ pub fn process_into(survey: &Survey, settings: &Settings, folder: &Path) -> Resu
     })
     .map_err(|error| error.to_string())?;
     status.step("writing");
-    let written = pipeline::write_products(survey, &products, folder, &progress)?;
+    let mut written = pipeline::write_products(survey, &products, folder, &progress)?;
+    let mut objects = None;
+    if let Some(model) = model.filter(|_| survey.has_side_scan()) {
+        status.step("objects");
+        let how = &settings.detector;
+        let found = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
+        written
+            .files
+            .extend(["detections.csv", "detections.geojson", "chips"]);
+        let names = found.iter().map(|one| model.names()[one.class].as_str());
+        objects = Some(detect::counted(names));
+    }
     drop(status);
     for warning in &written.report.warnings {
         output::tell(format_args!("warning: {warning}"));
     }
     output::results(written.report.summary())?;
+    if let Some(objects) = objects {
+        output::results(format_args!("proposed by the detector: {objects}"))?;
+    }
     output::results(format_args!(
         "wrote {} into {}",
         written.files.join(", "),

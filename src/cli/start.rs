@@ -1,5 +1,6 @@
 //! `bathyscope [SURVEY...]`: the window, or the same work where there is no display.
 
+use super::detect;
 use super::folders::Folders;
 use super::process::process_into;
 use super::{output, snapshot, window};
@@ -40,7 +41,12 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         .open(&Progress::new())
         .map_err(|error| error.to_string())?;
     let folder = folders.next(&survey.name());
-    process_into(&survey, &Settings::default(), &folder)?;
+    process_into(
+        &survey,
+        &Settings::default(),
+        Some(&detect::load(None)?),
+        &folder,
+    )?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
     match snapshot::draw_into(origin, &folder) {
         Ok((files, adapter)) => {

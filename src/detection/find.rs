@@ -6,16 +6,19 @@ use crate::progress::Progress;
 use crate::survey::{Navigation, Side, Survey};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Share of a tile that its neighbour sees as well: an object up to that length is whole in one of them.
 const OVERLAP: f32 = 0.25;
 /// A picture up to this many times the network's input is looked at as a whole.
 const WHOLE: f32 = 1.5;
 
-/// Which boxes count.
+/// `detector.*` settings: who is asked, and which boxes count.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DetectorSettings {
+    /// Another model than the one that comes with the program.
+    pub model: Option<PathBuf>,
     /// Least confidence, 0 to 1; without one the model's own.
     pub score: Option<f32>,
     /// Overlap above which the less sure of two boxes is dropped, 0 to 1; without one the model's own.

@@ -1,10 +1,11 @@
 //! Runs the stages in order, keeps what is still valid, and tells what is stale.
 //!
 //! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
-//! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them. `boxes`
-//! writes what was decided about boxes.
+//! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them. `detections`
+//! searches for objects and writes them, `boxes` writes what was decided about boxes.
 
 mod boxes;
+mod detections;
 mod engine;
 mod outputs;
 mod products;
@@ -12,6 +13,7 @@ mod report;
 mod settings;
 
 pub use boxes::{BoxesWritten, write_boxes};
+pub use detections::write_detections;
 pub use engine::{Engine, EngineStatus};
 pub use outputs::{Written, write_products};
 pub use products::{Products, Stage, run};

@@ -2,6 +2,7 @@
 
 use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
+use crate::detection::DetectorSettings;
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,8 @@ pub struct Settings {
     pub heading: HeadingSettings,
     /// `outliers.*`.
     pub outliers: OutlierSettings,
+    /// `detector.*`, for `process`. The window has its own choice of model and confidence.
+    pub detector: DetectorSettings,
 }
 
 impl Settings {
@@ -88,14 +91,16 @@ impl Settings {
                     radius_m: 3.011,
                     min_neighbors: 10,
                 },
+                detector: DetectorSettings::default(),
             },
         }
     }
 
-    /// The preset that these settings are, if any; the choice of the flat spot does not count.
+    /// The preset that these settings are, if any; the choices of flat spot and detector do not count.
     pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.clone();
         plain.calibration.pings = None;
+        plain.detector = DetectorSettings::default();
         [Preset::Recommended, Preset::Published]
             .into_iter()
             .find(|&preset| plain == Self::preset(preset))

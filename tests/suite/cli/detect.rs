@@ -132,3 +132,58 @@ fn what_cannot_be_searched_is_refused() {
     let told = refusal(folder, &["detect", "x.sl2", "-o", "out", "--score", "2"], 2);
     assert!(told.contains("between 0 and 1"), "{told}");
 }
+
+#[test]
+fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let model = model();
+    let of_detect = [
+        "detect", "pond.sl2", "-o", "detected", "--model", &model, "--score", "0.5",
+    ];
+    run(folder, &of_detect);
+    let which = format!("detector.model={model}");
+    let told = run(
+        folder,
+        &[
+            "process",
+            "pond.sl2",
+            "-o",
+            "out",
+            "--set",
+            &which,
+            "--set",
+            "detector.score=0.5",
+        ],
+    );
+    let [of_process, of_detect] =
+        ["out", "detected"].map(|name| rows(&folder.join(name).join("detections.csv")));
+    assert!(!of_process.is_empty());
+    assert_eq!(of_process, of_detect);
+    assert!(told.contains("proposed by the detector: "), "{told}");
+    assert!(folder.join("out/detections.geojson").is_file());
+
+    run(
+        folder,
+        &["process", "pond.sl2", "-o", "bare", "--no-objects"],
+    );
+    assert!(folder.join("bare/report.json").is_file());
+    assert!(!folder.join("bare/detections.csv").exists());
+
+    // A model that cannot be used is told before anything is computed or written.
+    let refused = refusal(
+        folder,
+        &[
+            "process",
+            "pond.sl2",
+            "-o",
+            "none",
+            "--set",
+            "detector.model=missing.onnx",
+        ],
+        1,
+    );
+    assert!(refused.contains("missing.onnx"), "{refused}");
+    assert!(!folder.join("none").exists());
+}

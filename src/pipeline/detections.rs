@@ -1,0 +1,80 @@
+//! Searches a survey for objects and writes what was found.
+
+use super::Products;
+use crate::detection::targets::{GroupSettings, Placer, Target, group};
+use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
+use crate::export::{self, ObjectRow};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::path::Path;
+
+/// Searches the survey and writes `detections.csv`, `detections.geojson` and `chips/` with a picture of each box into `folder`,
+/// which is made when it is missing. Returns the boxes, in order of the pings.
+///
+/// The error is one sentence. Each file is written aside and renamed.
+pub fn write_detections(
+    survey: &Survey,
+    products: &Products,
+    model: &Model,
+    settings: &DetectorSettings,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<Detection>, String> {
+    let chips = folder.join("chips");
+    std::fs::create_dir_all(&chips)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", chips.display()))?;
+    let navigation = &products.navigation;
+    let found = find(survey, navigation, model, settings, progress, |_| ())
+        .map_err(|error| error.to_string())?;
+    let raster = Raster::new(survey, navigation, model.pixel_m());
+    let rows = rows(survey, products, model.names(), &found);
+    export::chips(&chips, survey, &raster, model.names(), &found, progress)
+        .map_err(|error| error.to_string())?;
+    export::objects_csv(&folder.join("detections.csv"), survey, &rows)
+        .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
+        .map_err(|error| error.to_string())?;
+    Ok(found)
+}
+
+/// The rows of the tables; boxes of the same object share its number.
+fn rows<'a>(
+    survey: &Survey,
+    products: &Products,
+    names: &'a [String],
+    found: &'a [Detection],
+) -> Vec<ObjectRow<'a>> {
+    let Products {
+        navigation,
+        returns,
+        calibration,
+        ..
+    } = products;
+    let placer = Placer::new(survey, navigation, returns, calibration);
+    let mut rows: Vec<ObjectRow<'a>> = (1..)
+        .zip(found)
+        .map(|(id, one)| ObjectRow {
+            id,
+            class: names.get(one.class).map_or("", String::as_str),
+            score: Some(one.score),
+            state: State::Proposed.name(),
+            mark: &one.mark,
+            target: placer.place(&one.mark),
+            object: None,
+            note: "",
+        })
+        .collect();
+    let placed: Vec<usize> = (0..rows.len())
+        .filter(|&row| rows[row].target.is_some())
+        .collect();
+    let sightings: Vec<(Target, usize)> = placed
+        .iter()
+        .filter_map(|&row| Some((rows[row].target.clone()?, found[row].class)))
+        .collect();
+    let groups = group(&sightings, &GroupSettings::default());
+    for (object, group) in (1..).zip(&groups) {
+        for &member in &group.members {
+            rows[placed[member]].object = Some(object);
+        }
+    }
+    rows
+}
