@@ -1,14 +1,17 @@
-//! The detector that comes with the program, on the demo survey, whose objects are known.
+//! The detector that comes with the program: on the demo survey, whose objects are known, and against onnxruntime
+//! (`oracle.py` made `boxes.json` from the shipped file and a chip of the test split).
 
 use bathyscope::detection::model::shipped;
-use bathyscope::detection::{Detection, DetectorSettings, Mark, Raster, find};
+use bathyscope::detection::{Detection, DetectorSettings, Mark, Model, Picture, Raster, find};
 use bathyscope::formats;
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Sighting, simulate};
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 
-const DEMO: &[u8] = include_bytes!("../../assets/demo.sl2");
-const SCENE: &str = include_str!("../../assets/demo.toml");
+const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
+const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
+const DEMO: &[u8] = include_bytes!("../../../assets/demo.sl2");
+const SCENE: &str = include_str!("../../../assets/demo.toml");
 
 /// Echo and shadow of a sighting; `None` for a glimpse of under four pings, or a shadow that runs off the range.
 fn clear_box(seen: &Sighting) -> Option<Mark> {
@@ -93,4 +96,44 @@ fn finds_the_objects_of_the_demo() {
         "{false_alarms} of {}",
         found.len()
     );
+}
+
+/// A box as onnxruntime has it.
+#[derive(serde::Deserialize)]
+struct Expected {
+    class: usize,
+    score: f32,
+    #[serde(rename = "box")]
+    edges_px: [f32; 4],
+}
+
+#[test]
+fn agrees_with_onnxruntime() {
+    let expected: Vec<Expected> =
+        serde_json::from_str(include_str!("boxes.json")).expect("boxes of the oracle");
+    let mut sidecar: serde_json::Value = serde_json::from_str(SIDECAR).expect("the sidecar");
+    // The oracle takes the chip as it is.
+    sidecar["level"] = "raw".into();
+    let model =
+        Model::from_bytes(ONNX.to_vec(), Some(&sidecar.to_string())).expect("a usable model");
+    let chip = image::load_from_memory(include_bytes!("chip.png")).expect("a picture");
+    let (width, height) = (chip.width() as usize, chip.height() as usize);
+    let picture = Picture::grey(width, height, chip.into_luma8().into_raw());
+    let found = model.detect(&picture, 0.3, 0.45).expect("boxes");
+    assert!(!expected.is_empty());
+    assert_eq!(found.len(), expected.len());
+    for (one, other) in found.iter().zip(&expected) {
+        assert_eq!(one.class, other.class);
+        assert!(
+            (one.score - other.score).abs() < 1e-4,
+            "{} {}",
+            one.score,
+            other.score
+        );
+        let rect = [one.rect.x0, one.rect.y0, one.rect.x1, one.rect.y1];
+        for (edge, other) in rect.iter().zip(other.edges_px) {
+            // A ten-thousandth of the picture's width.
+            assert!((edge - other).abs() < 1e-4 * 416.0, "{rect:?} {other}");
+        }
+    }
 }
