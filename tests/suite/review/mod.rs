@@ -1,0 +1,337 @@
+//! The review of a detector's boxes, driven as an analyst would: by keys alone, and by the mouse.
+
+mod exported;
+mod mouse;
+mod search;
+
+use self::exported::{check_dataset, check_tables, export_by_keys};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, App, Command, Jobs, Tool};
+use bathyscope::detection::review::{BoxId, Edit, Identity, Review, State};
+use bathyscope::detection::{Detection, Mark, Raster};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
+use bathyscope::survey::Side;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::Queryable as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const CLASSES: [&str; 3] = ["rock", "tyre", "log"];
+/// Class keys in the order of the classes.
+const CLASS_KEYS: [Key; 3] = [Key::Num1, Key::Num2, Key::Num3];
+
+fn classes() -> Vec<String> {
+    CLASSES.map(str::to_owned).to_vec()
+}
+
+/// Boxes along the open survey, both sides in turn, scores falling and rising again.
+fn detections(window: &Window, count: usize) -> Vec<Detection> {
+    let pings = identity(window).pings;
+    let step = (pings - 40) / count;
+    let one = |index: usize| Detection {
+        class: index % 2,
+        score: 0.3 + 0.6 * ((index * 7 % count) as f32 / count as f32),
+        mark: Mark {
+            side: Side::BOTH[index % 2],
+            pings: 10 + index * step..10 + index * step + 12,
+            near_m: 4.0,
+            far_m: 6.0,
+        },
+    };
+    (0..count).map(one).collect()
+}
+
+fn identity(window: &Window) -> Identity {
+    let survey = app(window).survey.as_ref().expect("a survey");
+    Identity::of(survey)
+}
+
+fn raster(window: &Window) -> Raster {
+    let survey = app(window).survey.as_ref().expect("a survey");
+    let products = app(window).products.as_ref().expect("results");
+    Raster::new(survey, &products.navigation, 0.04)
+}
+
+/// Gives the window a model's detections by way of a review file, and returns the file.
+fn propose(window: &mut Window, detections: &[Detection], folder: &Path) -> PathBuf {
+    let empty = Review::new(identity(window), classes());
+    let review = empty.adopt("test model", &classes(), detections, &raster(window));
+    let path = folder.join("demo.review.json");
+    fs::write(&path, review.to_json()).expect("a file");
+    window
+        .state_mut()
+        .app
+        .apply(Command::OpenReview(path.clone()));
+    window.run();
+    assert_eq!(review_of(window).boxes().len(), detections.len());
+    path
+}
+
+/// The demo with `count` proposals to review, whose review is kept in a temporary folder.
+fn proposed(count: usize) -> (tempfile::TempDir, Window) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = demo_window();
+    let found = detections(&window, count);
+    propose(&mut window, &found, folder.path());
+    (folder, window)
+}
+
+fn review_of(window: &Window) -> &Review {
+    &app(window).reviewing.review
+}
+
+fn selected(window: &Window) -> BoxId {
+    app(window).reviewing.selected.expect("a selected box")
+}
+
+fn states(window: &Window) -> Vec<State> {
+    review_of(window).boxes().map(|one| one.state).collect()
+}
+
+#[test]
+fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = demo_window();
+    let found = detections(&window, 50);
+    let path = propose(&mut window, &found, folder.path());
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let mut presses = 1;
+    let mut wanted = Vec::new();
+    for index in 0..50 {
+        let id = selected(&window);
+        let state = if index % 3 == 0 {
+            press(&mut window, Modifiers::NONE, Key::R);
+            presses += 1;
+            State::Rejected
+        } else {
+            if index % 5 == 0 {
+                press(&mut window, Modifiers::NONE, CLASS_KEYS[2]);
+                presses += 1;
+            }
+            press(&mut window, Modifiers::NONE, Key::A);
+            presses += 1;
+            State::Accepted
+        };
+        wanted.push((id, state));
+    }
+    assert!(presses <= 2 * 50, "{presses} key presses for 50 boxes");
+    for (id, state) in &wanted {
+        assert_eq!(
+            review_of(&window).get(*id).map(|one| one.state),
+            Some(*state)
+        );
+    }
+    let logs = review_of(&window).boxes().filter(|one| one.class == 2);
+    assert_eq!(logs.count(), 6, "those that were named a log");
+    assert_eq!(app(&window).reviewing.counts().decided(), 50);
+    let scores: Vec<_> = wanted
+        .iter()
+        .map(|(id, _)| review_of(&window).get(*id).and_then(|one| one.score))
+        .collect();
+    assert!(scores.is_sorted_by(|a, b| a >= b), "the surest first");
+
+    assert!(app(&window).reviewing.is_unsaved());
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert!(!app(&window).reviewing.is_unsaved());
+    let mut next = demo_window();
+    next.state_mut().app.apply(Command::OpenReview(path));
+    next.run();
+    assert_eq!(review_of(&next), review_of(&window));
+
+    let folder = folder.path().join("out");
+    export_by_keys(&mut window, &folder);
+    let exported = folder.join("boxes.review.json");
+    let mut again = demo_window();
+    again.state_mut().app.apply(Command::OpenReview(exported));
+    again.run();
+    assert_eq!(review_of(&again), review_of(&window));
+    check_tables(&folder, review_of(&window));
+    check_dataset(&folder.join("dataset"), review_of(&window));
+}
+
+#[test]
+fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
+    let (_folder, mut window) = proposed(4);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let first = selected(&window);
+    press(&mut window, Modifiers::NONE, Key::A);
+    press(&mut window, Modifiers::NONE, Key::CloseBracket);
+    press(&mut window, Modifiers::NONE, Key::R);
+    let after = states(&window);
+    assert_eq!(app(&window).undo_label(), Some("reject box"));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(app(&window).undo_label(), Some("threshold"));
+    assert_eq!(crate::window::threshold(&window), 0.31);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(crate::window::threshold(&window), 0.30);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(states(&window), [State::Proposed; 4]);
+    assert_eq!(selected(&window), first, "undo goes back to the box");
+    for _ in 0..3 {
+        press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    }
+    assert_eq!(states(&window), after);
+    press(&mut window, Modifiers::NONE, Key::U);
+    assert_eq!(
+        after
+            .iter()
+            .filter(|state| **state == State::Proposed)
+            .count()
+            + 1,
+        states(&window)
+            .iter()
+            .filter(|state| **state == State::Proposed)
+            .count(),
+    );
+}
+
+#[test]
+fn digits_name_the_selected_box_and_otherwise_focus_a_view() {
+    let (_folder, mut window) = proposed(4);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let id = selected(&window);
+    press(&mut window, Modifiers::NONE, Key::Num3);
+    assert_eq!(review_of(&window).get(id).map(|one| one.class), Some(2));
+    press(&mut window, Modifiers::NONE, Key::Num9);
+    assert_eq!(review_of(&window).get(id).map(|one| one.class), Some(2));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).reviewing.selected, None);
+    let before = review_of(&window).clone();
+    press(&mut window, Modifiers::NONE, Key::Num1);
+    assert_eq!(*review_of(&window), before);
+}
+
+#[test]
+fn arrows_move_the_box_only_while_it_is_edited() {
+    let (_folder, mut window) = proposed(4);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let id = selected(&window);
+    let mark = |window: &Window| {
+        review_of(window)
+            .get(id)
+            .map(|one| one.mark.clone())
+            .expect("the box")
+    };
+    let before = mark(&window);
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    assert_eq!(mark(&window), before);
+    press(&mut window, Modifiers::NONE, Key::E);
+    assert_eq!(app(&window).reviewing.tool, Tool::Edit);
+    press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
+    assert_eq!(
+        mark(&window).pings,
+        before.pings.start + 10..before.pings.end + 10
+    );
+    press(&mut window, Modifiers::COMMAND, Key::ArrowLeft);
+    assert_eq!(mark(&window).pings.end, before.pings.end + 9);
+    press(&mut window, Modifiers::NONE, Key::S);
+    assert_ne!(mark(&window).side, before.side);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).reviewing.tool, Tool::Look);
+    for _ in 0..3 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(mark(&window), before);
+}
+
+#[test]
+fn boxes_of_a_log_come_back_when_it_is_opened_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = demo_window();
+    let found = detections(&window, 4);
+    propose(&mut window, &found, folder.path());
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    press(&mut window, Modifiers::NONE, Key::A);
+    let decided = states(&window);
+    // Another log, shorter, with a review beside it.
+    let bytes = fs::read(crate::support::demo_log()).expect("the demo log");
+    let log = folder.path().join("other.sl2");
+    fs::write(&log, &bytes[..bytes.len() / 2]).expect("half a log");
+    window.state_mut().app.apply(Command::Open(log.clone()));
+    window.run();
+    assert!(!app(&window).reviewing.has_boxes());
+    let add = Edit::Add {
+        mark: found[1].mark.clone(),
+        class: 0,
+    };
+    let app_now = &mut window.state_mut().app;
+    app_now.apply(Command::Edit {
+        edit: add,
+        live: false,
+    });
+    let beside = app_now.review_path().expect("a place for the review");
+    assert_eq!(beside, folder.path().join("other.review.json"));
+    app_now.apply(Command::SaveReview(log.clone()));
+    assert_eq!(
+        fs::read(&log).expect("the log").len(),
+        bytes.len() / 2,
+        "the log stays"
+    );
+    window.state_mut().app.apply(Command::SaveReview(beside));
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    assert_eq!(states(&window), decided);
+    let mut fresh = demo_window();
+    fresh.state_mut().app.apply(Command::Open(log));
+    fresh.run();
+    assert_eq!(states(&fresh), [State::Added], "found beside the log");
+}
+
+#[test]
+fn the_confidence_slider_hides_proposals_but_no_decisions() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = demo_window();
+    let found = detections(&window, 10);
+    propose(&mut window, &found, folder.path());
+    press(&mut window, Modifiers::NONE, Key::F);
+    app_mut(&mut window).apply(Command::Edit {
+        edit: Edit::Reject(BoxId(1)),
+        live: false,
+    });
+    window.run();
+    window.get_by_label_contains("1 of 10 decided");
+    window.get_by_label_contains(", 10 boxes in view");
+    let slider = window.get_by_role_and_label(Role::Slider, "Confidence");
+    slider.set_value_accesskit(0.62);
+    window.run();
+    let sure = found
+        .iter()
+        .skip(1)
+        .filter(|found| found.score >= 0.62)
+        .count();
+    assert!((1..9).contains(&sure));
+    let counts = app(&window).reviewing.counts();
+    assert_eq!((counts.rejected, counts.proposed), (1, sure));
+    window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
+    window.get_by_label_contains(&format!("{} below the confidence", 9 - sure));
+}
+
+fn app_mut(window: &mut Window) -> &mut bathyscope::app::App {
+    &mut window.state_mut().app
+}
+
+#[test]
+fn what_is_written_about_a_box_is_kept_when_the_next_one_is_selected() {
+    let (_folder, mut window) = proposed(4);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let id = selected(&window);
+    let note = window.get_by_role_and_label(Role::TextInput, "Note on the box");
+    note.focus();
+    window.run();
+    let note = window.get_by_role_and_label(Role::TextInput, "Note on the box");
+    note.type_text("two tyres, see dive 3");
+    window.run();
+    assert_eq!(
+        states(&window),
+        [State::Proposed; 4],
+        "letters are text here"
+    );
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(
+        review_of(&window).get(id).map(|one| one.note.as_str()),
+        Some("two tyres, see dive 3")
+    );
+}

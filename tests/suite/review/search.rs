@@ -1,0 +1,141 @@
+//! The search for objects in the window, and the look of a review.
+
+use super::*;
+
+/// A small model of random weights: it finds things everywhere, fast.
+fn model(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/suite/detector_models/{name}.onnx"))
+}
+
+#[test]
+fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
+    let mut window = demo_window();
+    app_mut(&mut window).apply(Command::UseModel(model("end_to_end")));
+    window.run();
+    window.get_by_label("Find objects").click();
+    window.run();
+    let found = review_of(&window).boxes().len();
+    assert!(found > 100, "{found}");
+    assert!(review_of(&window).classes().contains(&"log".to_owned()));
+    assert!(window.query_by_label_contains("end_to_end.onnx").is_some());
+    assert!(
+        !app(&window).reviewing.is_unsaved(),
+        "proposals are no loss"
+    );
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    let id = selected(&window);
+    press(&mut window, Modifiers::NONE, Key::R);
+    window.get_by_label("Find objects").click();
+    window.run();
+    assert_eq!(
+        review_of(&window).get(id).map(|one| one.state),
+        Some(State::Rejected)
+    );
+    assert_eq!(review_of(&window).boxes().len(), found, "each once");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(!app(&window).reviewing.has_boxes());
+
+    app_mut(&mut window).apply(Command::UseModel(model("nms_inside")));
+    app_mut(&mut window).apply(Command::Do(Action::FindObjects));
+    window.run();
+    let notice = app(&window).notices.last().expect("a refusal");
+    assert!(
+        notice.is_error && notice.text.contains("nms_inside"),
+        "{notice:?}"
+    );
+}
+
+#[test]
+fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    let until = |app: &mut App, done: &dyn Fn(&App) -> bool| {
+        for _ in 0..6000 {
+            app.poll();
+            if done(app) {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("it takes more than a minute");
+    };
+    app.apply(Command::OpenDemo);
+    until(&mut app, &|app| app.products.is_some() && app.is_idle());
+    app.apply(Command::UseModel(model("tianxiaomo")));
+    app.apply(Command::Do(Action::FindObjects));
+    until(&mut app, &|app| app.reviewing.has_boxes());
+    assert!(app.detect_fraction().is_some(), "it still runs");
+    app.apply(Command::Do(Action::Cancel));
+    until(&mut app, &App::is_idle);
+    assert!(app.detect_fraction().is_none() && app.reviewing.has_boxes());
+    assert_eq!(app.undo_label(), Some("find objects"));
+    app.apply(Command::Do(Action::Undo));
+    assert!(!app.reviewing.has_boxes());
+}
+
+/// What a perfect detector would find in the demo: each sighting of each object, with its shadow.
+fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
+    let simulated = simulate(&Scene::demo(), 1, &Progress::new()).expect("the demo");
+    let mut names: Vec<String> = Vec::new();
+    let mut found = Vec::new();
+    let pings = identity(window).pings;
+    for (index, object) in simulated.objects.iter().enumerate() {
+        let name = object.kind.name();
+        let known = names.iter().position(|known| known == name);
+        let class = known.unwrap_or_else(|| {
+            names.push(name.to_owned());
+            names.len() - 1
+        });
+        for (pass, sighting) in object.sightings.iter().enumerate() {
+            let end_m = sighting.shadow_m[1];
+            found.push(Detection {
+                class,
+                score: 0.95 - 0.07 * ((index * 3 + pass * 5) % 9) as f32,
+                mark: Mark {
+                    side: sighting.side,
+                    pings: sighting.first_ping..(sighting.last_ping + 1).min(pings),
+                    near_m: sighting.near_m,
+                    far_m: if end_m.is_finite() {
+                        end_m
+                    } else {
+                        sighting.far_m
+                    },
+                },
+            });
+        }
+    }
+    (names, found)
+}
+
+#[test]
+fn the_window_in_review_looks_as_it_did() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = drawn_window([1400.0, 900.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    let (names, found) = truth(&window);
+    let review = Review::new(identity(&window), names.clone());
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let path = folder.path().join("demo.review.json");
+    fs::write(&path, review.to_json()).expect("a file");
+    app_mut(&mut window).apply(Command::OpenReview(path));
+    window.run();
+    app_mut(&mut window).apply(Command::Dismiss(0));
+    let by_place = review.boxes().map(|one| (one.mark.pings.start, one.id));
+    let mut by_place: Vec<_> = by_place.collect();
+    by_place.sort();
+    for (index, (_, id)) in by_place.iter().enumerate().take(6) {
+        let edit = match index % 3 {
+            0 => Edit::Accept(*id),
+            1 => Edit::Reject(*id),
+            _ => continue,
+        };
+        app_mut(&mut window).apply(Command::Edit { edit, live: false });
+    }
+    app_mut(&mut window).apply(Command::SelectBox(Some(by_place[2].1)));
+    app_mut(&mut window).apply(Command::Do(Action::EditBox));
+    window.state_mut().show_pings(0..700);
+    settle(&mut window);
+    window.snapshot("window_review");
+}
