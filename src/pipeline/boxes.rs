@@ -1,9 +1,10 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
 use super::Products;
+use super::detections::number_objects;
 use crate::detection::dataset::{Chip, Coco, voc_xml, yolo_lines};
 use crate::detection::review::{Review, ReviewedTile, State};
-use crate::detection::targets::{GroupSettings, Placer, Target, group};
+use crate::detection::targets::Placer;
 use crate::detection::{Raster, level};
 use crate::export::{self, ObjectRow};
 use crate::progress::Progress;
@@ -84,20 +85,11 @@ fn rows<'a>(
         });
         progress.advance(1);
     }
-    let sightings: Vec<(usize, (Target, usize))> = review
+    let classes: Vec<Option<usize>> = review
         .boxes()
-        .zip(&rows)
-        .enumerate()
-        .filter(|(_, (one, _))| one.state.is_object())
-        .filter_map(|(index, (one, row))| Some((index, (row.target.clone()?, one.class))))
+        .map(|one| one.state.is_object().then_some(one.class))
         .collect();
-    let placed: Vec<(Target, usize)> = sightings.iter().map(|(_, placed)| placed.clone()).collect();
-    let groups = group(&placed, &GroupSettings::default());
-    for (number, group) in groups.iter().enumerate() {
-        for &member in &group.members {
-            rows[sightings[member].0].object = Some(number + 1);
-        }
-    }
+    number_objects(&mut rows, |row| classes[row]);
     Ok(rows)
 }
 

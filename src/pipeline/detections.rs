@@ -63,18 +63,24 @@ fn rows<'a>(
             note: "",
         })
         .collect();
-    let placed: Vec<usize> = (0..rows.len())
-        .filter(|&row| rows[row].target.is_some())
-        .collect();
-    let sightings: Vec<(Target, usize)> = placed
+    number_objects(&mut rows, |row| Some(found[row].class));
+    rows
+}
+
+/// Gives sightings of one object the same number. `class_of` tells a row's class; rows without one are no objects.
+pub(super) fn number_objects(
+    rows: &mut [ObjectRow<'_>],
+    class_of: impl Fn(usize) -> Option<usize>,
+) {
+    let (members, sightings): (Vec<usize>, Vec<(Target, usize)>) = rows
         .iter()
-        .filter_map(|&row| Some((rows[row].target.clone()?, found[row].class)))
-        .collect();
+        .enumerate()
+        .filter_map(|(row, one)| Some((row, (one.target.clone()?, class_of(row)?))))
+        .unzip();
     let groups = group(&sightings, &GroupSettings::default());
     for (object, group) in (1..).zip(&groups) {
         for &member in &group.members {
-            rows[placed[member]].object = Some(object);
+            rows[members[member]].object = Some(object);
         }
     }
-    rows
 }
