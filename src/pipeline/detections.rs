@@ -1,7 +1,7 @@
 //! Searches a survey for objects and writes what was found.
 
 use super::Products;
-use crate::detection::targets::{GroupSettings, Placer, Target, group};
+use crate::detection::targets::{GroupSettings, Placer, Sighting, group};
 use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
 use crate::export::{self, ObjectRow};
 use crate::progress::Progress;
@@ -72,15 +72,27 @@ pub(super) fn number_objects(
     rows: &mut [ObjectRow<'_>],
     class_of: impl Fn(usize) -> Option<usize>,
 ) {
-    let (members, sightings): (Vec<usize>, Vec<(Target, usize)>) = rows
+    let mut objects: Vec<Option<usize>> = vec![None; rows.len()];
+    let (members, sightings): (Vec<usize>, Vec<Sighting<'_>>) = rows
         .iter()
         .enumerate()
-        .filter_map(|(row, one)| Some((row, (one.target.clone()?, class_of(row)?))))
+        .filter_map(|(row, one)| {
+            let sighting = Sighting {
+                target: one.target.as_ref()?,
+                class: class_of(row)?,
+                // Who drew a box was sure of it.
+                score: one.score.map_or(1.0, f64::from),
+            };
+            Some((row, sighting))
+        })
         .unzip();
     let groups = group(&sightings, &GroupSettings::default());
     for (object, group) in (1..).zip(&groups) {
         for &member in &group.members {
-            rows[members[member]].object = Some(object);
+            objects[members[member]] = Some(object);
         }
+    }
+    for (row, object) in rows.iter_mut().zip(objects) {
+        row.object = object;
     }
 }

@@ -1,5 +1,7 @@
 //! The same object, seen from several lines, as one.
 
+use super::pairs::{pairs, same_pass, size_m};
+use super::spread::Spread;
 use super::{Target, passes_over};
 use crate::statistics::median;
 use crate::survey::{Navigation, Survey};
@@ -7,7 +9,7 @@ use crate::survey::{Navigation, Survey};
 /// How near two sightings of one object lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupSettings {
-    /// Standard deviations of the joint uncertainty that two sightings may lie apart.
+    /// Standard deviations of the joint uncertainty that sightings of one object may lie apart.
     pub sigmas: f64,
     /// Standard deviation of the receiver's own position between lines, metres: it is not in [`Target::sigma_m`].
     pub receiver_sigma_m: f64,
@@ -16,10 +18,21 @@ pub struct GroupSettings {
 impl Default for GroupSettings {
     fn default() -> Self {
         Self {
-            sigmas: 2.5,
+            sigmas: 3.0,
             receiver_sigma_m: 0.3,
         }
     }
+}
+
+/// One box that may show the same object as others.
+#[derive(Clone, Copy, Debug)]
+pub struct Sighting<'a> {
+    /// Where it lies.
+    pub target: &'a Target,
+    /// What it is taken for.
+    pub class: usize,
+    /// How sure that is, 0 to 1.
+    pub score: f64,
 }
 
 /// One object with all that was seen of it.
@@ -27,13 +40,13 @@ impl Default for GroupSettings {
 pub struct Group {
     /// Indices of its sightings, growing.
     pub members: Vec<usize>,
-    /// Mean of their places, weighted by their certainty, metres east of the survey's origin.
+    /// Mean of their places, weighted by the inverse of their covariances, metres east of the survey's origin.
     pub east_m: f64,
     /// The same, metres north.
     pub north_m: f64,
-    /// Standard deviation of that place, metres, the receiver's own error left out.
+    /// Standard deviation of that place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Class that most of them have; of equals the one seen first.
+    /// Class with the largest sum of scores; of equals the one seen first.
     pub class: usize,
     /// Median of the heights that are known, metres; NaN without any.
     pub height_m: f64,
@@ -48,25 +61,17 @@ impl Group {
     }
 }
 
-/// Two sightings that lie along the track by less than this are of one pass, metres sailed.
-const ONE_PASS_M: f64 = 8.0;
-/// Two classes make a doubt: such sightings have to lie nearer by this factor.
-const OTHER_CLASS: f64 = 0.5;
-/// Half of the larger footprint counts as nearness, but no more than this, metres.
-const LARGEST_REACH_M: f64 = 2.0;
-
-/// Joins sightings (a place and a class) of the same object: nearest first, while they lie within their joint uncertainty and
-/// size, and never two of the same pass. An object seen once is a group of one. By first sighting.
-pub fn group(targets: &[(Target, usize)], settings: &GroupSettings) -> Vec<Group> {
-    let mut owner: Vec<usize> = (0..targets.len()).collect();
+/// Joins sightings of the same object: the likeliest pairs first, while all members lie within their uncertainty and size of
+/// the common place, and never two that one pass saw apart. A class is a hint: a confused one does not split an object. A
+/// sighting that is placed badly (in a sharp turn, under the boat) has a wide uncertainty, so it joins a neighbour rather
+/// than stand alone, but only after the well placed ones have found each other. An object seen once is a group of one. By
+/// first sighting.
+pub fn group(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<Group> {
+    let mut owner: Vec<usize> = (0..sightings.len()).collect();
     let mut members: Vec<Vec<usize>> = owner.iter().map(|&index| vec![index]).collect();
-    for (_, a, b) in pairs(targets, settings) {
+    for (a, b) in pairs(sightings, settings) {
         let (a, b) = (owner[a], owner[b]);
-        let one_pass = members[a].iter().any(|&one| {
-            let same = |&other: &usize| same_pass(&targets[one].0, &targets[other].0);
-            members[b].iter().any(same)
-        });
-        if a == b || one_pass {
+        if a == b || !joins(sightings, &members[a], &members[b], settings) {
             continue;
         }
         let moved = std::mem::take(&mut members[b]);
@@ -78,92 +83,82 @@ pub fn group(targets: &[(Target, usize)], settings: &GroupSettings) -> Vec<Group
     let mut groups: Vec<Group> = members
         .into_iter()
         .filter(|members| !members.is_empty())
-        .map(|members| joined(targets, members))
+        .map(|members| joined(sightings, members, settings))
         .collect();
     groups.sort_by_key(|group| group.members[0]);
     groups
 }
 
-fn same_pass(a: &Target, b: &Target) -> bool {
-    (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
-}
-
-/// Pairs that may be one object, the surest first: distance over what is allowed.
-fn pairs(targets: &[(Target, usize)], settings: &GroupSettings) -> Vec<(f64, usize, usize)> {
-    let mut by_east: Vec<usize> = (0..targets.len()).collect();
-    by_east.sort_by(|&a, &b| targets[a].0.east_m.total_cmp(&targets[b].0.east_m));
-    let reach_m = |index: usize| {
-        let target = &targets[index].0;
-        let size_m = target
-            .length_m
-            .max(target.width_m)
-            .min(2.0 * LARGEST_REACH_M);
-        (
-            target.sigma_m.hypot(settings.receiver_sigma_m),
-            0.5 * size_m,
-        )
-    };
-    let widest_m = (0..targets.len())
-        .map(|index| {
-            let (sigma_m, half_m) = reach_m(index);
-            2.0 * settings.sigmas * sigma_m + half_m
-        })
-        .fold(0.0, f64::max);
-    let mut pairs = Vec::new();
-    for (place, &a) in by_east.iter().enumerate() {
-        let near = by_east[place + 1..]
-            .iter()
-            .take_while(|&&b| targets[b].0.east_m - targets[a].0.east_m <= widest_m);
-        for &b in near {
-            let ((one, class), (other, other_class)) = (&targets[a], &targets[b]);
-            let (sigma_a, half_a) = reach_m(a);
-            let (sigma_b, half_b) = reach_m(b);
-            let mut allowed_m = settings.sigmas * sigma_a.hypot(sigma_b) + half_a.max(half_b);
-            if class != other_class {
-                allowed_m *= OTHER_CLASS;
-            }
-            let apart_m = f64::hypot(one.east_m - other.east_m, one.north_m - other.north_m);
-            if apart_m < allowed_m && !same_pass(one, other) {
-                pairs.push((apart_m / allowed_m, a.min(b), a.max(b)));
-            }
-        }
-    }
-    pairs.sort_by(|one, other| {
-        one.0
-            .total_cmp(&other.0)
-            .then((one.1, one.2).cmp(&(other.1, other.2)))
+/// Whether two groups can be one object: no pass saw it twice, and every member is near enough to the common place.
+fn joins(
+    sightings: &[Sighting<'_>],
+    ours: &[usize],
+    theirs: &[usize],
+    settings: &GroupSettings,
+) -> bool {
+    let seen_apart = ours.iter().any(|&one| {
+        let mut others = theirs.iter();
+        others.any(|&other| same_pass(sightings[one].target, sightings[other].target))
     });
-    pairs
+    if seen_apart {
+        return false;
+    }
+    let both = || ours.iter().chain(theirs);
+    let (place, _) = common(both().map(|&index| sightings[index].target), settings);
+    let size_m = both()
+        .map(|&index| size_m(sightings[index].target))
+        .fold(0.0, f64::max);
+    both().all(|&index| {
+        let target = sightings[index].target;
+        let spread = spread(target, settings).plus(Spread::round(size_m * size_m));
+        let off_m = [target.east_m - place[0], target.north_m - place[1]];
+        spread.squared_sigmas(off_m) < settings.sigmas * settings.sigmas
+    })
 }
 
-fn joined(targets: &[(Target, usize)], mut members: Vec<usize>) -> Group {
-    members.sort_unstable();
-    let (mut weights, mut east_m, mut north_m) = (0.0, 0.0, 0.0);
-    let mut heights_m = Vec::new();
-    for &index in &members {
-        let target = &targets[index].0;
-        let weight = target.sigma_m.max(0.01).powi(-2);
-        weights += weight;
-        east_m += weight * target.east_m;
-        north_m += weight * target.north_m;
-        heights_m.extend(Some(target.height_m).filter(|height_m| height_m.is_finite()));
+/// Uncertainty of a sighting against those of other lines.
+fn spread(target: &Target, settings: &GroupSettings) -> Spread {
+    Spread::of(target).plus(Spread::round(settings.receiver_sigma_m.powi(2)))
+}
+
+/// Mean place, weighted by the inverse of the covariances, and its covariance.
+fn common<'a>(
+    targets: impl Iterator<Item = &'a Target>,
+    settings: &GroupSettings,
+) -> ([f64; 2], Spread) {
+    let (mut information, mut sum) = (Spread::round(0.0), [0.0; 2]);
+    for target in targets {
+        let weight = spread(target, settings).inverse();
+        let [east, north] = weight.times([target.east_m, target.north_m]);
+        sum = [sum[0] + east, sum[1] + north];
+        information = information.plus(weight);
     }
-    let votes = |class: usize| {
-        members
-            .iter()
-            .filter(|&&one| targets[one].1 == class)
-            .count()
+    let covariance = information.inverse();
+    (covariance.times(sum), covariance)
+}
+
+fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupSettings) -> Group {
+    members.sort_unstable();
+    let all = || members.iter().map(|&index| &sightings[index]);
+    let ([east_m, north_m], covariance) = common(all().map(|one| one.target), settings);
+    let mut heights_m: Vec<f64> = all()
+        .map(|one| one.target.height_m)
+        .filter(|height_m| height_m.is_finite())
+        .collect();
+    let support = |class: usize| -> f64 {
+        let same = all().filter(|one| one.class == class);
+        same.map(|one| one.score.max(0.0)).sum()
     };
-    let mut class = targets[members[0]].1;
-    for &index in &members {
-        if votes(targets[index].1) > votes(class) {
-            class = targets[index].1;
+    let mut class = sightings[members[0]].class;
+    for one in all() {
+        if support(one.class) > support(class) {
+            class = one.class;
         }
     }
     Group {
-        east_m: east_m / weights,
-        north_m: north_m / weights,
-        sigma_m: weights.sqrt().recip(),
+        east_m,
+        north_m,
+        sigma_m: covariance.widest_m(),
         class,
         height_m: median(&mut heights_m),
         members,
@@ -177,11 +172,13 @@ mod tests {
     use crate::geo::LonLat;
     use crate::survey::Side;
 
-    fn seen(east_m: f64, sailed_m: f64, class: usize) -> (Target, usize) {
-        let target = Target {
+    /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard deviation in metres.
+    fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
+        let ping = (10.0 * sailed_m) as usize;
+        Target {
             mark: Mark {
                 side: Side::Port,
-                pings: 0..1,
+                pings: ping..ping + 5,
                 near_m: 1.0,
                 far_m: 2.0,
             },
@@ -197,58 +194,118 @@ mod tests {
             length_m: 0.6,
             width_m: 0.4,
             height_m: f64::NAN,
+            height_sigma_m: f64::NAN,
             depth_m: 3.0,
-            sigma_m: 0.3,
+            sigma_m,
+            along_sigma_m: sigma_m,
+            across_sigma_m: sigma_m,
+            heading_rad: 0.0,
             sailed_m,
-        };
-        (target, class)
+        }
     }
 
-    fn members(targets: &[(Target, usize)]) -> Vec<Vec<usize>> {
-        let groups = group(targets, &GroupSettings::default());
+    fn grouped(targets: &[Target], claims: &[(usize, f64)]) -> Vec<Group> {
+        let claims = claims.iter().chain(std::iter::repeat(&(0, 0.8)));
+        let sightings: Vec<Sighting<'_>> = targets
+            .iter()
+            .zip(claims)
+            .map(|(target, &(class, score))| Sighting {
+                target,
+                class,
+                score,
+            })
+            .collect();
+        group(&sightings, &GroupSettings::default())
+    }
+
+    fn members(targets: &[Target]) -> Vec<Vec<usize>> {
+        let groups = grouped(targets, &[]);
         groups.into_iter().map(|group| group.members).collect()
     }
 
     #[test]
     fn two_marks_of_one_pass_stay_two_objects() {
         // The second line sees one object between the two that the first line sees; it joins the nearer.
-        let targets = [seen(0.0, 10.0, 0), seen(1.0, 11.0, 0), seen(0.7, 80.0, 0)];
-        assert_eq!(members(&targets), [vec![0], vec![1, 2]]);
-        // Nor do they meet through a third line.
+        let targets = [seen(0.0, 10.0, 0.3), seen(1.0, 11.0, 0.3)];
+        assert_eq!(members(&targets), [vec![0], vec![1]]);
+        let between = [targets[0].clone(), targets[1].clone(), seen(0.7, 80.0, 0.3)];
+        assert_eq!(members(&between), [vec![0], vec![1, 2]]);
+        // Nor do they meet through a third and a fourth line.
         let targets = [
-            seen(0.0, 10.0, 0),
-            seen(0.6, 11.0, 0),
-            seen(0.2, 80.0, 0),
-            seen(0.4, 150.0, 0),
+            seen(0.0, 10.0, 0.3),
+            seen(0.6, 11.0, 0.3),
+            seen(0.2, 80.0, 0.3),
+            seen(0.4, 150.0, 0.3),
         ];
-        let groups = members(&targets);
-        assert!(
-            !groups
-                .iter()
-                .any(|one| one.contains(&0) && one.contains(&1))
-        );
-        assert_eq!(groups.len(), 2);
+        assert_eq!(members(&targets), [vec![0, 2], vec![1, 3]]);
     }
 
     #[test]
-    fn another_class_has_to_lie_nearer() {
-        // Allowed: 2.5 x 0.6 + 0.3 = 1.8 m, half of it across classes.
-        let apart = |east_m, class| members(&[seen(0.0, 0.0, 0), seen(east_m, 50.0, class)]).len();
-        assert_eq!([apart(1.7, 0), apart(1.9, 0)], [1, 2]);
-        assert_eq!([apart(0.8, 1), apart(1.0, 1)], [1, 2]);
+    fn a_turn_sweeps_over_an_object_again_and_both_sides_hear_what_lies_below() {
+        let mut targets = [seen(0.0, 10.0, 0.3), seen(0.3, 14.0, 0.3)];
+        targets[1].heading_rad = 1.2;
+        assert_eq!(members(&targets), [vec![0, 1]]);
+        // While one still lasts, another is another.
+        targets[0].mark.pings.end = targets[1].mark.pings.start + 1;
+        assert_eq!(members(&targets), [vec![0], vec![1]]);
+        let mut targets = [seen(-0.3, 10.0, 0.5), seen(0.3, 10.0, 0.5)];
+        targets[1].mark.side = Side::Starboard;
+        assert_eq!(members(&targets), [vec![0, 1]]);
     }
 
     #[test]
-    fn the_middle_leans_to_the_surer_sighting() {
-        let mut targets = [seen(0.0, 0.0, 2), seen(1.0, 50.0, 1), seen(0.5, 100.0, 1)];
-        targets[0].0.sigma_m = 0.1;
-        targets[0].0.height_m = 0.5;
-        let [one] = &group(&targets, &GroupSettings::default())[..] else {
+    fn a_confused_class_does_not_split_an_object_and_the_best_supported_one_counts() {
+        let targets = [0.0, 1.3, 0.6].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
+        let claims = [(4, 0.4), (2, 0.9), (4, 0.4)];
+        let [one] = &grouped(&targets, &claims)[..] else {
             panic!("one object")
         };
-        // Weights 100, 1 / 0.09 and 1 / 0.09.
-        let expected = (1.0 + 0.5) / 0.09 / (100.0 + 2.0 / 0.09);
-        assert!((one.east_m - expected).abs() < 1e-9);
-        assert_eq!((one.class, one.height_m), (1, 0.5));
+        assert_eq!((one.members.len(), one.class), (3, 2));
+        // Allowed: 3 x 0.61 m; with another class 2.45 x 0.61 m.
+        let apart = |east_m, class| {
+            let targets = [seen(0.0, 0.0, 0.3), seen(east_m, 50.0, 0.3)];
+            grouped(&targets, &[(0, 0.8), (class, 0.8)]).len()
+        };
+        assert_eq!([apart(1.8, 0), apart(1.9, 0)], [1, 2]);
+        assert_eq!([apart(1.45, 1), apart(1.55, 1)], [1, 2]);
+    }
+
+    #[test]
+    fn a_badly_placed_sighting_joins_a_neighbour_but_does_not_keep_sure_ones_apart() {
+        // It lies nearer to the second than that to the third, yet those two find each other.
+        let targets = [
+            seen(-0.2, 0.0, 1.5),
+            seen(0.6, 60.0, 0.2),
+            seen(1.5, 120.0, 0.2),
+        ];
+        assert_eq!(members(&targets), [vec![0, 1, 2]]);
+        // Two objects that are surely apart are not joined through it.
+        let targets = [
+            seen(0.0, 0.0, 1.5),
+            seen(-1.4, 60.0, 0.2),
+            seen(1.0, 120.0, 0.2),
+        ];
+        assert_eq!(members(&targets), [vec![0, 2], vec![1]]);
+    }
+
+    #[test]
+    fn the_middle_leans_to_the_surer_direction() {
+        // Heading north the first is sure along the track, heading east the second is: together they are sure of both.
+        let mut targets = [seen(0.0, 0.0, 0.9), seen(0.4, 60.0, 0.9)];
+        targets[0].along_sigma_m = 0.1;
+        targets[1].along_sigma_m = 0.1;
+        targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
+        targets[1].north_m = 0.8;
+        targets[1].height_m = 0.5;
+        let [one] = &grouped(&targets, &[])[..] else {
+            panic!("one object")
+        };
+        // With the receiver's 0.3 m: variances 0.1 and 0.9 m2.
+        let weights = [1.0 / 0.9, 1.0 / 0.1];
+        let share = weights[1] / (weights[0] + weights[1]);
+        assert!((one.east_m - share * 0.4).abs() < 1e-9);
+        assert!((one.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
+        assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
+        assert_eq!(one.height_m, 0.5);
     }
 }

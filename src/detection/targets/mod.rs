@@ -1,15 +1,21 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
-//! `echo` finds the echo and the shadow inside a box, `place` puts them on the bottom, `passes` tells which passes of the
-//! boat covered a place, `group` makes one object of the same object seen from several lines.
+//! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
+//! a height of them, `place` puts them on the bottom, `passes` tells which passes of the boat covered a place, `group` makes
+//! one object of the same object seen from several lines (`pairs` says which sightings may be one, `spread` how sure that is).
 
 mod echo;
 mod group;
+mod pairs;
 mod passes;
 mod place;
+mod profile;
+mod runs;
+mod seen;
+mod spread;
 
 pub use echo::{Parts, parts};
-pub use group::{Group, GroupSettings, group};
+pub use group::{Group, GroupSettings, Sighting, group};
 pub use passes::{Pass, passes_over};
 pub use place::Placer;
 
@@ -37,13 +43,23 @@ pub struct Target {
     pub length_m: f64,
     /// Extent of what is seen of it across the track.
     pub width_m: f64,
-    /// Height above the bottom from the length of the shadow; NaN without a shadow that ends within the range.
+    /// Height above the bottom from the length of the longest shadow; NaN without a shadow that ends within the range. Of a
+    /// round top it is that of the far flank where the last ray touches it.
     pub height_m: f64,
+    /// Standard deviation of the height on level ground; NaN without a height. A slope behind the object is not in it: one
+    /// that falls away lengthens the shadow, one that rises shortens it.
+    pub height_sigma_m: f64,
     /// Depth of the bottom below the transducer.
     pub depth_m: f64,
-    /// Standard deviation of the position in any direction. It holds the resolution in range, the heading and the rounding
-    /// of the fixes, not the receiver's own error, which is the same for all objects of a line.
+    /// Standard deviation of the position in the worse direction. It holds the resolution in range, the heading and the
+    /// rounding of the fixes, not the receiver's own error, which is the same for all objects of a line.
     pub sigma_m: f64,
+    /// The same along the track: the heading times the distance, worst in turns.
+    pub along_sigma_m: f64,
+    /// The same across the track: edges, altitude and height, worst under the boat.
+    pub across_sigma_m: f64,
+    /// Heading of the boat in the middle of the box, radians clockwise from north.
+    pub heading_rad: f64,
     /// Distance sailed up to the middle of the box.
     pub sailed_m: f64,
 }

@@ -1,9 +1,6 @@
 //! From a box to a place on the bottom.
-//!
-//! The bottom around the boat is taken as flat. With the altitude `H` and a slant range `r`, a point of the bottom lies
-//! `sqrt(r^2 - H^2)` beside the track, and one that stands `h` above it `sqrt(r^2 - (H - h)^2)`. A shadow from `r_t` (the far
-//! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e`.
 
+use super::seen::Seen;
 use super::{Target, parts};
 use crate::calibration::Calibration;
 use crate::detection::Mark;
@@ -13,10 +10,6 @@ use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
-/// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are rounded.
-const EDGE_SIGMA_M: f64 = 0.05;
-/// Standard deviation of the altitude at the object: the bottom is not flat. A share of the altitude.
-const ALTITUDE_SIGMA: f64 = 0.05;
 /// Standard deviation of a heading from the fitted track, radians (2 degrees), and what a turn adds: a share of the change of
 /// heading over so many pings before and behind.
 const HEADING_SIGMA_RAD: f64 = 0.035;
@@ -24,10 +17,8 @@ const TURN_SIGMA: f64 = 0.08;
 const TURN_PINGS: usize = 20;
 /// Standard deviation of the fitted track about the true one where fixes are rounded to a metre.
 const FIX_SIGMA_M: f64 = 0.15;
-/// Share of the echo's extent by which its middle may be off where no shadow ends it, and the extent assumed then at least,
-/// metres.
-const LOOSE_SIGMA: f64 = 0.25;
-const USUAL_WIDTH_M: f64 = 0.6;
+/// Share of its extent along the track by which the middle of what is heard may be off that of the object.
+const PART_SIGMA: f64 = 0.15;
 
 /// Places boxes of one survey.
 pub struct Placer<'a> {
@@ -85,18 +76,28 @@ impl<'a> Placer<'a> {
             return None;
         }
         let track = &self.survey.track;
+        let length_m = self.length_m(mark, seen.slant_m(), out_m);
+        let askew_m = self.heading_sigma_rad(mark) * ground_m;
+        let along_sigma_m = askew_m
+            .hypot(PART_SIGMA * length_m.max(0.0))
+            .hypot(FIX_SIGMA_M);
+        let across_sigma_m = seen.across_sigma_m().hypot(FIX_SIGMA_M);
         Some(Target {
-            slant_m: seen.slant_m,
+            slant_m: seen.slant_m(),
             ground_m,
             altitude_m,
             east_m,
             north_m,
             position: self.navigation.to_lon_lat(track, east_m, north_m),
-            length_m: self.length_m(mark, seen.slant_m),
+            length_m,
             width_m: seen.width_m(),
-            height_m: seen.height_m,
+            height_m: seen.height_m(),
+            height_sigma_m: seen.height_sigma_m(),
             depth_m: altitude_m,
-            sigma_m: sigma_m(&seen, ground_m, altitude_m, self.turn_rad(mark)),
+            sigma_m: along_sigma_m.max(across_sigma_m),
+            along_sigma_m,
+            across_sigma_m,
+            heading_rad: boat.heading_rad,
             sailed_m: self.sailed_m.get(middle).copied().unwrap_or(0.0),
             mark: mark.clone(),
         })
@@ -136,33 +137,28 @@ impl<'a> Placer<'a> {
         };
         let found = parts(self.survey, mark);
         // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.
-        let near_m = calibrated(mark.near_m);
-        let mut far_m = calibrated(match &found {
-            Some(found) => found.echo_m[1],
-            None => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
-        });
-        let shadow = found.and_then(|found| found.shadow_m);
-        let shadow = shadow.map(|[start_m, end_m]| {
-            let end_m = if end_m.is_nan() {
-                end_m
-            } else {
-                calibrated(end_m)
-            };
-            [calibrated(start_m), end_m]
-        });
-        let mut height_m = f64::NAN;
-        if let Some([start_m, end_m]) = shadow {
-            far_m = start_m;
-            height_m = altitude_m * (end_m - start_m) / end_m;
-        }
-        let raised_m = if height_m.is_nan() { 0.0 } else { height_m };
-        let below_m = (altitude_m - raised_m).max(0.0);
-        let ground = |range_m: f64| (range_m * range_m - below_m * below_m).max(0.0).sqrt();
+        let shadow_m = found.and_then(|found| found.shadow_m);
+        let far_m = match (&found, shadow_m) {
+            (_, Some([start_m, _])) => start_m,
+            (Some(found), None) => found.echo_m[1],
+            (None, None) => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
+        };
+        let longest_m = found.and_then(|found| found.longest_m);
         Seen {
-            slant_m: 0.5 * (near_m + far_m),
-            ground_m: [ground(near_m), ground(far_m)],
-            height_m,
-            bounded: shadow.is_some(),
+            altitude_m,
+            near_m: calibrated(mark.near_m),
+            far_m: calibrated(far_m),
+            bounded: shadow_m.is_some(),
+            // NaN stays NaN.
+            longest_m: longest_m.map(|ends_m| {
+                ends_m.map(|end_m| {
+                    if end_m.is_nan() {
+                        end_m
+                    } else {
+                        calibrated(end_m)
+                    }
+                })
+            }),
         }
     }
 
@@ -179,6 +175,11 @@ impl<'a> Placer<'a> {
             north_m: 0.5 * (before.north_m + behind.north_m),
             ..before
         })
+    }
+
+    /// Standard deviation of the heading over the box.
+    fn heading_sigma_rad(&self, mark: &Mark) -> f64 {
+        HEADING_SIGMA_RAD.hypot(TURN_SIGMA * self.turn_rad(mark))
     }
 
     /// Change of the heading around the box, 0 to pi; 0 where it is not known.
@@ -200,73 +201,26 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// Distance sailed over the box, with the beam's width there taken off (as widths of two blurs are).
-    fn length_m(&self, mark: &Mark, slant_m: f64) -> f64 {
-        let count = mark.pings.len() as f64;
-        let last = mark.pings.end.saturating_sub(1);
-        let ends = (self.sailed_m.get(mark.pings.start), self.sailed_m.get(last));
-        let (Some(from_m), Some(to_m)) = ends else {
+    /// Extent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
+    /// turn the beam sweeps slower or faster there than the boat sails.
+    fn length_m(&self, mark: &Mark, slant_m: f64, out_m: f64) -> f64 {
+        let abeam = |ping: usize| {
+            let boat = self.navigation.pings.get(ping)?;
+            let [x, y] = boat.starboard()?;
+            Some([boat.east_m + out_m * x, boat.north_m + out_m * y])
+        };
+        let ends = abeam(mark.pings.start).zip(abeam(mark.pings.end.saturating_sub(1)));
+        let Some(([from_east, from_north], [to_east, to_north])) = ends else {
             return f64::NAN;
         };
+        let swept_m = f64::hypot(to_east - from_east, to_north - from_north);
         // From the middle of the first ping to that of the last is one ping too little.
-        let spacing_m = (to_m - from_m) / (count - 1.0).max(1.0);
-        let sailed_m = to_m - from_m + spacing_m;
+        let count = mark.pings.len() as f64;
+        let spacing_m = swept_m / (count - 1.0).max(1.0);
+        let whole_m = swept_m + spacing_m;
         let beam_m = BEAM_RAD * slant_m;
-        (sailed_m * sailed_m - beam_m * beam_m)
+        (whole_m * whole_m - beam_m * beam_m)
             .max(spacing_m * spacing_m)
             .sqrt()
     }
-}
-
-/// What is seen of an object, by the calibration in force.
-struct Seen {
-    slant_m: f64,
-    /// Near and far edge, distances from the track on the bottom.
-    ground_m: [f64; 2],
-    height_m: f64,
-    /// A shadow ends it.
-    bounded: bool,
-}
-
-impl Seen {
-    /// Extent across the track on the bottom.
-    fn width_m(&self) -> f64 {
-        self.ground_m[1] - self.ground_m[0]
-    }
-
-    /// Distance from the track to the middle of the object. Where no shadow tells its far edge, a bright near face may be all
-    /// that is seen: it then counts as of the usual width at least.
-    fn middle_m(&self) -> f64 {
-        let width_m = if self.bounded {
-            self.width_m()
-        } else {
-            self.width_m().max(USUAL_WIDTH_M)
-        };
-        self.ground_m[0] + 0.5 * width_m
-    }
-}
-
-/// The position's standard deviation, the larger of along and across the track, with that of the fixes: along it the heading
-/// times the distance; across it how far the place moves when the edges in range and the altitude change by theirs (far under
-/// the boat, little at long range).
-fn sigma_m(seen: &Seen, ground_m: f64, altitude_m: f64, turn_rad: f64) -> f64 {
-    let beside_m = |range_m: f64, altitude_m: f64| {
-        (range_m * range_m - altitude_m * altitude_m)
-            .max(0.0)
-            .sqrt()
-    };
-    let here_m = beside_m(seen.slant_m, altitude_m);
-    let [mut edge_sigma_m, mut altitude_sigma_m] = [0.0_f64; 2];
-    for sign in [-1.0, 1.0] {
-        let edge_m = beside_m(seen.slant_m + sign * EDGE_SIGMA_M, altitude_m);
-        let altitude_m = beside_m(seen.slant_m, altitude_m * (1.0 + sign * ALTITUDE_SIGMA));
-        edge_sigma_m = edge_sigma_m.max((edge_m - here_m).abs());
-        altitude_sigma_m = altitude_sigma_m.max((altitude_m - here_m).abs());
-    }
-    if !seen.bounded {
-        edge_sigma_m += LOOSE_SIGMA * seen.width_m().max(USUAL_WIDTH_M);
-    }
-    let across_m = edge_sigma_m.hypot(altitude_sigma_m);
-    let along_m = HEADING_SIGMA_RAD.hypot(TURN_SIGMA * turn_rad) * ground_m;
-    across_m.max(along_m).hypot(FIX_SIGMA_M)
 }

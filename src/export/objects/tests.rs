@@ -27,8 +27,12 @@ fn target(mark: &Mark) -> Target {
         length_m: 0.8,
         width_m: 0.6,
         height_m: f64::NAN,
+        height_sigma_m: f64::NAN,
         depth_m: 2.0,
         sigma_m: 0.3,
+        along_sigma_m: 0.3,
+        across_sigma_m: 0.2,
+        heading_rad: 0.0,
         sailed_m: 100.0,
     }
 }

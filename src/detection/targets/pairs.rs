@@ -1,0 +1,81 @@
+//! Which sightings may be of the same object.
+
+use super::spread::Spread;
+use super::{GroupSettings, Sighting, Target};
+
+/// Two sightings of one side that lie along the track by less than this, metres sailed, with less change of heading than this,
+/// radians, are of one pass: a boat that goes straight on hears a thing once.
+const ONE_PASS_M: f64 = 8.0;
+const ONE_PASS_RAD: f64 = 0.35;
+/// What another class counts for in squared standard deviations: `-2 ln` of how often a detector takes one thing for another.
+const OTHER_CLASS: f64 = 3.0;
+/// Share of an object's extent by which the middle of what is seen of it from different sides may move, and the largest
+/// extent that counts, metres.
+const SIZE_SIGMA: f64 = 0.2;
+const LARGEST_M: f64 = 4.0;
+
+/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it.
+pub(super) fn same_pass(a: &Target, b: &Target) -> bool {
+    if a.mark.side != b.mark.side {
+        return false;
+    }
+    let together = a.mark.pings.start < b.mark.pings.end && b.mark.pings.start < a.mark.pings.end;
+    let straight = (a.heading_rad - b.heading_rad).cos() > ONE_PASS_RAD.cos();
+    together || straight && (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
+}
+
+/// How far the middle of what is seen may lie from the middle of the object because of its size: standard deviation, metres.
+pub(super) fn size_m(target: &Target) -> f64 {
+    SIZE_SIGMA * target.length_m.max(target.width_m).min(LARGEST_M)
+}
+
+/// Squared distance of two sightings in standard deviations, with their joint covariance; another class adds to it.
+fn apart(a: &Sighting<'_>, b: &Sighting<'_>, settings: &GroupSettings) -> (f64, Spread) {
+    let size_m = size_m(a.target).max(size_m(b.target));
+    let either = 2.0 * settings.receiver_sigma_m.powi(2) + size_m * size_m;
+    let spread = Spread::of(a.target)
+        .plus(Spread::of(b.target))
+        .plus(Spread::round(either));
+    let off_m = [
+        a.target.east_m - b.target.east_m,
+        a.target.north_m - b.target.north_m,
+    ];
+    let confused = if a.class == b.class { 0.0 } else { OTHER_CLASS };
+    (spread.squared_sigmas(off_m) + confused, spread)
+}
+
+/// Pairs that may be one object, the likeliest first: by `d^2 + ln det S`, so that two sure sightings go before an unsure one
+/// that would fit anything.
+pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec<(usize, usize)> {
+    let mut by_east: Vec<usize> = (0..sightings.len()).collect();
+    by_east.sort_by(|&a, &b| {
+        let [a, b] = [a, b].map(|index| sightings[index].target.east_m);
+        a.total_cmp(&b)
+    });
+    let reach_m = |one: &Sighting<'_>| {
+        let sigma_m = one.target.sigma_m.hypot(settings.receiver_sigma_m);
+        settings.sigmas * (sigma_m + size_m(one.target))
+    };
+    let widest_m = 2.0 * sightings.iter().map(reach_m).fold(0.0, f64::max);
+    let mut pairs = Vec::new();
+    for (place, &a) in by_east.iter().enumerate() {
+        let one = &sightings[a];
+        let near = by_east[place + 1..]
+            .iter()
+            .take_while(|&&b| sightings[b].target.east_m - one.target.east_m <= widest_m);
+        for &b in near {
+            let other = &sightings[b];
+            let (squared, spread) = apart(one, other, settings);
+            if squared < settings.sigmas * settings.sigmas && !same_pass(one.target, other.target) {
+                let unlikely = squared + spread.determinant().ln();
+                pairs.push((unlikely, a.min(b), a.max(b)));
+            }
+        }
+    }
+    pairs.sort_by(|one, other| {
+        one.0
+            .total_cmp(&other.0)
+            .then((one.1, one.2).cmp(&(other.1, other.2)))
+    });
+    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
+}
