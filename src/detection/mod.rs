@@ -4,7 +4,7 @@
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap. `model` is a detector from an ONNX file, `decode` reads boxes from its
+//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean. `model` is a detector from an ONNX file, `decode` reads boxes from its
 //! numbers, `picture` is what it searches. `find` searches a survey tile by tile, `merge` makes one box of what several
 //! tiles saw.
 //! `review` holds what the analyst decides about the boxes.
@@ -26,6 +26,7 @@ mod raster;
 mod rect;
 pub mod review;
 pub mod targets;
+mod vote;
 
 pub use find::{DetectorSettings, find, find_in_picture};
 pub use level::level;
@@ -35,3 +36,4 @@ pub use nms::{Nms, Overlap, suppress};
 pub use picture::Picture;
 pub use raster::{Raster, TILE_PX, Tile};
 pub use rect::{Labelled, Rect, Scored};
+pub use vote::vote;

@@ -180,6 +180,36 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
     assert!(told(r#"{"pixel_m": 0}"#).contains("pixel_m lies between"));
 }
 
+#[test]
+fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    let found = |sidecar: &str, score: f32| {
+        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
+        model.detect(&picture(), score, IOU).expect("boxes")
+    };
+    let voting = r#"{"thresholds": {"vote": 0.65}}"#;
+    let (plain, voted) = (found("{}", SCORE), found(voting, SCORE));
+    assert_eq!(plain.len(), voted.len());
+    let told_apart = |one: &Scored| (one.class, one.score);
+    assert!(
+        plain
+            .iter()
+            .map(told_apart)
+            .eq(voted.iter().map(told_apart))
+    );
+    assert_ne!(plain, voted);
+    let surest = voted.len() / 2;
+    assert_eq!(found(voting, voted[surest].score), voted[..=surest]);
+    assert_eq!(found(voting, 0.02)[..voted.len()], voted);
+    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"thresholds": {"vote": 2}}"#));
+    assert!(
+        refused
+            .expect_err("a share")
+            .to_string()
+            .contains("lie between 0 and 1")
+    );
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 

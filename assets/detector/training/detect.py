@@ -1,4 +1,4 @@
-"""Runs a network over chips and keeps the boxes that survive non-maximum suppression, as Bathyscope does at inference."""
+"""Runs a network over chips and keeps the boxes that survive suppression, moved by vote, as Bathyscope does at inference."""
 
 import numpy as np
 import torch
@@ -8,6 +8,7 @@ from network import Decoded
 
 LOWEST_SCORE = 0.01
 NMS_IOU = 0.45
+VOTE_IOU = 0.65
 MOST_CANDIDATES = 300
 
 
@@ -20,7 +21,7 @@ def box_iou(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def suppress(detections: np.ndarray, agnostic: bool, limit: float = NMS_IOU) -> np.ndarray:
-    """Plain greedy suppression of rows `x1 y1 x2 y2 score class`, within a class or, `agnostic`, across classes."""
+    """Plain greedy suppression of rows `x1 y1 x2 y2 score class`, within a class or, `agnostic`, across classes; then the vote."""
     detections = detections[np.argsort(-detections[:, 4], kind="stable")]
     overlap = box_iou(detections[:, :4], detections[:, :4]) > limit
     if not agnostic:
@@ -29,7 +30,15 @@ def suppress(detections: np.ndarray, agnostic: bool, limit: float = NMS_IOU) -> 
     for row in range(len(detections)):
         if keep[row]:
             keep[row + 1 :] &= ~overlap[row, row + 1 :]
-    return detections[keep]
+    return vote(detections[keep], detections)
+
+
+def vote(kept: np.ndarray, voters: np.ndarray) -> np.ndarray:
+    """Moves each box to the mean of those of its class that it overlaps by more than VOTE_IOU, weighted by squared score."""
+    has = (box_iou(kept[:, :4], voters[:, :4]) > VOTE_IOU) & (kept[:, 5][:, None] == voters[:, 5][None])
+    weight = has * voters[:, 4].astype(float) ** 2
+    mean = weight @ voters[:, :4] / np.maximum(weight.sum(1, keepdims=True), 1e-12)
+    return np.concatenate([np.where(has.any(1, keepdims=True), mean, kept[:, :4]), kept[:, 4:]], 1).astype(kept.dtype)
 
 
 @torch.no_grad()

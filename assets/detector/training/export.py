@@ -101,7 +101,7 @@ def sidecar(meta: dict, network: torch.nn.Module, model: bytes) -> dict:
         "pixel_m": meta["pixel_m"],
         "level": "auto",
         "heads": heads,
-        "thresholds": meta.get("thresholds", {"score": 0.25, "iou": 0.45, "nms": "plain", "class_agnostic": True}),
+        "thresholds": meta.get("thresholds", {"score": 0.25, "iou": 0.45, "nms": "plain", "class_agnostic": True, "vote": 0.65}),
         "sha256": hashlib.sha256(model).hexdigest(),
         "training": meta.get("training", {}),
     }

@@ -321,7 +321,7 @@ def main() -> None:
     sizes = {"train": len(train), "val": len(val), "test": len(test)}
     meta["training"] = provenance(args, trainer, sizes, start)
     report = evaluate(trainer.average, meta, val, test, tiles, args.out)
-    meta["thresholds"] = {"score": report["score"], "iou": 0.45, "nms": "plain", "class_agnostic": True}
+    meta["thresholds"] = {"score": report["score"], "iou": 0.45, "nms": "plain", "class_agnostic": True, "vote": 0.65}
     save_weights(trainer.average, meta, args.out / "weights.npz")
     chips = test.images[:4].unsqueeze(1).numpy().astype(np.float32) / 255
     report["export"] = export(trainer.average, meta, args.out, chips)

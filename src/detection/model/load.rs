@@ -282,6 +282,7 @@ fn assemble(
             overlap: thresholds.nms.map(Into::into).unwrap_or_default(),
             across_classes: thresholds.class_agnostic.unwrap_or(false),
         },
+        vote: thresholds.vote,
         description,
     }
 }

@@ -21,13 +21,17 @@ pub use backend::{Inference, Output};
 pub use error::{DetectError, ModelError, Unusable};
 pub use shipped::shipped;
 
-use super::{Nms, Picture, Scored, level, suppress};
+use super::{Nms, Picture, Scored, level, suppress, vote};
 use family::Family;
 use input::InputSpec;
 use std::path::Path;
 
 /// Boxes of one picture that are looked at, the surest: a network that fires everywhere stays bearable.
 const MOST_BOXES: usize = 1000;
+/// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move with the slider.
+const LEAST_VOTER: f32 = 0.01;
+/// Least confidence of any box. Without a floor a network's every cell would be one.
+const LEAST_SCORE: f32 = 0.001;
 
 /// A detector that is ready to run, from several threads at once.
 pub struct Model {
@@ -40,6 +44,8 @@ pub struct Model {
     score: f32,
     iou: f32,
     nms: Nms,
+    /// Overlap above which boxes vote.
+    vote: Option<f32>,
     description: String,
 }
 
@@ -119,17 +125,33 @@ impl Model {
         };
         let fit = self.input.fit(picture);
         let outputs = self.backend.run(self.input.numbers(picture, &fit))?;
-        // Without a floor a network's every cell would be a box.
-        let least = score.max(0.001);
+        let score = score.max(LEAST_SCORE);
+        let least = match self.vote {
+            Some(_) => score.min(LEAST_VOTER),
+            None => score,
+        };
         let mut boxes = self.family.decode(&outputs, self.input_size(), least);
         keep_surest(&mut boxes);
         for found in &mut boxes {
             found.rect = fit.to_picture(&found.rect);
         }
         boxes.retain(|found| found.rect.area() > 0.0);
+        Ok(self.settle(boxes, score, iou))
+    }
+
+    /// One box an object, of at least that score, where the boxes around it put it.
+    fn settle(&self, candidates: Vec<Scored>, score: f32, iou: f32) -> Vec<Scored> {
         let iou = if self.family.suppresses() { 1.0 } else { iou };
+        let mut boxes = candidates.clone();
+        boxes.retain(|found| found.score >= score);
         suppress(&mut boxes, self.nms, iou);
-        Ok(boxes)
+        if let Some(overlap) = self.vote {
+            let voters = candidates
+                .into_iter()
+                .filter(|one| one.score >= LEAST_VOTER);
+            vote(&mut boxes, &voters.collect::<Vec<_>>(), overlap);
+        }
+        boxes
     }
 }
 

@@ -151,6 +151,8 @@ pub struct ThresholdEntry {
     pub nms: Option<NmsEntry>,
     /// Whether boxes of different classes drop each other.
     pub class_agnostic: Option<bool>,
+    /// Overlap above which the boxes of its class move a kept box to their mean, 0 to 1; without it a box stays as it is.
+    pub vote: Option<f32>,
 }
 
 /// How overlap is measured.
@@ -184,8 +186,13 @@ impl Sidecar {
     fn check(&self) -> Result<(), Unusable> {
         let wrong = |text: &str| Err(Unusable::Sidecar(text.to_owned()));
         let share = |value: Option<f32>| value.is_none_or(|share| (0.0..=1.0).contains(&share));
-        if !share(self.thresholds.score) || !share(self.thresholds.iou) {
-            return wrong("thresholds.score and thresholds.iou lie between 0 and 1");
+        let ThresholdEntry {
+            score, iou, vote, ..
+        } = self.thresholds;
+        if ![score, iou, vote].into_iter().all(share) {
+            return wrong(
+                "thresholds.score, thresholds.iou and thresholds.vote lie between 0 and 1",
+            );
         }
         if self
             .pixel_m
