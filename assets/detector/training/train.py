@@ -123,20 +123,29 @@ class Batches:
             count = round(args.batch * args.real_share)
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
         self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
-        self.calm, self.side = False, args.crop
+        self.calm, self.side, self.occupied = False, args.crop, args.occupied
+        self.holding = {id(chips): torch.nonzero((chips.boxes[..., 0] >= 0).any(1))[:, 0] for chips, _ in self.sources}
 
     def next(self) -> tuple[torch.Tensor, torch.Tensor]:
         """Pictures and boxes of one batch."""
         strength, images, boxes = self.strength.calm() if self.calm else self.strength, [], []
         for chips, count in self.sources:
-            device = chips.images.device
-            index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
+            index = self.draw(chips, count)
             picture, box = Augmenter(chips, strength, self.generator, self.side).batch(index)
             images.append(picture)
             boxes.append(box)
         slots = max(b.shape[1] for b in boxes)
         boxes = [torch.nn.functional.pad(b, (0, 0, 0, slots - b.shape[1]), value=-2.0) for b in boxes]
         return torch.cat(images), torch.cat(boxes)
+
+    def draw(self, chips: Chips, count: int) -> torch.Tensor:
+        """Chips for a batch: the share `--occupied` from those that hold an object, the others from all."""
+        device, holding = chips.images.device, self.holding[id(chips)]
+        index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
+        if not self.occupied or not len(holding):
+            return index
+        other = holding[torch.randint(len(holding), (count,), generator=self.generator, device=device)]
+        return torch.where(torch.rand(count, generator=self.generator, device=device) < self.occupied, other, index)
 
 
 def look(trainer: Trainer, chips: Chips, meta: dict) -> float:
@@ -225,6 +234,7 @@ def arguments() -> argparse.Namespace:
     add("--rate", type=float, default=1e-3, help="highest learning rate (AdamW)")
     add("--decay", type=float, default=0.01, help="weight decay of the convolutions")
     add("--crop", type=int, help="learn from cut-outs of this many pixels (a multiple of 32) at the same scale: faster")
+    add("--occupied", type=float, default=0.0, help="share of each batch drawn from chips that hold an object")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
@@ -276,7 +286,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
     return {
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
-        "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle,
+        "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle, "occupied": args.occupied,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
