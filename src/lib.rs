@@ -29,6 +29,7 @@ pub mod export;
 pub mod first_return;
 pub mod formats;
 pub mod geo;
+pub mod mosaic;
 pub mod pipeline;
 pub mod progress;
 pub mod render;

@@ -14,6 +14,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey"]),
+    ("mosaic", &["survey", "first_return", "calibration"]),
     (
         "detection",
         &["survey", "geo", "first_return", "calibration"],

@@ -16,6 +16,7 @@ mod formats;
 mod garbled;
 mod golden;
 mod handmade;
+mod mosaic;
 mod navigation;
 mod real_window;
 mod review;

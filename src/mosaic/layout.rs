@@ -1,0 +1,326 @@
+//! Where every ping's echoes fall in the plane of the map, and which tiles they touch.
+
+use super::altitude::altitudes_m;
+use super::course::turn_rates_deg_s;
+use super::{MosaicSettings, TILE_CELLS};
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use crate::survey::{Navigation, Side, Survey};
+use std::collections::BTreeMap;
+
+/// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
+const LONGEST_STEP_M: f64 = 3.0;
+const LONGEST_PAUSE_S: f64 = 2.0;
+/// Length over which the plane's scale and direction are taken, metres.
+const PROBE_M: f64 = 20.0;
+
+/// One side of one ping in the plane of the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// The boat.
+    pub at: [f64; 2],
+    /// What a metre on the ground, outward, is in the plane.
+    pub out: [f64; 2],
+    /// Height over the ground, metres.
+    pub altitude_m: f64,
+    /// Calibrated slant range of the near edge of the first sample, and what each sample adds, metres.
+    pub start_m: f64,
+    /// See `start_m`.
+    pub step_m: f64,
+    /// Samples.
+    pub count: usize,
+}
+
+impl Ray {
+    /// Slant range at a distance of `sample` samples, metres.
+    pub fn range_m(&self, sample: f64) -> f64 {
+        self.start_m + self.step_m * sample
+    }
+
+    /// Inverse of [`Ray::range_m`].
+    pub fn sample_at(&self, range_m: f64) -> f64 {
+        (range_m - self.start_m) / self.step_m
+    }
+
+    /// Farthest distance on the ground, metres; the slant range itself with the water column.
+    pub fn reach_m(&self, water_column: bool) -> f64 {
+        let far_m = self.range_m(self.count as f64);
+        let below_m = if water_column { 0.0 } else { self.altitude_m };
+        (far_m * far_m - below_m * below_m).max(0.0).sqrt()
+    }
+
+    /// The place at a distance on the ground.
+    pub fn place(&self, ground_m: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.at[axis] + self.out[axis] * ground_m)
+    }
+}
+
+/// What the layout keeps of a ping.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    at: [f64; 2],
+    starboard: [f64; 2],
+}
+
+/// Slant ranges of one side of a ping.
+#[derive(Clone, Copy, Debug)]
+struct Ranges {
+    start_m: f32,
+    step_m: f32,
+    count: u32,
+}
+
+/// All pings in the plane of the map.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    placed: Vec<Option<Placed>>,
+    /// By side, port first.
+    ranges: [Vec<Option<Ranges>>; 2],
+    altitudes_m: [Vec<f32>; 2],
+    /// Whether the ground between a ping and the next is shown.
+    joined: Vec<bool>,
+    water_column: bool,
+    far_m: f64,
+}
+
+fn slot(side: Side) -> usize {
+    match side {
+        Side::Port => 0,
+        Side::Starboard => 1,
+    }
+}
+
+impl Layout {
+    /// Lays a survey out. `plane` takes metres east and north of the survey's origin to the plane of the map (metres too: the
+    /// survey's own plane, or a projection such as UTM).
+    pub fn new(
+        survey: &Survey,
+        navigation: &Navigation,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+        settings: &MosaicSettings,
+        plane: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let turns = turn_rates_deg_s(survey, navigation);
+        let placed: Vec<Option<Placed>> = navigation
+            .pings
+            .iter()
+            .zip(&turns)
+            .map(|(place, &turn_deg_s)| {
+                let [x, y] = place.starboard()?;
+                let straight = f64::from(turn_deg_s) <= settings.most_turn_deg_s;
+                let at = plane([place.east_m, place.north_m]);
+                let probe = plane([place.east_m + PROBE_M * x, place.north_m + PROBE_M * y]);
+                let starboard = [0, 1].map(|axis| (probe[axis] - at[axis]) / PROBE_M);
+                let known = at.iter().chain(&starboard).all(|value| value.is_finite());
+                (known && straight).then_some(Placed { at, starboard })
+            })
+            .collect();
+        let ranges = Side::BOTH.map(|side| side_ranges(survey, calibration, side));
+        let far = |ranges: &Ranges| {
+            f64::from(ranges.start_m) + f64::from(ranges.step_m) * f64::from(ranges.count)
+        };
+        Self {
+            joined: joined(survey, navigation, &placed),
+            altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
+            water_column: settings.water_column,
+            far_m: ranges
+                .iter()
+                .flatten()
+                .flatten()
+                .map(far)
+                .fold(0.1, f64::max),
+            placed,
+            ranges,
+        }
+    }
+
+    /// Longest slant range, metres.
+    pub fn far_m(&self) -> f64 {
+        self.far_m
+    }
+
+    /// Whether the water column is shown.
+    pub fn water_column(&self) -> bool {
+        self.water_column
+    }
+
+    /// One side of a ping; `None` where it was not recorded, has no place, heading or altitude, or lies in a turn.
+    pub fn ray(&self, ping: usize, side: Side) -> Option<Ray> {
+        let placed = (*self.placed.get(ping)?)?;
+        let ranges = (*self.ranges[slot(side)].get(ping)?)?;
+        let altitude_m = f64::from(*self.altitudes_m[slot(side)].get(ping)?);
+        let sign = match side {
+            Side::Port => -1.0,
+            Side::Starboard => 1.0,
+        };
+        (altitude_m > 0.0).then(|| Ray {
+            at: placed.at,
+            out: placed.starboard.map(|component| sign * component),
+            altitude_m,
+            start_m: f64::from(ranges.start_m),
+            step_m: f64::from(ranges.step_m),
+            count: ranges.count as usize,
+        })
+    }
+
+    /// The strip between a ping and the next on one side, where it is shown.
+    pub fn strip(&self, ping: usize, side: Side) -> Option<[Ray; 2]> {
+        if !*self.joined.get(ping)? {
+            return None;
+        }
+        Some([self.ray(ping, side)?, self.ray(ping + 1, side)?])
+    }
+
+    /// Corners of a strip, around it.
+    pub fn corners(&self, strip: &[Ray; 2]) -> [[f64; 2]; 4] {
+        let reach_m = strip
+            .iter()
+            .map(|ray| ray.reach_m(self.water_column))
+            .fold(0.0, f64::max);
+        let [here, next] = strip;
+        [here.at, here.place(reach_m), next.place(reach_m), next.at]
+    }
+
+    /// All strips: the ping they begin at, and the side, in the order they were recorded.
+    fn strips(&self) -> impl Iterator<Item = (usize, Side, [Ray; 2])> {
+        let pings = 0..self.placed.len().saturating_sub(1);
+        pings.flat_map(move |ping| {
+            Side::BOTH
+                .into_iter()
+                .filter_map(move |side| Some((ping, side, self.strip(ping, side)?)))
+        })
+    }
+
+    /// The grid that holds every strip, its edges at whole cells; `None` when nothing is shown.
+    pub fn grid(&self, cell_m: f64) -> Option<Grid> {
+        let mut bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+        for (_, _, strip) in self.strips() {
+            for [x, y] in self.corners(&strip) {
+                bounds = [
+                    bounds[0].min(x),
+                    bounds[1].min(y),
+                    bounds[2].max(x),
+                    bounds[3].max(y),
+                ];
+            }
+        }
+        let [west, south, east, north] = bounds;
+        if west > east {
+            return None;
+        }
+        let west_m = (west / cell_m).floor() * cell_m;
+        let north_m = (north / cell_m).ceil() * cell_m;
+        let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
+        Some(Grid {
+            west_m,
+            north_m,
+            cell_m,
+            columns: cells(east - west_m),
+            rows: cells(north_m - south),
+        })
+    }
+
+    /// Which strips touch which tile of a grid.
+    pub fn index(&self, grid: &Grid) -> TileIndex {
+        let mut tiles: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+        let tile_m = grid.cell_m * TILE_CELLS as f64;
+        for (ping, side, strip) in self.strips() {
+            let corners = self.corners(&strip);
+            let span = |axis: usize, from_m: f64, sign: f64| {
+                let places =
+                    corners.map(|corner| (sign * (corner[axis] - from_m) / tile_m).max(0.0));
+                let low = places.iter().copied().fold(f64::MAX, f64::min);
+                let high = places.iter().copied().fold(0.0, f64::max);
+                low as u32..=high as u32
+            };
+            for row in span(1, grid.north_m, -1.0) {
+                for column in span(0, grid.west_m, 1.0) {
+                    let strips = tiles.entry((row, column)).or_default();
+                    strips.push(2 * ping as u32 + slot(side) as u32);
+                }
+            }
+        }
+        TileIndex { tiles }
+    }
+}
+
+/// Slant range of the first sample and of each further one, for every ping of a side.
+fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Option<Ranges>> {
+    let ranges = |ping: usize| {
+        let span = survey.span(ping, side)?;
+        let start_m = calibration.range_m(span, 0.0);
+        let step_m = calibration.range_m(span, 1.0) - start_m;
+        let count = survey.samples(ping, side)?.len() as u32;
+        (step_m > 0.0 && count > 1).then_some(Ranges {
+            start_m: start_m as f32,
+            step_m: step_m as f32,
+            count,
+        })
+    };
+    (0..survey.side_scan.len()).map(ranges).collect()
+}
+
+/// Whether each ping and the next are near enough to each other to show the ground between them.
+fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
+    let near = |ping: usize| {
+        let (Some(here), Some(next)) = (navigation.pings.get(ping), navigation.pings.get(ping + 1))
+        else {
+            return false;
+        };
+        let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
+        let pause_s = survey.side_scan[ping + 1].time_s - survey.side_scan[ping].time_s;
+        way_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S
+    };
+    (0..placed.len())
+        .map(|ping| {
+            placed[ping].is_some()
+                && placed.get(ping + 1).is_some_and(Option::is_some)
+                && near(ping)
+        })
+        .collect()
+}
+
+/// The cells of a mosaic, north up: row 0 is the northernmost, column 0 the westernmost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// West edge of the first column, metres in the plane.
+    pub west_m: f64,
+    /// North edge of the first row, metres in the plane.
+    pub north_m: f64,
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Cells from north to south.
+    pub rows: usize,
+}
+
+/// The strips that touch each tile; tiles without any are not in it.
+#[derive(Clone, Debug, Default)]
+pub struct TileIndex {
+    tiles: BTreeMap<(u32, u32), Vec<u32>>,
+}
+
+impl TileIndex {
+    /// Tiles that show something, as row and column, from the north-west by rows.
+    pub fn tiles(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.tiles
+            .keys()
+            .map(|&(row, column)| (row as usize, column as usize))
+    }
+
+    /// The strips of a tile, in the order they were recorded: the ping they begin at, and the side.
+    pub fn strips(&self, row: usize, column: usize) -> impl Iterator<Item = (usize, Side)> {
+        let key = u32::try_from(row).ok().zip(u32::try_from(column).ok());
+        let strips = key.and_then(|key| self.tiles.get(&key));
+        strips.into_iter().flatten().map(|&strip| {
+            let side = if strip % 2 == 0 {
+                Side::Port
+            } else {
+                Side::Starboard
+            };
+            ((strip / 2) as usize, side)
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! The side-scan mosaic: every echo at its place on the ground, tile by tile.
+//!
+//! ```text
+//! FirstReturns --altitude--> height over the ground of every ping and side
+//! Navigation --layout--> Layout: rays in the plane of the map, which tiles they cross
+//! Survey --gain--> GainTable: what level the ground has by range and angle
+//! Layout + GainTable --paint--> Tile of 256 x 256 cells
+//! ```
+//!
+//! The ground beside the boat is taken as level at the altitude `h` where the first return lies, so an echo at slant range `r`
+//! comes from `g = sqrt(r^2 - h^2)` beside the track. Between two pings the ray is turned and moved evenly, so that the strips
+//! close without gaps on the outer side of a bend. A tile costs time and memory in proportion to what it shows; nothing grows
+//! with the area of the mosaic.
+
+mod altitude;
+mod course;
+mod gain;
+mod layout;
+mod paint;
+
+pub use gain::{GainTable, gain_table};
+pub use layout::{Grid, Layout, TileIndex};
+pub use paint::{TILE_CELLS, Tile, tile};
+
+use serde::{Deserialize, Serialize};
+
+/// What a cell shows that was seen more than once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Overlap {
+    /// The later pass over the earlier.
+    #[default]
+    Later,
+    /// The brighter echo: objects stay, shadows are lost.
+    Brighter,
+    /// The mean, weighted towards the middle of each swath: smooth, but objects and shadows fade.
+    Blend,
+}
+
+/// How levels are made even across the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gain {
+    /// As recorded.
+    Recorded,
+    /// Divided by the survey's own mean at that range and angle (empirical gain normalisation), and brought to one brightness.
+    /// Shadows stay dark.
+    #[default]
+    Empirical,
+}
+
+/// `mosaic.*` settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MosaicSettings {
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// What a cell shows that was seen more than once.
+    pub overlap: Overlap,
+    /// How levels are made even across the track.
+    pub gain: Gain,
+    /// Whether the water column stays in: slant ranges are then taken for distances on the ground.
+    pub water_column: bool,
+    /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under the boat with what little
+    /// was heard there.
+    pub nadir_gap_deg: f64,
+    /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over the ground.
+    pub most_turn_deg_s: f64,
+}
+
+impl Default for MosaicSettings {
+    fn default() -> Self {
+        Self {
+            cell_m: 0.1,
+            overlap: Overlap::Later,
+            gain: Gain::Empirical,
+            water_column: false,
+            nadir_gap_deg: 0.0,
+            most_turn_deg_s: 6.0,
+        }
+    }
+}

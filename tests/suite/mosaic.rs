@@ -1,0 +1,321 @@
+//! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
+
+use bathyscope::formats;
+use bathyscope::mosaic::{
+    Gain, GainTable, Grid, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
+};
+use bathyscope::pipeline::{self, Products, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate};
+use bathyscope::survey::Survey;
+use std::sync::Arc;
+
+struct Sailed {
+    truth: Arc<Simulated>,
+    survey: Arc<Survey>,
+    products: Products,
+}
+
+fn sail(scene: &Scene, seed: u64) -> Sailed {
+    let progress = Progress::new();
+    let truth = simulate(scene, seed, &progress).expect("nobody cancels");
+    let survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
+        .expect("our reader opens our log");
+    let survey = Arc::new(survey);
+    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |_| ())
+        .expect("nobody cancels");
+    Sailed {
+        truth: Arc::new(truth),
+        survey,
+        products,
+    }
+}
+
+/// A mosaic with all its tiles.
+struct Drawn {
+    grid: Grid,
+    levels: Vec<u8>,
+}
+
+impl Drawn {
+    fn of(
+        sailed: &Sailed,
+        settings: &MosaicSettings,
+        plane: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> Self {
+        let Products {
+            navigation,
+            returns,
+            calibration,
+            ..
+        } = &sailed.products;
+        let survey = &sailed.survey;
+        let layout = Layout::new(survey, navigation, returns, calibration, settings, plane);
+        let grid = layout.grid(settings.cell_m).expect("something is shown");
+        let gain = gain_table(survey, &layout, &Progress::new()).expect("nobody cancels");
+        Self::on(sailed, settings, &layout, grid, &gain)
+    }
+
+    fn on(
+        sailed: &Sailed,
+        settings: &MosaicSettings,
+        layout: &Layout,
+        grid: Grid,
+        gain: &GainTable,
+    ) -> Self {
+        let index: TileIndex = layout.index(&grid);
+        let mut levels = vec![0; grid.columns * grid.rows];
+        for (row, column) in index.tiles() {
+            let drawn = tile(
+                &sailed.survey,
+                layout,
+                &grid,
+                &index,
+                gain,
+                settings,
+                [row, column],
+            );
+            for (cell, &level) in drawn.levels.iter().enumerate() {
+                let y = row * TILE_CELLS + cell / TILE_CELLS;
+                let x = column * TILE_CELLS + cell % TILE_CELLS;
+                if x < grid.columns && y < grid.rows {
+                    levels[y * grid.columns + x] = level;
+                }
+            }
+        }
+        Self { grid, levels }
+    }
+
+    fn at(&self, east_m: f64, north_m: f64) -> u8 {
+        let column = ((east_m - self.grid.west_m) / self.grid.cell_m).floor();
+        let row = ((self.grid.north_m - north_m) / self.grid.cell_m).floor();
+        let inside = column >= 0.0
+            && row >= 0.0
+            && (column as usize) < self.grid.columns
+            && (row as usize) < self.grid.rows;
+        if inside {
+            self.levels[row as usize * self.grid.columns + column as usize]
+        } else {
+            0
+        }
+    }
+}
+
+/// A straight line over quiet, level ground.
+fn quiet_line() -> Scene {
+    let mut scene = Scene::gentle();
+    scene.artefacts = Default::default();
+    scene.track.lines = 1;
+    scene.track.cross_lines = 0;
+    scene
+}
+
+/// Middle of the brightest twentieth within 1.5 m of a place, metres from it.
+fn echo_off_m(drawn: &Drawn, [east_m, north_m]: [f64; 2]) -> f64 {
+    let steps = (1.5 / drawn.grid.cell_m) as i32;
+    let mut near = Vec::new();
+    for (dx, dy) in (-steps..=steps).flat_map(|dx| (-steps..=steps).map(move |dy| (dx, dy))) {
+        let [x, y] = [dx, dy].map(|steps| f64::from(steps) * drawn.grid.cell_m);
+        if x.hypot(y) <= 1.5 {
+            near.push((drawn.at(east_m + x, north_m + y), x, y));
+        }
+    }
+    near.sort_by_key(|one| std::cmp::Reverse(one.0));
+    near.truncate(near.len() / 20);
+    let mean =
+        |value: fn(&(u8, f64, f64)) -> f64| near.iter().map(value).sum::<f64>() / near.len() as f64;
+    f64::hypot(mean(|one| one.1), mean(|one| one.2))
+}
+
+/// The survey with the pings around a sighting alone.
+fn only(sailed: &Sailed, seen: &Sighting) -> Sailed {
+    let mut products = sailed.products.clone();
+    let mut navigation = (*products.navigation).clone();
+    let shown = seen.first_ping.saturating_sub(40)..seen.last_ping + 40;
+    for (ping, place) in navigation.pings.iter_mut().enumerate() {
+        if !shown.contains(&ping) {
+            place.heading_rad = f64::NAN;
+        }
+    }
+    products.navigation = Arc::new(navigation);
+    Sailed {
+        truth: sailed.truth.clone(),
+        survey: sailed.survey.clone(),
+        products,
+    }
+}
+
+#[test]
+fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
+    let mut scene = quiet_line();
+    scene.track.lines = 2;
+    scene.track.spacing_m = 10.0;
+    scene.objects = vec![ObjectSettings {
+        kind: ObjectKind::Block,
+        east_m: 2.0,
+        north_m: 3.0,
+        length_m: 0.6,
+        width_m: 0.6,
+        height_m: 0.25,
+        heading_deg: 20.0,
+        buried_m: 0.0,
+        strength_db: Some(8.0),
+    }];
+    let sailed = sail(&scene, 5);
+    let object = &sailed.truth.objects[0];
+    let settings = MosaicSettings {
+        cell_m: 0.05,
+        ..MosaicSettings::default()
+    };
+    let mut sides = Vec::new();
+    for seen in object
+        .sightings
+        .iter()
+        .filter(|seen| seen.last_ping > seen.first_ping + 3)
+    {
+        let drawn = Drawn::of(&only(&sailed, seen), &settings, |place| place);
+        let off_m = echo_off_m(&drawn, [object.east_m, object.north_m]);
+        println!(
+            "{:?} at pings {}..{}: off by {off_m:.2} m",
+            seen.side, seen.first_ping, seen.last_ping
+        );
+        assert!(off_m < 0.5, "{off_m}");
+        sides.push(seen.side);
+    }
+    assert!(sides.len() >= 2, "{sides:?}");
+    // Without the slant-range correction it does not.
+    let slant = MosaicSettings {
+        water_column: true,
+        ..settings
+    };
+    let wrong = object.sightings.iter().map(|seen| {
+        let drawn = Drawn::of(&only(&sailed, seen), &slant, |place| place);
+        echo_off_m(&drawn, [object.east_m, object.north_m])
+    });
+    let farthest_m = wrong.fold(0.0, f64::max);
+    assert!(farthest_m > 0.5, "{farthest_m}");
+}
+
+#[test]
+fn a_bend_leaves_no_holes() {
+    let mut scene = quiet_line();
+    scene.track.bend_deg_per_m = 2.0;
+    let sailed = sail(&scene, 3);
+    let drawn = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    let seen = |x: usize, y: usize| drawn.levels[y * drawn.grid.columns + x] > 0;
+    let (mut shown, mut holes) = (0, 0);
+    for y in 1..drawn.grid.rows - 1 {
+        for x in 1..drawn.grid.columns - 1 {
+            shown += usize::from(seen(x, y));
+            let ringed = seen(x - 1, y) && seen(x + 1, y) && seen(x, y - 1) && seen(x, y + 1);
+            holes += usize::from(!seen(x, y) && ringed);
+        }
+    }
+    assert!(shown > 10_000, "{shown}");
+    assert_eq!(holes, 0);
+}
+
+#[test]
+fn tiles_meet_without_a_seam() {
+    let sailed = sail(&quiet_line(), 4);
+    let settings = MosaicSettings::default();
+    let whole = Drawn::of(&sailed, &settings, |place| place);
+    // The same cells, cut into other tiles.
+    let Products {
+        navigation,
+        returns,
+        calibration,
+        ..
+    } = &sailed.products;
+    let layout = Layout::new(
+        &sailed.survey,
+        navigation,
+        returns,
+        calibration,
+        &settings,
+        |place| place,
+    );
+    let gain = gain_table(&sailed.survey, &layout, &Progress::new()).expect("nobody cancels");
+    let moved = Grid {
+        west_m: whole.grid.west_m - 100.0 * whole.grid.cell_m,
+        north_m: whole.grid.north_m + 37.0 * whole.grid.cell_m,
+        columns: whole.grid.columns + 100,
+        rows: whole.grid.rows + 37,
+        ..whole.grid
+    };
+    let other = Drawn::on(&sailed, &settings, &layout, moved, &gain);
+    let mut differing = 0;
+    for y in 0..whole.grid.rows {
+        for x in 0..whole.grid.columns {
+            let (a, b) = (
+                whole.levels[y * whole.grid.columns + x],
+                other.levels[(y + 37) * moved.columns + x + 100],
+            );
+            // Edges of cells are rounded differently in the two grids: a level, or a cell at the very edge.
+            differing += usize::from(a.abs_diff(b) > 1);
+        }
+    }
+    assert!(differing * 1000 < whole.levels.len(), "{differing}");
+}
+
+#[test]
+fn gain_makes_the_ground_even_across_the_track() {
+    let sailed = sail(&quiet_line(), 6);
+    let uneven = |gain: Gain| {
+        let settings = MosaicSettings {
+            gain,
+            overlap: Overlap::Later,
+            ..MosaicSettings::default()
+        };
+        let drawn = Drawn::of(&sailed, &settings, |place| place);
+        // Mean level by distance from the line, which runs east through the middle.
+        let middle_m = drawn.grid.north_m - 0.5 * drawn.grid.rows as f64 * drawn.grid.cell_m;
+        let mut bands: Vec<[f64; 2]> = vec![[0.0; 2]; 10];
+        let half_m = 0.45 * drawn.grid.rows as f64 * drawn.grid.cell_m;
+        for (cell, &level) in drawn
+            .levels
+            .iter()
+            .enumerate()
+            .filter(|(_, level)| **level > 0)
+        {
+            let north_m =
+                drawn.grid.north_m - (cell / drawn.grid.columns) as f64 * drawn.grid.cell_m;
+            let band = ((north_m - middle_m).abs() / half_m * 10.0) as usize;
+            if (1..10).contains(&band) {
+                bands[band] = [bands[band][0] + f64::from(level), bands[band][1] + 1.0];
+            }
+        }
+        let means: Vec<f64> = bands[1..].iter().map(|band| band[0] / band[1]).collect();
+        let mean = means.iter().sum::<f64>() / means.len() as f64;
+        let spread = means
+            .iter()
+            .map(|band| (band - mean).abs())
+            .fold(0.0, f64::max);
+        spread / mean
+    };
+    let (recorded, even) = (uneven(Gain::Recorded), uneven(Gain::Empirical));
+    println!("largest departure of a band from the mean: {recorded:.3} recorded, {even:.3} evened");
+    assert!(even < 0.1 && even < 0.5 * recorded, "{recorded} {even}");
+}
+
+#[test]
+fn a_turned_plane_turns_the_mosaic() {
+    let sailed = sail(&quiet_line(), 4);
+    let settings = MosaicSettings::default();
+    let straight = Drawn::of(&sailed, &settings, |place| place);
+    // A quarter turn, and away: what lay at (x, y) lies at (1000 - y, x).
+    let turned = Drawn::of(&sailed, &settings, |[x, y]| [1000.0 - y, x]);
+    let (mut same, mut all) = (0, 0);
+    for y in (3..straight.grid.rows - 3).step_by(5) {
+        for x in (3..straight.grid.columns - 3).step_by(5) {
+            let level = straight.levels[y * straight.grid.columns + x];
+            let east_m = straight.grid.west_m + (x as f64 + 0.5) * straight.grid.cell_m;
+            let north_m = straight.grid.north_m - (y as f64 + 0.5) * straight.grid.cell_m;
+            if level > 0 {
+                all += 1;
+                same += usize::from(turned.at(1000.0 - north_m, east_m).abs_diff(level) <= 1);
+            }
+        }
+    }
+    assert!(all > 1000 && same * 100 > all * 98, "{same} of {all}");
+}
