@@ -5,7 +5,7 @@ use super::status_line::StatusLine;
 use super::{detect, input, output};
 use crate::detection::Model;
 use crate::formats;
-use crate::pipeline::{self, Preset, Settings};
+use crate::pipeline::{self, MosaicWritten, Preset, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -144,6 +144,13 @@ pub fn process_into(
     .map_err(|error| error.to_string())?;
     status.step("writing");
     let mut written = pipeline::write_products(survey, &products, folder, &progress)?;
+    if survey.has_side_scan() {
+        status.step("mosaic");
+        match pipeline::write_mosaic(survey, &products, folder, &progress)? {
+            MosaicWritten::File(name) => written.files.push(name),
+            MosaicWritten::None(why) => written.report.warnings.push(why),
+        }
+    }
     let mut objects = None;
     if let Some(model) = model.filter(|_| survey.has_side_scan()) {
         status.step("objects");

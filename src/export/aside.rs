@@ -30,7 +30,10 @@ pub fn write_aside(
     let mut passing = name.to_os_string();
     passing.push(format!(".{}.part", std::process::id()));
     let passing = path.with_file_name(passing);
-    let written = File::create(&passing)
+    let mut open = File::options();
+    open.read(true).write(true).create(true).truncate(true);
+    let written = open
+        .open(&passing)
         .and_then(write)
         .and_then(|()| fs::rename(&passing, path));
     if written.is_err() {

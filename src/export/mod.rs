@@ -1,6 +1,6 @@
-//! Files that other programs open: CSV, PLY, LAZ, PNG, GeoJSON, KML, GPX; written aside, then renamed.
+//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `points` reads and writes the point files of `bathyscope filter`.
+//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
 mod chips;
@@ -8,6 +8,7 @@ mod cloud_csv;
 mod cloud_laz;
 mod cloud_ply;
 mod first_returns;
+pub mod geotiff;
 mod objects;
 mod picture_boxes;
 pub mod points;

@@ -49,12 +49,37 @@ pub enum Gain {
     Empirical,
 }
 
+/// Colours of the exported picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Colours {
+    /// Black to white.
+    #[default]
+    Grey,
+    /// Black to copper, as fish-finders show it: red saturates at 81 %.
+    Copper,
+}
+
+impl Colours {
+    /// Colour of a level, transparent where nothing was seen (level 0).
+    pub fn rgba(self, level: u8) -> [u8; 4] {
+        let share = |factor: f32| (f32::from(level) * factor).round().min(255.0) as u8;
+        match (level, self) {
+            (0, _) => [0; 4],
+            (_, Colours::Grey) => [level, level, level, 255],
+            (_, Colours::Copper) => [share(1.25), share(0.7812), share(0.4975), 255],
+        }
+    }
+}
+
 /// `mosaic.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MosaicSettings {
     /// Side of a cell, metres.
     pub cell_m: f64,
+    /// Colours of the exported picture.
+    pub colours: Colours,
     /// What a cell shows that was seen more than once.
     pub overlap: Overlap,
     /// How levels are made even across the track.
@@ -72,6 +97,7 @@ impl Default for MosaicSettings {
     fn default() -> Self {
         Self {
             cell_m: 0.1,
+            colours: Colours::Grey,
             overlap: Overlap::Later,
             gain: Gain::Empirical,
             water_column: false,

@@ -2,11 +2,13 @@
 //!
 //! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
 //! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them. `detections`
-//! searches for objects and writes them, `boxes` writes what was decided about boxes.
+//! searches for objects and writes them, `boxes` writes what was decided about boxes, `mosaic` the side-scan
+//! mosaic.
 
 mod boxes;
 mod detections;
 mod engine;
+mod mosaic;
 mod outputs;
 mod products;
 mod report;
@@ -15,6 +17,7 @@ mod settings;
 pub use boxes::{BoxesWritten, write_boxes};
 pub use detections::write_detections;
 pub use engine::{Engine, EngineStatus};
+pub use mosaic::{MosaicWritten, write_mosaic};
 pub use outputs::{Written, write_products};
 pub use products::{Products, Stage, run};
 pub use report::{Report, warnings};

@@ -4,6 +4,7 @@ use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::mosaic::MosaicSettings;
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,8 @@ pub struct Settings {
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
     pub detector: DetectorSettings,
+    /// `mosaic.*`.
+    pub mosaic: MosaicSettings,
 }
 
 impl Settings {
@@ -92,15 +95,17 @@ impl Settings {
                     min_neighbors: 10,
                 },
                 detector: DetectorSettings::default(),
+                mosaic: MosaicSettings::default(),
             },
         }
     }
 
-    /// The preset that these settings are, if any; the choices of flat spot and detector do not count.
+    /// The preset that these settings are, if any; the choices of flat spot, detector and mosaic do not count.
     pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.clone();
         plain.calibration.pings = None;
         plain.detector = DetectorSettings::default();
+        plain.mosaic = MosaicSettings::default();
         [Preset::Recommended, Preset::Published]
             .into_iter()
             .find(|&preset| plain == Self::preset(preset))
@@ -171,6 +176,18 @@ impl Settings {
             (
                 (0.2..=120.0).contains(&self.heading.window_s),
                 "heading.window_s must lie between 0.2 and 120",
+            ),
+            (
+                (0.01..=100.0).contains(&self.mosaic.cell_m),
+                "mosaic.cell_m must lie between 0.01 and 100",
+            ),
+            (
+                (0.0..=60.0).contains(&self.mosaic.nadir_gap_deg),
+                "mosaic.nadir_gap_deg must lie between 0 and 60",
+            ),
+            (
+                self.mosaic.most_turn_deg_s > 0.0,
+                "mosaic.most_turn_deg_s must be above 0",
             ),
         ];
         rules

@@ -1,0 +1,94 @@
+//! Writes the side-scan mosaic.
+
+use super::Products;
+use crate::export::geotiff::{self, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
+use crate::geo::UtmZone;
+use crate::mosaic::{Grid, Layout, TILE_CELLS, gain_table, tile};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::path::Path;
+
+/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
+const MOST_TILES: usize = 1_000_000;
+
+/// What became of the mosaic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MosaicWritten {
+    /// The file's name.
+    File(&'static str),
+    /// Why there is none, in a sentence.
+    None(String),
+}
+
+/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the UTM zone of the survey's first fix, as a GeoTIFF of
+/// colours, transparent where nothing was heard. Memory does not grow with the area.
+///
+/// The error is one sentence: the file cannot be written, or the work was cancelled.
+pub fn write_mosaic(
+    survey: &Survey,
+    products: &Products,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<MosaicWritten, String> {
+    let settings = &products.settings.mosaic;
+    let zone = UtmZone::of(survey.track.frame.origin());
+    let navigation = &products.navigation;
+    let plane = |[east_m, north_m]: [f64; 2]| {
+        zone.to_metres(navigation.to_lon_lat(&survey.track, east_m, north_m))
+    };
+    let layout = Layout::new(
+        survey,
+        navigation,
+        &products.returns,
+        &products.calibration,
+        settings,
+        plane,
+    );
+    let Some(grid) = layout.grid(settings.cell_m) else {
+        let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
+        return Ok(MosaicWritten::None(why.into()));
+    };
+    let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
+    if down.saturating_mul(across) > MOST_TILES {
+        return Ok(MosaicWritten::None(format!(
+            "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
+            grid.columns, grid.rows
+        )));
+    }
+    let index = layout.index(&grid);
+    let gain = gain_table(survey, &layout, progress).map_err(|error| error.to_string())?;
+    let tiles: Vec<[usize; 2]> = index.tiles().map(|(row, column)| [row, column]).collect();
+    let draw = |place: [usize; 2]| {
+        let drawn = tile(survey, &layout, &grid, &index, &gain, settings, place);
+        let colours = drawn
+            .levels
+            .iter()
+            .map(|&level| settings.colours.rgba(level));
+        colours.flatten().collect()
+    };
+    let name = "mosaic.tif";
+    geotiff(
+        &folder.join(name),
+        &spec(&grid, zone, survey),
+        &tiles,
+        draw,
+        progress,
+    )
+    .map_err(|error: RasterError| error.to_string())?;
+    Ok(MosaicWritten::File(name))
+}
+
+const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
+
+fn spec(grid: &Grid, zone: UtmZone, survey: &Survey) -> geotiff::RasterSpec {
+    RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west_m: grid.west_m,
+        north_m: grid.north_m,
+        cell_m: grid.cell_m,
+        epsg: zone.epsg() as u16,
+        cells: Cells::Rgba,
+        description: format!("Side-scan mosaic of {}", survey.name()),
+    }
+}
