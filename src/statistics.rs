@@ -19,6 +19,26 @@ pub fn median(values: &mut [f64]) -> f64 {
     (lower + upper) / 2.0
 }
 
+/// The value at which half of the weight lies on either side: the mean of two neighbours where it falls between them, so that
+/// equal weights give the [`median`]; NaN for an empty slice. Each entry is a value and its weight, above 0. Sorts `values`.
+pub fn weighted_median(values: &mut [(f64, f64)]) -> f64 {
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    for (index, &(value, weight)) in values.iter().enumerate() {
+        below += weight;
+        // A sum of weights is rounded.
+        if (below - half).abs() <= 1e-9 * half {
+            let next = values.get(index + 1).map_or(value, |(next, _)| *next);
+            return 0.5 * (value + next);
+        }
+        if below > half {
+            return value;
+        }
+    }
+    f64::NAN
+}
+
 /// The middle one in the order of `compare`, the upper of the middle two of an even count: always one of the values.
 /// `None` for an empty slice. Reorders `values`.
 pub fn upper_median<T: Copy>(
@@ -63,6 +83,18 @@ mod tests {
             Some(3.0)
         );
         assert_eq!(upper_median(&mut [], f64::total_cmp), None);
+    }
+
+    #[test]
+    fn weights_move_the_median() {
+        let mut even = [4.0, 1.0, 3.0, 2.0].map(|value| (value, 0.3));
+        assert_eq!(weighted_median(&mut even), 2.5);
+        assert_eq!(
+            weighted_median(&mut [(1.0, 1.0), (2.0, 1.0), (9.0, 5.0)]),
+            9.0
+        );
+        assert_eq!(weighted_median(&mut [(7.0, 0.1)]), 7.0);
+        assert!(weighted_median(&mut []).is_nan());
     }
 
     #[test]

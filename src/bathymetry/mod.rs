@@ -1,11 +1,19 @@
-//! Depth maps from soundings: repeated positions merged, triangulated, and sampled only where something was measured.
+//! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
-//! `soundings` takes the depths with their places, `tin` is the triangulated surface, `depth_map` the grid sampled from it.
+//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
+//! depth between them, `grid` chooses the cells and `surface` fills them.
 
-mod depth_map;
+mod grid;
+mod inverse_distance;
+mod nodes;
 mod soundings;
+mod surface;
+#[cfg(test)]
+mod testing;
 mod tin;
 
-pub use depth_map::{DepthMap, DepthMapSettings, depth_map};
-pub use soundings::{DepthPoint, depth_points, depth_range, merge_repeated};
-pub use tin::Tin;
+pub use grid::{Grid, suited_cell_m};
+pub use nodes::{Node, merge_repeated};
+pub use soundings::{DepthPoint, depth_points, depth_range};
+pub use surface::{Surface, SurfaceMethod, SurfaceSettings, surface};
+pub use tin::{Between, Tin, TinSampler};

@@ -1,18 +1,18 @@
 //! A triangulated surface through the soundings.
 
-use super::DepthPoint;
+use super::Node;
 use spade::handles::FixedVertexHandle;
 use spade::{
-    DelaunayTriangulation, FloatTriangulation as _, HasPosition, LastUsedVertexHintGenerator,
-    Point2,
+    Barycentric, DelaunayTriangulation, FloatTriangulation as _, HasPosition,
+    LastUsedVertexHintGenerator, NaturalNeighbor, Point2, Triangulation as _,
 };
 
-struct Node {
+struct Corner {
     place: Point2<f64>,
-    depth_m: f64,
+    node: Node,
 }
 
-impl HasPosition for Node {
+impl HasPosition for Corner {
     type Scalar = f64;
 
     fn position(&self) -> Point2<f64> {
@@ -20,26 +20,42 @@ impl HasPosition for Node {
     }
 }
 
-type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintGenerator>;
+type Triangulation = DelaunayTriangulation<Corner, (), (), (), LastUsedVertexHintGenerator>;
 
-/// Delaunay triangles over soundings, depth linear within each; honours every sounding and invents nothing beyond the hull.
+/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull.
 pub struct Tin {
     triangles: Triangulation,
     max_edge_m: f64,
 }
 
+/// How the depth between the corners is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// On the plane of the triangle.
+    Linear,
+    /// Sibson's natural neighbours: each node counts with the area that the place would take from its Voronoi cell.
+    NaturalNeighbour,
+}
+
+/// Samples a [`Tin`] for one thread. Near places in a row are found fastest.
+pub struct TinSampler<'a> {
+    tin: &'a Tin,
+    planes: Barycentric<'a, Triangulation>,
+    natural: Option<NaturalNeighbor<'a, Triangulation>>,
+    weights: Vec<(FixedVertexHandle, f64)>,
+}
+
 impl Tin {
     /// Triangulates; `None` when a coordinate is none that can be triangulated (not finite, beyond 1e60 m).
-    pub fn new(points: &[DepthPoint]) -> Option<Self> {
-        use spade::Triangulation as _;
-        let nodes = points
+    pub fn new(nodes: &[Node]) -> Option<Self> {
+        let corners = nodes
             .iter()
-            .map(|point| Node {
-                place: Point2::new(point.east_m, point.north_m),
-                depth_m: point.depth_m,
+            .map(|node| Corner {
+                place: Point2::new(node.east_m, node.north_m),
+                node: *node,
             })
             .collect();
-        let triangles = Triangulation::bulk_load(nodes).ok()?;
+        let triangles = Triangulation::bulk_load(corners).ok()?;
         Some(Self {
             triangles,
             max_edge_m: f64::INFINITY,
@@ -52,72 +68,97 @@ impl Tin {
         Self { max_edge_m, ..self }
     }
 
-    /// Fills `depths_m` with the depth at each place; NaN where there is no triangle. Near places in a row are found fastest.
-    pub fn depths(&self, places: impl Iterator<Item = [f64; 2]>, depths_m: &mut Vec<f64>) {
-        let surface = self.triangles.barycentric();
-        let mut weights = Vec::with_capacity(3);
-        depths_m.clear();
-        depths_m.extend(places.map(|[east_m, north_m]| {
-            surface.get_weights(Point2::new(east_m, north_m), &mut weights);
-            self.weighted(&weights)
-        }));
-    }
-
-    fn weighted(&self, weights: &[(FixedVertexHandle, f64)]) -> f64 {
-        use spade::Triangulation as _;
-        let place = |index: usize| self.triangles.vertex(weights[index].0).position();
-        let too_long = (0..weights.len()).any(|index| {
-            let edge = [place(index), place((index + 1) % weights.len())];
-            edge[0].distance_2(edge[1]) > self.max_edge_m * self.max_edge_m
-        });
-        if weights.is_empty() || too_long {
-            return f64::NAN;
+    /// A sampler.
+    pub fn sampler(&self, between: Between) -> TinSampler<'_> {
+        TinSampler {
+            tin: self,
+            planes: self.triangles.barycentric(),
+            natural: (between == Between::NaturalNeighbour)
+                .then(|| self.triangles.natural_neighbor()),
+            weights: Vec::with_capacity(16),
         }
-        let depth = |(node, weight): &(FixedVertexHandle, f64)| {
-            weight * self.triangles.vertex(*node).data().depth_m
-        };
-        weights.iter().map(depth).sum()
     }
 
-    /// The depth at one place, metres; `None` where there is no triangle.
+    /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
     pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
-        let mut depths = Vec::with_capacity(1);
-        self.depths(std::iter::once([east_m, north_m]), &mut depths);
-        depths.first().copied().filter(|depth| depth.is_finite())
+        let mut sampler = self.sampler(Between::Linear);
+        let nodes = sampler.nodes_at([east_m, north_m])?;
+        Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
+    }
+}
+
+impl TinSampler<'_> {
+    /// The nodes that carry a place, with weights that sum to 1; `None` where there is no triangle.
+    pub fn nodes_at(
+        &mut self,
+        [east_m, north_m]: [f64; 2],
+    ) -> Option<impl Iterator<Item = (Node, f64)> + Clone + '_> {
+        let place = Point2::new(east_m, north_m);
+        self.planes.get_weights(place, &mut self.weights);
+        if self.weights.is_empty() || self.has_long_edge() {
+            return None;
+        }
+        if let Some(natural) = self.natural.as_ref().filter(|_| self.weights.len() > 2) {
+            natural.get_weights(place, &mut self.weights);
+        }
+        let tin = self.tin;
+        let carried = self.weights.iter();
+        Some(
+            carried
+                .map(move |(corner, weight)| (tin.triangles.vertex(*corner).data().node, *weight)),
+        )
+    }
+
+    fn has_long_edge(&self) -> bool {
+        let triangles = &self.tin.triangles;
+        let place = |index: usize| triangles.vertex(self.weights[index].0).position();
+        (0..self.weights.len()).any(|index| {
+            let edge = [place(index), place((index + 1) % self.weights.len())];
+            edge[0].distance_2(edge[1]) > self.tin.max_edge_m.powi(2)
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bathymetry::testing::{GOLDEN, golden_nodes};
 
-    /// Sixty scattered soundings of a smooth bed; the depths below are scipy's and GDAL's linear interpolation.
     #[test]
     fn linear_depths_agree_with_scipy_and_gdal() {
-        let points: Vec<DepthPoint> = (0..60)
-            .map(|i| {
-                let x = (0.5 + 0.754_877_666_246_692_7 * f64::from(i)).fract() * 10.0;
-                let y = (0.5 + 0.569_840_290_998_053_2 * f64::from(i)).fract() * 10.0;
-                DepthPoint {
-                    east_m: x,
-                    north_m: y,
-                    depth_m: 3.0 + 0.5 * (x / 2.0).sin() + 0.3 * (y / 1.7).cos(),
-                }
-            })
-            .collect();
-        let tin = Tin::new(&points).unwrap();
-        for (x, y, depth_m) in [
-            (2.5, 2.5, 3.496619061),
-            (5.05, 4.9, 3.000069591),
-            (7.3, 4.1, 2.548652625),
-            (4.2, 8.0, 3.416673559),
-            (6.6, 1.9, 3.058094229),
-        ] {
+        let tin = Tin::new(&golden_nodes()).unwrap();
+        for golden in &GOLDEN {
+            let [x, y] = golden.place;
             let found = tin.depth_at(x, y).unwrap();
-            assert!((found - depth_m).abs() < 1e-9, "{x}, {y}: {found}");
+            assert!((found - golden.linear).abs() < 1e-9, "{x}, {y}: {found}");
         }
         assert_eq!(tin.depth_at(-5.0, 5.0), None);
         let near = tin.with_max_edge(0.5);
         assert_eq!(near.depth_at(2.5, 2.5), None);
+    }
+
+    #[test]
+    fn natural_neighbours_agree_with_exact_voronoi_areas() {
+        let tin = Tin::new(&golden_nodes()).unwrap();
+        let mut sampler = tin.sampler(Between::NaturalNeighbour);
+        for golden in &GOLDEN {
+            let nodes = sampler.nodes_at(golden.place).unwrap();
+            let found: f64 = nodes.map(|(node, weight)| weight * node.depth_m).sum();
+            assert!((found - golden.natural).abs() < 1e-9, "{found}");
+        }
+    }
+
+    #[test]
+    fn a_node_is_honoured_by_both() {
+        let nodes = golden_nodes();
+        let tin = Tin::new(&nodes).unwrap();
+        for between in [Between::Linear, Between::NaturalNeighbour] {
+            let mut sampler = tin.sampler(between);
+            for node in &nodes {
+                let at = sampler.nodes_at([node.east_m, node.north_m]).unwrap();
+                let depth_m: f64 = at.map(|(node, weight)| weight * node.depth_m).sum();
+                assert!((depth_m - node.depth_m).abs() < 1e-9);
+            }
+        }
     }
 }

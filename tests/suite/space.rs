@@ -2,7 +2,7 @@
 
 use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
-use bathyscope::bathymetry::{DepthMapSettings, depth_map, depth_points};
+use bathyscope::bathymetry::{SurfaceSettings, depth_points, surface};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
 use bathyscope::cloud::{CloudPoint, PointCloud, PointSource, SoundingIndex};
 use bathyscope::first_return::FirstReturns;
@@ -522,11 +522,11 @@ fn the_depth_map_of_the_real_river_stays_by_its_soundings() {
     let settings = HeadingSettings::default();
     let navigation = navigate(&survey, &settings, Projection::Enu, &progress).unwrap();
     let points = depth_points(&survey, &navigation);
-    let settings = DepthMapSettings {
+    let settings = SurfaceSettings {
         max_side: 512,
-        ..DepthMapSettings::default()
+        ..SurfaceSettings::default()
     };
-    let map = depth_map(&points, &settings, &progress).unwrap().unwrap();
+    let map = surface(&points, &settings, &progress).unwrap().unwrap();
     let depths = points.iter().map(|point| point.depth_m as f32);
     let [least, most] = depths.fold([f32::MAX, f32::MIN], |[l, m], d| [l.min(d), m.max(d)]);
     let known: Vec<f32> = map
@@ -538,7 +538,7 @@ fn the_depth_map_of_the_real_river_stays_by_its_soundings() {
     assert!(known.len() > 100, "{}", known.len());
     assert!(known.iter().all(|depth| (least..=most).contains(depth)));
     let farthest = map.distance_m.iter().copied().fold(0.0, f32::max);
-    assert!(f64::from(farthest) <= settings.gap_m, "{farthest}");
+    assert!(f64::from(farthest) <= settings.max_gap_m, "{farthest}");
     assert!(
         map.at(points[0].east_m + 500.0, points[0].north_m)
             .is_none()

@@ -2,7 +2,7 @@
 
 use super::ping_boxes::PingBoxes;
 use super::transform::GroundBounds;
-use crate::bathymetry::{self, DepthMap, DepthMapSettings};
+use crate::bathymetry::{self, Surface, SurfaceSettings};
 use crate::progress::Progress;
 use crate::render::{LinePyramid, TrackBuffers, Uploader, Vertex, depth_colour, depth_share};
 use crate::survey::{Navigation, PingNav, Survey};
@@ -13,6 +13,10 @@ use std::sync::Arc;
 const BREAK_S: f64 = 10.0;
 /// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
 const OPACITY: [f32; 2] = [0.85, 0.25];
+/// The depth map is drawn as finely as the screen can show it: cells of this side, metres,
+const LEAST_CELL_M: f64 = 0.1;
+/// and at most so many along the longer side.
+const MOST_CELLS: usize = 1024;
 
 /// The track, ready to draw and to search.
 pub struct TrackLayer {
@@ -134,7 +138,7 @@ fn bounds<'a>(places: impl Iterator<Item = &'a PingNav>) -> Option<GroundBounds>
 /// The interpolated depth map as a texture.
 pub struct DepthLayer {
     /// The depths; `None` when the soundings span no surface.
-    pub map: Option<(DepthMap, TextureHandle)>,
+    pub map: Option<(Surface, TextureHandle)>,
     /// Nothing is interpolated farther than this from a sounding, metres.
     pub gap_m: f64,
 }
@@ -147,23 +151,27 @@ impl DepthLayer {
         context: &egui::Context,
         progress: &Progress,
     ) -> Option<Self> {
-        let settings = DepthMapSettings::default();
+        let settings = SurfaceSettings {
+            cell_m: Some(LEAST_CELL_M),
+            max_side: MOST_CELLS,
+            ..SurfaceSettings::default()
+        };
         let points = bathymetry::depth_points(survey, navigation);
         let range_m = bathymetry::depth_range(locked_depths(survey));
-        let map = bathymetry::depth_map(&points, &settings, progress).ok()?;
+        let map = bathymetry::surface(&points, &settings, progress).ok()?;
         let map = map.zip(range_m).map(|(map, range_m)| {
-            let image = depth_image(&map, range_m, settings.gap_m);
+            let image = depth_image(&map, range_m, settings.max_gap_m);
             let texture = context.load_texture("depth map", image, TextureOptions::LINEAR);
             (map, texture)
         });
         Some(Self {
             map,
-            gap_m: settings.gap_m,
+            gap_m: settings.max_gap_m,
         })
     }
 }
 
-fn depth_image(map: &DepthMap, range_m: [f32; 2], gap_m: f64) -> ColorImage {
+fn depth_image(map: &Surface, range_m: [f32; 2], gap_m: f64) -> ColorImage {
     let pixels = map.depth_m.iter().zip(&map.distance_m);
     let colour = |(depth_m, distance_m): (&f32, &f32)| {
         if depth_m.is_nan() {
@@ -175,5 +183,8 @@ fn depth_image(map: &DepthMap, range_m: [f32; 2], gap_m: f64) -> ColorImage {
         let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
         Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
     };
-    ColorImage::new([map.columns, map.rows], pixels.map(colour).collect())
+    ColorImage::new(
+        [map.grid.columns, map.grid.rows],
+        pixels.map(colour).collect(),
+    )
 }

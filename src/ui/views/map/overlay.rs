@@ -67,10 +67,11 @@ pub fn depth_map(painter: &Painter, scene: &Scene<'_>) {
     let Some((map, texture)) = scene.depth.and_then(|depth| depth.map.as_ref()) else {
         return;
     };
-    let east_m = map.west_m + map.columns as f64 * map.cell_m;
-    let south_m = map.north_m - map.rows as f64 * map.cell_m;
+    let grid = &map.grid;
+    let east_m = grid.west_m + grid.columns as f64 * grid.cell_m;
+    let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
     let rect = Rect::from_two_pos(
-        scene.at([map.west_m, map.north_m]),
+        scene.at([grid.west_m, grid.north_m]),
         scene.at([east_m, south_m]),
     );
     let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));

@@ -1,0 +1,148 @@
+//! What the many soundings of one place say together.
+
+use super::DepthPoint;
+use crate::statistics::{median, weighted_median};
+
+/// One depth for one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// Metres east of the survey's origin.
+    pub east_m: f64,
+    /// Metres north of the survey's origin.
+    pub north_m: f64,
+    /// Median depth, metres.
+    pub depth_m: f64,
+    /// Standard deviation (n - 1) of the depths about their median, metres. Where there were fewer than three, the median of
+    /// that of the other places; 0 when no place has three.
+    pub spread_m: f64,
+}
+
+/// Fewer depths than this say nothing about their spread.
+const LEAST_FOR_SPREAD: usize = 3;
+
+/// One node for all points of a square of `cell_m`: the weighted mean place and the weighted median depth. A cell of 0 merges
+/// only exactly repeated places. Points without weight are left out.
+///
+/// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
+pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
+    let key = |value: f64| {
+        if cell_m > 0.0 {
+            (value / cell_m).floor() as i64
+        } else {
+            // Adding zero makes the two zeros one.
+            (value + 0.0).to_bits() as i64
+        }
+    };
+    let mut keyed: Vec<([i64; 2], DepthPoint)> = points
+        .iter()
+        .filter(|point| point.weight > 0.0)
+        .map(|point| ([key(point.east_m), key(point.north_m)], *point))
+        .collect();
+    keyed.sort_by_key(|(key, _)| *key);
+    let mut depths = Vec::new();
+    let mut nodes: Vec<Node> = keyed
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|same| merge(same, &mut depths))
+        .collect();
+    fill_spreads(&mut nodes);
+    nodes
+}
+
+/// The spread is NaN where it cannot be told.
+fn merge(same: &[([i64; 2], DepthPoint)], depths: &mut Vec<(f64, f64)>) -> Node {
+    let first = same[0].1;
+    depths.clear();
+    let (mut east_m, mut north_m, mut weights) = (0.0, 0.0, 0.0);
+    for (_, point) in same {
+        depths.push((point.depth_m, point.weight));
+        east_m += point.weight * (point.east_m - first.east_m);
+        north_m += point.weight * (point.north_m - first.north_m);
+        weights += point.weight;
+    }
+    let depth_m = weighted_median(depths);
+    let squares: f64 = depths.iter().map(|(d, _)| (d - depth_m).powi(2)).sum();
+    Node {
+        east_m: first.east_m + east_m / weights,
+        north_m: first.north_m + north_m / weights,
+        depth_m,
+        spread_m: if same.len() < LEAST_FOR_SPREAD {
+            f64::NAN
+        } else {
+            (squares / (same.len() - 1) as f64).sqrt()
+        },
+    }
+}
+
+fn fill_spreads(nodes: &mut [Node]) {
+    let known = nodes.iter().map(|node| node.spread_m);
+    let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
+    let typical_m = if known.is_empty() {
+        0.0
+    } else {
+        median(&mut known)
+    };
+    for node in nodes.iter_mut().filter(|node| node.spread_m.is_nan()) {
+        node.spread_m = typical_m;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
+        DepthPoint {
+            east_m,
+            north_m,
+            depth_m,
+            weight: 1.0,
+        }
+    }
+
+    #[test]
+    fn repeated_places_give_their_median() {
+        let points = [
+            point(1.0, 2.0, 9.0),
+            point(1.0, 2.0, 3.0),
+            point(1.0, 2.0, 4.0),
+            point(5.0, 5.0, 1.0),
+            point(5.0, 5.0, 2.0),
+        ];
+        let merged = merge_repeated(&points, 0.0);
+        let depths: Vec<f64> = merged.iter().map(|node| node.depth_m).collect();
+        assert_eq!(depths, [4.0, 1.5]);
+        assert_eq!([merged[1].east_m, merged[1].north_m], [5.0, 5.0]);
+        // sqrt((5^2 + 1^2) / 2), and the same for the place that cannot know its own.
+        assert!((merged[0].spread_m - 13f64.sqrt()).abs() < 1e-12);
+        assert_eq!(merged[1].spread_m, merged[0].spread_m);
+    }
+
+    #[test]
+    fn a_cell_merges_its_neighbours_at_their_mean_place() {
+        let points = [
+            point(0.1, 0.1, 1.0),
+            point(0.3, 0.3, 3.0),
+            point(1.1, 0.1, 7.0),
+        ];
+        let merged = merge_repeated(&points, 1.0);
+        assert_eq!(merged.len(), 2);
+        assert!((merged[0].east_m - 0.2).abs() < 1e-12);
+        assert_eq!(merged[0].depth_m, 2.0);
+        assert_eq!(merged[0].spread_m, 0.0);
+    }
+
+    #[test]
+    fn weights_decide_where_sources_meet() {
+        let mut points = [
+            point(0.0, 0.0, 2.0),
+            point(0.4, 0.0, 3.0),
+            point(0.4, 0.0, 4.0),
+        ];
+        points[0].weight = 3.0;
+        let merged = merge_repeated(&points, 1.0);
+        assert_eq!(merged[0].depth_m, 2.0);
+        assert!((merged[0].east_m - 0.16).abs() < 1e-12);
+        points[0].weight = 0.0;
+        assert_eq!(merge_repeated(&points, 1.0)[0].depth_m, 3.5);
+    }
+}

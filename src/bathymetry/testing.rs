@@ -1,0 +1,50 @@
+//! Sixty scattered soundings of a smooth bed, and what others make of them.
+
+use super::{DepthPoint, Node, merge_repeated};
+
+pub(super) struct Golden {
+    pub place: [f64; 2],
+    /// scipy's and GDAL's linear interpolation.
+    pub linear: f64,
+    /// From exact Voronoi areas (shapely).
+    pub natural: f64,
+    /// All points, power 2.
+    pub inverse_distance: f64,
+}
+
+pub(super) const GOLDEN: [Golden; 5] = [
+    golden([2.5, 2.5], [3.496619061, 3.491639204, 3.431749553]),
+    golden([5.05, 4.9], [3.000069591, 3.000115009, 3.009016375]),
+    golden([7.3, 4.1], [2.548652625, 2.550912455, 2.627238773]),
+    golden([4.2, 8.0], [3.416673559, 3.412847094, 3.280785839]),
+    golden([6.6, 1.9], [3.058094229, 3.054620815, 3.056288273]),
+];
+
+const fn golden(place: [f64; 2], [linear, natural, inverse_distance]: [f64; 3]) -> Golden {
+    Golden {
+        place,
+        linear,
+        natural,
+        inverse_distance,
+    }
+}
+
+pub(super) fn golden_points() -> Vec<DepthPoint> {
+    let along = |i: i32, step: f64| (0.5 + step * f64::from(i)).fract() * 10.0;
+    (0..60)
+        .map(|i| {
+            let x = along(i, 0.754_877_666_246_692_7);
+            let y = along(i, 0.569_840_290_998_053_2);
+            DepthPoint {
+                east_m: x,
+                north_m: y,
+                depth_m: 3.0 + 0.5 * (x / 2.0).sin() + 0.3 * (y / 1.7).cos(),
+                weight: 1.0,
+            }
+        })
+        .collect()
+}
+
+pub(super) fn golden_nodes() -> Vec<Node> {
+    merge_repeated(&golden_points(), 0.0)
+}
