@@ -1,10 +1,11 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
-//! depth between them, `grid` chooses the cells and `surface` fills them.
+//! depth between them, `grid` chooses the cells and `surface` fills them. `isobaths` draws through them.
 
 mod grid;
 mod inverse_distance;
+pub mod isobaths;
 mod nodes;
 mod soundings;
 mod surface;

@@ -1,0 +1,117 @@
+//! Which depths isobaths are drawn at.
+
+use serde::{Deserialize, Serialize};
+
+/// More isobaths than this are a mistake, not a map.
+const MOST_LEVELS: f64 = 1000.0;
+/// About so many are drawn where nobody says how many.
+const WANTED_LEVELS: f64 = 10.0;
+
+/// `isobaths.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct IsobathSettings {
+    /// Metres from one isobath to the next, counted from depth 0; when not given, 1, 2 or 5 times a power of ten that makes
+    /// about ten.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_m: Option<f64>,
+    /// Depths of the isobaths, metres; when there are any, the interval does not count.
+    pub depths_m: Vec<f64>,
+    /// How often the corners of the lines are cut; 0 leaves them as measured.
+    pub smooth: u32,
+}
+
+/// The interval would draw more isobaths than anybody can read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "isobaths.interval_m is {interval_m}, which over depths from {least_m:.2} to {most_m:.2} m makes more than 1000 isobaths; choose a larger one"
+)]
+pub struct TooManyLevels {
+    interval_m: f64,
+    least_m: f64,
+    most_m: f64,
+}
+
+impl IsobathSettings {
+    /// The levels, ascending, for depths between two.
+    pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, TooManyLevels> {
+        if !self.depths_m.is_empty() {
+            let mut levels_m = self.depths_m.clone();
+            levels_m.sort_by(f64::total_cmp);
+            levels_m.dedup();
+            return Ok(levels_m);
+        }
+        let interval_m = self
+            .interval_m
+            .unwrap_or_else(|| readable((most_m - least_m) / WANTED_LEVELS));
+        let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
+        if last - first >= MOST_LEVELS {
+            return Err(TooManyLevels {
+                interval_m,
+                least_m,
+                most_m,
+            });
+        }
+        // A level bottom has an interval that is no number, and no isobath.
+        let count = match interval_m > 0.0 && first <= last {
+            true => (last - first) as usize + 1,
+            false => 0,
+        };
+        Ok((0..count)
+            .map(|step| tidy((first + step as f64) * interval_m))
+            .collect())
+    }
+}
+
+/// The next of 1, 2, 5 times a power of ten.
+fn readable(at_least_m: f64) -> f64 {
+    let decade = 10f64.powf(at_least_m.log10().floor());
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| tidy(step * decade));
+    steps
+        .into_iter()
+        .find(|step| *step >= at_least_m * (1.0 - 1e-9))
+        .unwrap_or(f64::NAN)
+}
+
+/// To the micrometre: three times 0.1 is 0.3.
+fn tidy(metres: f64) -> f64 {
+    (metres * 1e6).round() / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn levels(interval_m: Option<f64>, range_m: [f64; 2]) -> Vec<f64> {
+        let settings = IsobathSettings {
+            interval_m,
+            ..IsobathSettings::default()
+        };
+        settings.levels_m(range_m).unwrap()
+    }
+
+    #[test]
+    fn an_interval_counts_from_zero() {
+        assert_eq!(levels(Some(0.1), [0.15, 0.4]), [0.2, 0.3, 0.4]);
+        assert_eq!(levels(Some(0.5), [-0.7, 0.6]), [-0.5, 0.0, 0.5]);
+        assert_eq!(levels(Some(5.0), [1.0, 4.0]), [0.0; 0]);
+    }
+
+    #[test]
+    fn without_one_there_are_about_ten() {
+        assert_eq!(levels(None, [1.03, 3.02]).len(), 10);
+        assert_eq!(levels(None, [1.0, 8.9])[..2], [1.0, 2.0]);
+        assert_eq!(levels(None, [2.0, 2.0]), [0.0; 0]);
+    }
+
+    #[test]
+    fn a_list_wins_and_a_flood_is_refused() {
+        let mut settings = IsobathSettings {
+            interval_m: Some(1e-4),
+            ..IsobathSettings::default()
+        };
+        assert!(settings.levels_m([0.0, 3.0]).is_err());
+        settings.depths_m = vec![3.0, 1.0, 3.0];
+        assert_eq!(settings.levels_m([0.0, 3.0]), Ok(vec![1.0, 3.0]));
+    }
+}

@@ -1,0 +1,17 @@
+//! Lines of equal depth, the areas between them, and what lies below a level.
+//!
+//! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths, `areas` to polygons, `levels`
+//! chooses the depths, `smooth` rounds lines where that is asked for, and `storage` counts area and volume.
+
+mod areas;
+mod levels;
+mod lines;
+mod march;
+mod smooth;
+mod storage;
+
+pub use areas::{DepthArea, Polygon, depth_areas};
+pub use levels::{IsobathSettings, TooManyLevels};
+pub use lines::{Isobath, isobaths};
+pub use smooth::smoothed;
+pub use storage::{Storage, storage};

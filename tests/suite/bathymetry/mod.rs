@@ -1,0 +1,3 @@
+//! Surfaces and what is drawn from them, against what other programs make of the same numbers.
+
+mod isobaths;
