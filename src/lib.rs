@@ -6,7 +6,7 @@
 //! bytes --formats--> Survey --first_return--> FirstReturns --cloud--> PointCloud --export--> files
 //!   ^                 | |                                      ^
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
-//!                     | |--bathymetry: depth map from the recorder's soundings
+//!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.

@@ -1,8 +1,10 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
-//! depth between them, `grid` chooses the cells and `surface` fills them. `isobaths` draws through them.
+//! depth between them, `grid` chooses the cells and `surface` fills them. `isobaths` draws through them,
+//! `compare` holds points against a reference.
 
+pub mod compare;
 mod grid;
 mod inverse_distance;
 pub mod isobaths;

@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 the input cannot be used (one line says what, where and what to do); 2 wrong usage.
 
+mod compare;
 mod dataset;
 mod detect;
 mod evaluate;
@@ -40,6 +41,8 @@ struct Cli {
 enum Command {
     /// Tell what is in a log: channels, pings, spans, ranges, warnings
     Info(info::InfoArgs),
+    /// Compare points with a reference: mean, spread, 95 %, share within each S-44 order
+    Compare(compare::CompareArgs),
     /// Measure predicted boxes against true ones: precision, recall, average precision, confusion
     Evaluate(evaluate::EvaluateArgs),
     /// Remove outliers from a point file: xyz, csv, ply, las, laz
@@ -61,6 +64,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Info(args)),
             ..
         } => info::run(args),
+        Cli {
+            command: Some(Command::Compare(args)),
+            ..
+        } => compare::run(args),
         Cli {
             command: Some(Command::Evaluate(args)),
             ..

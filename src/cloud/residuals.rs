@@ -1,16 +1,16 @@
-//! Agreement of side-scan depths with recorded depths.
+//! Statistics of differences, and those of side-scan depths from recorded depths.
 
 use super::{PointCloud, PointSource};
 use crate::statistics::{median, quantile};
 use crate::survey::Survey;
 use serde::Serialize;
 
-/// Agreement of side-scan depths with recorded depths at the same ping.
+/// Statistics of differences; which sign is up is said where they are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Residuals {
-    /// Number of side-scan points compared.
+    /// Number of differences.
     pub n: usize,
-    /// Mean of (side-scan depth minus recorded depth); positive is deeper.
+    /// Mean.
     pub mean_m: f64,
     /// Median.
     pub median_m: f64,
@@ -24,8 +24,8 @@ pub struct Residuals {
     pub p95_m: f64,
 }
 
-/// Side-scan depth minus recorded depth at the same ping, over the kept side-scan points where the recorder
-/// had the bottom; `None` without any.
+/// Side-scan depth minus recorded depth at the same ping (positive is deeper), over the kept side-scan points where the
+/// recorder had the bottom; `None` without any.
 ///
 /// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
 pub fn residuals(survey: &Survey, cloud: &PointCloud, kept: &[bool]) -> Option<Residuals> {
@@ -43,7 +43,7 @@ pub fn residuals(survey: &Survey, cloud: &PointCloud, kept: &[bool]) -> Option<R
 }
 
 impl Residuals {
-    /// Statistics of differences (measured minus reference depth, metres), which are overwritten; `None` when there are none.
+    /// Statistics of differences in metres, which are overwritten; `None` when there are none.
     pub fn of(differences: &mut [f64]) -> Option<Self> {
         let n = differences.len();
         if n == 0 {

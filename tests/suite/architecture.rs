@@ -13,7 +13,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("waterfall", &["survey", "first_return"]),
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
-    ("bathymetry", &["survey"]),
+    ("bathymetry", &["survey", "cloud"]),
     ("mosaic", &["survey", "first_return", "calibration"]),
     (
         "detection",

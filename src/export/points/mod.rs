@@ -1,12 +1,15 @@
-//! Point files of other programs, for `bathyscope filter`: text, PLY, LAS and LAZ.
+//! Point files of other programs, for `bathyscope filter` and `compare`: text, PLY, LAS and LAZ.
 //!
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
+mod elevations;
 mod las_claims;
 mod las_file;
 mod ply_file;
 mod text_file;
+
+pub use elevations::{Elevations, Plane, read_elevations};
 
 use super::write_aside;
 use las_file::LasFile;
@@ -15,7 +18,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
-use text_file::TextFile;
+use text_file::{KNOWN_NAMES, TextFile, Wanted};
 
 /// Why a point file cannot be used: one sentence, the path last.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +37,10 @@ pub struct PointFile {
     pub points: Vec<[f64; 3]>,
     /// What had to be guessed about the file, in one sentence.
     pub note: Option<String>,
+    /// Names of the columns that the coordinates are from, where they have names.
+    pub names: Option<[String; 3]>,
+    /// Lines left out because a coordinate is blank; none unless that was asked for.
+    pub blank: usize,
     rows: Rows,
 }
 
@@ -97,36 +104,57 @@ pub fn check_name(path: &Path) -> Result<(), PointFileError> {
 
 /// Reads a point file; `columns` names the coordinates of a text file with a header line.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
+    read_wanted(
+        path,
+        Wanted {
+            named: columns,
+            known: &KNOWN_NAMES,
+            skip_blank: false,
+        },
+    )
+}
+
+fn read_wanted(path: &Path, wanted: Wanted<'_>) -> Result<PointFile, PointFileError> {
     Kind::of(path)
-        .and_then(|kind| read_kind(kind, path, columns))
+        .and_then(|kind| read_kind(kind, path, wanted))
         .map_err(|what| PointFileError {
             what,
             path: path.to_path_buf(),
         })
 }
 
-fn read_kind(kind: Kind, path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, String> {
+fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, String> {
     check_regular(path).map_err(|error| format!("cannot read the points: {error}"))?;
-    let named_otherwise = columns.is_some_and(|names| names != &["x", "y", "z"]);
+    let named_otherwise = wanted.named.is_some_and(|names| names != &["x", "y", "z"]);
     if kind != Kind::Text && named_otherwise {
         return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
     }
-    let (rows, points, note) = match kind {
+    let bare = |rows, points| PointFile {
+        points,
+        note: None,
+        names: None,
+        blank: 0,
+        rows,
+    };
+    Ok(match kind {
         Kind::Text => {
-            let (file, points) = text_file::read(path, columns)?;
-            let note = file.note();
-            (Rows::Text(file), points, note)
+            let (file, points) = text_file::read(path, wanted)?;
+            PointFile {
+                note: file.note(),
+                names: file.names.clone(),
+                blank: file.blank,
+                ..bare(Rows::Text(file), points)
+            }
         }
         Kind::Ply => {
             let (file, points) = ply_file::read(path)?;
-            (Rows::Ply(file), points, None)
+            bare(Rows::Ply(file), points)
         }
         Kind::Las => {
             let (file, points) = las_file::read(path)?;
-            (Rows::Las(Box::new(file)), points, None)
+            bare(Rows::Las(Box::new(file)), points)
         }
-    };
-    Ok(PointFile { points, note, rows })
+    })
 }
 
 /// A pipe may never begin and a device never end: neither is opened.

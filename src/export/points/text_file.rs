@@ -13,10 +13,25 @@ pub(super) struct TextFile {
     lines: Vec<String>,
     /// Names of the columns that were taken for x, y, z without anybody saying so.
     guessed: Option<[String; 3]>,
+    /// Names of the columns that were taken, where they have names.
+    pub(super) names: Option<[String; 3]>,
+    /// Lines left out because a coordinate is blank.
+    pub(super) blank: usize,
 }
 
-/// Column names that are taken for coordinates when the user names none, in lower case.
-const KNOWN_NAMES: [[&str; 3]; 4] = [
+/// Which columns to take.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    /// As the user named them.
+    pub named: Option<&'a [String; 3]>,
+    /// Names to look for when the user names none, in lower case; the first that are all there win.
+    pub known: &'a [[&'a str; 3]],
+    /// Whether a line with a blank coordinate is left out instead of refused.
+    pub skip_blank: bool,
+}
+
+/// Column names that are taken for coordinates when the user names none.
+pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
     ["x", "y", "z"],
     ["east_m", "north_m", "z_m"],
     ["easting", "northing", "elevation"],
@@ -25,10 +40,7 @@ const KNOWN_NAMES: [[&str; 3]; 4] = [
 
 /// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line the first three columns
 /// are x, y, z. Lines that begin with `#` or `//` are comments.
-pub(super) fn read(
-    path: &Path,
-    names: Option<&[String; 3]>,
-) -> Result<(TextFile, Vec<[f64; 3]>), String> {
+pub(super) fn read(path: &Path, wanted: Wanted<'_>) -> Result<(TextFile, Vec<[f64; 3]>), String> {
     let bytes = fs::read(path).map_err(|error| format!("cannot read the points: {error}"))?;
     let text =
         String::from_utf8(bytes).map_err(|_| "the points are not text in UTF-8".to_owned())?;
@@ -36,6 +48,8 @@ pub(super) fn read(
         preamble: Vec::new(),
         lines: Vec::new(),
         guessed: None,
+        names: None,
+        blank: 0,
     };
     let mut points = Vec::new();
     let mut layout: Option<Layout> = None;
@@ -49,16 +63,21 @@ pub(super) fn read(
         let layout = match &layout {
             Some(layout) => layout,
             None => {
-                let (found, is_header) = Layout::of(line, names)?;
+                let (found, is_header) = Layout::of(line, wanted)?;
                 let found = layout.insert(found);
                 if is_header {
                     file.guessed = found.guessed.clone();
+                    file.names = Some(found.guessed.clone().unwrap_or_else(|| found.names.clone()));
                     file.preamble.push(line.to_owned());
                     continue;
                 }
                 found
             }
         };
+        if wanted.skip_blank && layout.is_blank(line) {
+            file.blank += 1;
+            continue;
+        }
         points.push(
             layout
                 .point(line)
@@ -110,7 +129,8 @@ struct Layout {
 
 impl Layout {
     /// From the first line, which is a header unless all it holds is numbers.
-    fn of(line: &str, names: Option<&[String; 3]>) -> Result<(Self, bool), String> {
+    fn of(line: &str, wanted: Wanted<'_>) -> Result<(Self, bool), String> {
+        let names = wanted.named;
         let separator = [',', ';', '\t']
             .into_iter()
             .find(|&separator| line.contains(separator));
@@ -153,7 +173,7 @@ impl Layout {
                     "there is no header line that could name `{x}`, `{y}` and `{z}`"
                 ));
             }
-            None if is_header => KNOWN_NAMES.into_iter().find_map(find),
+            None if is_header => wanted.known.iter().copied().find_map(find),
             None => None,
         };
         let first = || {
@@ -181,6 +201,13 @@ impl Layout {
             },
             is_header,
         ))
+    }
+
+    /// Whether a coordinate has a place in the line, but nothing stands there.
+    fn is_blank(&self, line: &str) -> bool {
+        let fields = fields(line, self.separator);
+        let field = |column: usize| fields.get(column).copied();
+        self.columns.iter().any(|&column| field(column) == Some(""))
     }
 
     fn point(&self, line: &str) -> Result<[f64; 3], String> {

@@ -1,0 +1,225 @@
+//! Which reference belongs to a measured point.
+
+use crate::bathymetry::{Between, Node, Tin};
+use crate::progress::{Cancelled, Progress};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rayon::prelude::*;
+
+/// How the reference of a point is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Matching {
+    /// The nearest reference point, seen from above, within a radius in metres.
+    Nearest {
+        /// The radius, itself included.
+        radius_m: f64,
+    },
+    /// The triangulated surface of the reference points at the place.
+    Surface {
+        /// The surface has no triangles with an edge longer than twice this, metres.
+        max_gap_m: f64,
+    },
+}
+
+/// A measured point and its reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Match {
+    /// Index of the measured point.
+    pub measured: usize,
+    /// Elevation of the reference there, metres.
+    pub reference_z_m: f64,
+    /// Measured minus reference elevation, metres: up is positive.
+    pub difference_m: f64,
+}
+
+/// Points placed by a worker between two looks at whether the work was cancelled.
+const CHUNK: usize = 1024;
+
+/// Finds the reference of each measured point, in their order; points without one are left out, as are those that are not
+/// finite. Points are east, north, elevation, metres; of both in one plane.
+pub fn match_points(
+    measured: &[[f64; 3]],
+    reference: &[[f64; 3]],
+    matching: Matching,
+    progress: &Progress,
+) -> Result<Vec<Match>, Cancelled> {
+    let is_finite = |point: &&[f64; 3]| point.iter().all(|value| value.is_finite());
+    let reference: Vec<[f64; 3]> = reference.iter().filter(is_finite).copied().collect();
+    let found = match matching {
+        Matching::Nearest { radius_m } => match Nearest::new(&reference, radius_m) {
+            Some(nearest) => each(measured, || |place| nearest.at(place), progress)?,
+            None => Vec::new(),
+        },
+        Matching::Surface { max_gap_m } => match triangulated(&reference, max_gap_m) {
+            Some(tin) => {
+                let sampler = || {
+                    let mut sampler = tin.sampler(Between::Linear);
+                    move |place| {
+                        let nodes = sampler.nodes_at(place)?;
+                        Some(-nodes.map(|(node, share)| share * node.depth_m).sum::<f64>())
+                    }
+                };
+                each(measured, sampler, progress)?
+            }
+            None => Vec::new(),
+        },
+    };
+    Ok(found)
+}
+
+/// Asks a reference of each worker's own for the elevation at every measured place.
+fn each<R: FnMut([f64; 2]) -> Option<f64>>(
+    measured: &[[f64; 3]],
+    reference: impl Fn() -> R + Sync,
+    progress: &Progress,
+) -> Result<Vec<Match>, Cancelled> {
+    progress.start(measured.len() as u64);
+    let chunks: Vec<Vec<Match>> = measured
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(chunk, points)| {
+            progress.check()?;
+            let mut reference = reference();
+            let mut at = |(index, &[east_m, north_m, z_m]): (usize, &[f64; 3])| {
+                let is_finite = [east_m, north_m, z_m].iter().all(|value| value.is_finite());
+                let reference_z_m = is_finite.then(|| reference([east_m, north_m]))??;
+                Some(Match {
+                    measured: chunk * CHUNK + index,
+                    reference_z_m,
+                    difference_m: z_m - reference_z_m,
+                })
+            };
+            let found = points.iter().enumerate().filter_map(&mut at).collect();
+            progress.advance(points.len() as u64);
+            Ok(found)
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(chunks.into_iter().flatten().collect())
+}
+
+struct Nearest<'a> {
+    points: &'a [[f64; 3]],
+    index: ImmutableKdTree<f64, 2>,
+    radius_m: f64,
+}
+
+impl<'a> Nearest<'a> {
+    fn new(points: &'a [[f64; 3]], radius_m: f64) -> Option<Self> {
+        let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
+        (!places.is_empty()).then_some(Self {
+            points,
+            index: ImmutableKdTree::new_from_slice(&places).ok()?,
+            radius_m,
+        })
+    }
+
+    fn at(&self, place: [f64; 2]) -> Option<f64> {
+        let found = self
+            .index
+            .query(&place)
+            .nearest_one::<SquaredEuclidean<f64>>()
+            .execute();
+        let [x, y, z_m] = self.points[found.item as usize];
+        // Of coordinates, not of the index's square: a radius is exact to its last bit only so.
+        let distance_m = (x - place[0]).hypot(y - place[1]);
+        (distance_m <= self.radius_m).then_some(z_m)
+    }
+}
+
+fn triangulated(points: &[[f64; 3]], max_gap_m: f64) -> Option<Tin> {
+    let node = |&[east_m, north_m, z_m]: &[f64; 3]| Node {
+        east_m,
+        north_m,
+        depth_m: -z_m,
+        spread_m: 0.0,
+    };
+    let nodes: Vec<Node> = points.iter().map(node).collect();
+    Some(Tin::new(&nodes)?.with_max_edge(2.0 * max_gap_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bathymetry::testing::{GOLDEN, golden_points};
+
+    fn reference() -> Vec<[f64; 3]> {
+        let points = golden_points();
+        points
+            .iter()
+            .map(|p| [p.east_m, p.north_m, -p.depth_m])
+            .collect()
+    }
+
+    #[test]
+    fn the_nearest_is_that_of_a_search_through_all() {
+        let reference = reference();
+        let measured: Vec<[f64; 3]> = (0..3000)
+            .map(|i| {
+                [
+                    0.37 * f64::from(i % 32) - 1.0,
+                    0.11 * f64::from(i / 32),
+                    -3.0,
+                ]
+            })
+            .collect();
+        let radius_m = 0.6;
+        let found = match_points(
+            &measured,
+            &reference,
+            Matching::Nearest { radius_m },
+            &Progress::new(),
+        );
+        let brute = measured
+            .iter()
+            .enumerate()
+            .filter_map(|(index, [x, y, _])| {
+                let off = |point: &&[f64; 3]| (point[0] - x).hypot(point[1] - y);
+                let nearest = reference.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+                (off(&nearest) <= radius_m).then_some((index, nearest[2]))
+            });
+        let brute: Vec<(usize, f64)> = brute.collect();
+        let found: Vec<(usize, f64)> = found
+            .unwrap()
+            .iter()
+            .map(|m| (m.measured, m.reference_z_m))
+            .collect();
+        assert!(brute.len() > 500 && brute.len() < 2500, "{}", brute.len());
+        assert_eq!(found, brute);
+    }
+
+    #[test]
+    fn the_surface_is_that_of_scipy_and_up_is_positive() {
+        let measured = GOLDEN.map(|golden| [golden.place[0], golden.place[1], -3.0]);
+        let matching = Matching::Surface { max_gap_m: 20.0 };
+        let found = match_points(&measured, &reference(), matching, &Progress::new()).unwrap();
+        for (one, golden) in found.iter().zip(&GOLDEN) {
+            assert!(
+                (one.difference_m - (golden.linear - 3.0)).abs() < 1e-9,
+                "{one:?}"
+            );
+        }
+        assert_eq!(found.len(), GOLDEN.len());
+    }
+
+    #[test]
+    fn what_is_no_number_has_no_reference() {
+        let nearest = Matching::Nearest { radius_m: 5.0 };
+        let find = |measured: &[[f64; 3]], reference: &[[f64; 3]], matching| {
+            match_points(measured, reference, matching, &Progress::new())
+                .unwrap()
+                .len()
+        };
+        assert_eq!(
+            find(
+                &[[f64::NAN, 0.0, 1.0], [0.0, 0.0, 1.0]],
+                &[[f64::NAN; 3], [1.0, 1.0, 1.0]],
+                nearest
+            ),
+            1
+        );
+        assert_eq!(find(&[[0.0; 3]], &[], nearest), 0);
+        assert_eq!(
+            find(&[[0.0; 3]], &[], Matching::Surface { max_gap_m: 1.0 }),
+            0
+        );
+    }
+}

@@ -1,0 +1,224 @@
+//! `bathyscope compare`: residual statistics of points against a reference.
+
+use super::output;
+use super::status_line::StatusLine;
+use crate::bathymetry::compare::{Comparison, Match, Matching, match_points};
+use crate::export::points::{Elevations, Plane, read_elevations};
+use crate::export::write_aside;
+use crate::geo::{LocalFrame, LonLat};
+use crate::progress::Progress;
+use serde::Serialize;
+use std::ffi::OsString;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+/// `bathyscope compare MEASURED REFERENCE [--json]`.
+#[derive(Debug, clap::Args)]
+pub struct CompareArgs {
+    /// The measured points: xyz, csv, txt, ply, las or laz; FILE.csv:x,y,z names its columns, a `-` before the third says
+    /// that it is a depth, positive down
+    measured: OsString,
+    /// The reference, named likewise; it may be other columns of the same file
+    reference: OsString,
+    /// Where the reference of a point is taken from
+    #[arg(long, value_enum, default_value_t = By::Nearest)]
+    by: By,
+    /// Farthest reference point for `--by nearest`, metres
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = parse_metres)]
+    radius: f64,
+    /// Widest gap that the surface spans for `--by surface`, metres to the nearest reference point
+    #[arg(long, value_name = "METRES", default_value_t = 20.0, value_parser = parse_metres)]
+    max_gap: f64,
+    /// Elevation of the water's surface, metres, for the depths that the S-44 orders depend on
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    water_level: f64,
+    /// Print JSON instead of a table
+    #[arg(long)]
+    json: bool,
+    /// Also write each matched point with its reference and difference into a CSV file
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+}
+
+/// Where the reference of a point is taken from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum By {
+    /// The nearest reference point within the radius, seen from above
+    Nearest,
+    /// The triangulated surface of the reference points
+    Surface,
+}
+
+fn parse_metres(text: &str) -> Result<f64, String> {
+    let metres = text.parse().ok();
+    metres
+        .filter(|metres: &f64| *metres > 0.0 && metres.is_finite())
+        .ok_or_else(|| "a distance is a number above 0".to_owned())
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Printed<'a> {
+    measured_file: String,
+    reference_file: String,
+    sign: &'static str,
+    by: String,
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+}
+
+const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+
+/// Compares the files and prints the statistics.
+pub fn run(args: CompareArgs) -> Result<(), String> {
+    let [mut measured, mut reference] = [read(&args.measured)?, read(&args.reference)?];
+    into_one_plane(&mut measured, &mut reference)?;
+    let (matching, by) = match args.by {
+        By::Nearest => (
+            Matching::Nearest {
+                radius_m: args.radius,
+            },
+            format!("nearest point within {} m", args.radius),
+        ),
+        By::Surface => (
+            Matching::Surface {
+                max_gap_m: args.max_gap,
+            },
+            format!("triangulated surface, gap {} m", args.max_gap),
+        ),
+    };
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("matching");
+    let matches = match_points(&measured.points, &reference.points, matching, &progress)
+        .map_err(|error| error.to_string())?;
+    drop(status);
+    let comparison = Comparison::new(measured.points.len(), &matches, args.water_level);
+    if matches.is_empty() {
+        return Err(format!(
+            "no measured point has a reference ({by}); give a larger distance, or see whether both files count from the same origin: {}",
+            measured.path.display()
+        ));
+    }
+    if let Some(path) = &args.output {
+        write_matches(path, &measured, &matches)?;
+    }
+    let printed = Printed {
+        measured_file: measured.path.display().to_string(),
+        reference_file: reference.path.display().to_string(),
+        sign: SIGN,
+        by,
+        comparison: &comparison,
+    };
+    if args.json {
+        return match serde_json::to_string_pretty(&printed) {
+            Ok(text) => output::results(text),
+            Err(error) => Err(format!("cannot print the statistics as JSON: {error}")),
+        };
+    }
+    output::results(table(&printed))
+}
+
+fn read(argument: &OsString) -> Result<Elevations, String> {
+    let file = read_elevations(argument).map_err(|error| error.to_string())?;
+    let shown = file.path.display();
+    if let Some(note) = &file.note {
+        output::tell(format_args!("warning: {note}: {shown}"));
+    }
+    if file.blank > 0 {
+        let count = file.blank;
+        output::tell(format_args!(
+            "warning: {count} lines without a coordinate are left out: {shown}"
+        ));
+    }
+    Ok(file)
+}
+
+/// Degrees of both files become metres about the first reference point.
+fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), String> {
+    match (measured.plane, reference.plane) {
+        (Plane::Metres, Plane::Metres) => return Ok(()),
+        (Plane::Degrees, Plane::Degrees) => (),
+        _ => {
+            return Err(format!(
+                "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
+                measured.path.display(),
+                reference.path.display()
+            ));
+        }
+    }
+    let position = |&[lon_deg, lat_deg, _]: &[f64; 3]| LonLat { lon_deg, lat_deg };
+    let Some(frame) = reference
+        .points
+        .first()
+        .map(|point| LocalFrame::new(position(point)))
+    else {
+        return Ok(());
+    };
+    for point in measured.points.iter_mut().chain(&mut reference.points) {
+        let [east_m, north_m] = frame.to_enu(position(point));
+        *point = [east_m, north_m, point[2]];
+    }
+    Ok(())
+}
+
+fn table(printed: &Printed<'_>) -> String {
+    let comparison = printed.comparison;
+    let mut lines = vec![
+        format!("measured minus reference (up is positive), {}", printed.by),
+        format!(
+            "matched   {} of {} points, {} without a reference",
+            comparison.measured - comparison.unmatched,
+            comparison.measured,
+            comparison.unmatched
+        ),
+    ];
+    if let Some(found) = &comparison.residuals {
+        let signed = [("mean", found.mean_m), ("median", found.median_m)];
+        lines.extend(signed.map(|(name, value)| format!("{name:<9} {value:+.4} m")));
+        let sizes = [
+            ("sd", found.sd_m),
+            ("RMS", found.rms_m),
+            ("MAE", found.mae_m),
+            ("95 %", found.p95_m),
+        ];
+        lines.extend(sizes.map(|(name, value)| format!("{name:<9}  {value:.4} m")));
+    }
+    lines.extend(comparison.orders.iter().map(|within| {
+        let order = within.order;
+        let verdict = if within.share >= 0.95 {
+            ""
+        } else {
+            " (95 % wanted)"
+        };
+        format!(
+            "S-44 {:<9} {:6.2} % within{verdict}",
+            order.order,
+            100.0 * within.share
+        )
+    }));
+    lines.join("\n")
+}
+
+fn write_matches(path: &Path, measured: &Elevations, matches: &[Match]) -> Result<(), String> {
+    write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        writeln!(out, "x_m,y_m,z_m,reference_z_m,difference_m")?;
+        for one in matches {
+            let [x, y, z] = measured.points[one.measured];
+            let Match {
+                reference_z_m,
+                difference_m,
+                ..
+            } = one;
+            writeln!(out, "{x},{y},{z},{reference_z_m},{difference_m}")?;
+        }
+        out.flush()
+    })
+    .map_err(|error| error.to_string())
+}

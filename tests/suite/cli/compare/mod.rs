@@ -1,0 +1,142 @@
+//! `bathyscope compare` against numpy and scipy (`make.py` tells how their figures were made).
+
+use super::{refusal, run};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+const MEASURED: &str = "columns.csv:Easting,Northing,Predicted";
+const REFERENCE: &str = "columns.csv:RefE,RefN,Elevation";
+
+fn folder_with_columns() -> tempfile::TempDir {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    fs::write(
+        temporary.path().join("columns.csv"),
+        include_str!("columns.csv"),
+    )
+    .unwrap();
+    temporary
+}
+
+fn compared(folder: &Path, reference: &str, options: &[&str]) -> Value {
+    let mut args = vec![
+        "compare",
+        MEASURED,
+        reference,
+        "--water-level",
+        "1.5",
+        "--json",
+    ];
+    args.extend(options);
+    serde_json::from_str(&run(folder, &args)).expect("JSON on stdout")
+}
+
+fn assert_same(found: &Value, expected: &Value) {
+    for key in [
+        "n",
+        "unmatched",
+        "mean_m",
+        "median_m",
+        "sd_m",
+        "rms_m",
+        "mae_m",
+        "p95_m",
+    ] {
+        let [found, expected] = [found, expected].map(|one| one[key].as_f64().unwrap());
+        assert!(
+            (found - expected).abs() < 1e-9,
+            "{key}: {found} instead of {expected}"
+        );
+    }
+    let orders = found["orders"].as_array().unwrap();
+    assert_eq!(orders.len(), 4);
+    for order in orders {
+        let share = expected["shares"][order["order"].as_str().unwrap()]
+            .as_f64()
+            .unwrap();
+        assert!(
+            (order["share"].as_f64().unwrap() - share).abs() < 1e-9,
+            "{order}"
+        );
+    }
+}
+
+#[test]
+fn two_column_sets_give_the_figures_of_numpy() {
+    let temporary = folder_with_columns();
+    let folder = temporary.path();
+    let expected: Value = serde_json::from_str(include_str!("expected.json")).unwrap();
+    let some = compared(folder, REFERENCE, &[]);
+    assert_same(&some, &expected["some"]);
+    assert!(some["unmatched"].as_u64().unwrap() > 20);
+    assert_same(
+        &compared(folder, REFERENCE, &["--radius", "500"]),
+        &expected["all"],
+    );
+    let by_surface = ["--by", "surface", "--max-gap", "500"];
+    assert_same(
+        &compared(folder, REFERENCE, &by_surface),
+        &expected["surface"],
+    );
+    // A column of depths, turned.
+    assert_same(
+        &compared(folder, "columns.csv:RefE,RefN,-Depth", &[]),
+        &expected["some"],
+    );
+}
+
+#[test]
+fn a_table_for_people_and_a_file_for_the_map() {
+    let temporary = folder_with_columns();
+    let folder = temporary.path();
+    let table = run(
+        folder,
+        &["compare", MEASURED, REFERENCE, "-o", "residuals.csv"],
+    );
+    for words in [
+        "up is positive",
+        "without a reference",
+        "median",
+        "S-44 exclusive",
+    ] {
+        assert!(table.contains(words), "{table}");
+    }
+    let text = fs::read_to_string(folder.join("residuals.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("x_m,y_m,z_m,reference_z_m,difference_m"));
+    for line in lines {
+        let values: Vec<f64> = line
+            .split(',')
+            .map(|value| value.parse().unwrap())
+            .collect();
+        assert!((values[2] - values[3] - values[4]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn degrees_become_metres_and_do_not_mix_with_them() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    // 50 m north and 50 m east of the first point, from the geodesic.
+    fs::write(
+        folder.join("a.csv"),
+        "lon,lat,z_m\n-82.110000000,29.410451090,-2\n-82.109484812,29.409999999,-3\n",
+    )
+    .unwrap();
+    fs::write(folder.join("b.csv"), "lon,lat,z_m\n-82.11,29.41,-2.5\n").unwrap();
+    fs::write(folder.join("metres.csv"), "x,y,z\n0,0,-2.5\n").unwrap();
+    let at = |radius: &str| {
+        let args = ["compare", "a.csv", "b.csv", "--json", "--radius", radius];
+        let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
+        found["n"].as_u64().unwrap()
+    };
+    assert_eq!(at("50.001"), 2);
+    let far = refusal(
+        folder,
+        &["compare", "a.csv", "b.csv", "--radius", "49.999"],
+        1,
+    );
+    assert!(far.contains("larger distance"), "{far}");
+    let mixed = refusal(folder, &["compare", "a.csv", "metres.csv"], 1);
+    assert!(mixed.contains("degrees"), "{mixed}");
+}
