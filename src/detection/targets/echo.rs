@@ -1,6 +1,6 @@
 //! The echo and the shadow inside a box.
 
-use super::profile::Grid;
+use super::profile::{Background, Grid};
 use super::runs::{Runs, runs};
 use crate::detection::Mark;
 use crate::statistics::median;
@@ -16,7 +16,18 @@ pub struct Parts {
     pub shadow_m: Option<[f64; 2]>,
     /// The longest shadow behind a few neighbouring pings: that of the object's top. Where the top is round, or the object
     /// lies askew, [`Parts::shadow_m`] ends before it, where half of the pings hear the bottom again.
-    pub longest_m: Option<[f64; 2]>,
+    pub longest: Option<Shadow>,
+}
+
+/// A shadow in a few pings, metres of slant range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shadow {
+    /// Where what is bright before it ends. What lies between may be the object's top, no brighter than the bottom, or bottom.
+    pub bright_end_m: f64,
+    /// Where the dark starts.
+    pub start_m: f64,
+    /// Where the bottom is heard again; NaN where the dark runs off the range.
+    pub end_m: f64,
 }
 
 /// Steps that the box and its margin are divided into at most.
@@ -33,6 +44,11 @@ const SLICE: f64 = 0.2;
 const SLICES: usize = 24;
 /// A shadow is at least this share of the background's level darker than it; the bytes are decibels, more or less.
 const DARKER: f64 = 0.12;
+/// A shadow ends where half of the bottom's power is heard again: pulse and beam blur the edge evenly in power, and the
+/// middle of the levels lies deep in the shadow where they are decibels. Of fully developed speckle the decibels have a
+/// standard deviation of 5.57, whatever the level, and the amplitudes one of 0.52 of their mean; half of the power, 3 dB or
+/// 0.29 of the amplitude, is 0.55 of either: so many standard deviations below the background, whatever the recorder's curve.
+const HALF_POWER: f64 = 0.55;
 /// Shortest shadow, metres and as a share of the box: a shorter dark run is speckle.
 const SHORTEST_SHADOW_M: f64 = 0.1;
 const SHORTEST_SHADOW: f64 = 0.15;
@@ -44,15 +60,15 @@ const GAP_M: f64 = 1.2;
 /// range). `None` where the box holds no samples.
 pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
-    let (echo, shadow_m) = look.at(core(&mark.pings))?;
-    let longest_m = shadow_m.and_then(|shadow| {
+    let (echo_m, shadow) = look.at(core(&mark.pings))?;
+    let longest = shadow.and_then(|shadow| {
         let slices = slices(&mark.pings).filter_map(|pings| look.at(pings)?.1);
-        longest(slices.filter(|[_, end]| end.is_finite() || shadow[1].is_nan()))
+        longest(slices.filter(|slice| slice.end_m.is_finite() || shadow.end_m.is_nan()))
     });
     Some(Parts {
-        echo_m: [look.range_m(echo.start), look.range_m(echo.end)],
-        shadow_m,
-        longest_m,
+        echo_m,
+        shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
+        longest,
     })
 }
 
@@ -60,7 +76,7 @@ pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
 struct Look<'a> {
     survey: &'a Survey,
     grid: Grid,
-    background: Vec<f64>,
+    background: Background,
     /// Mean level of the background.
     level: f64,
     /// Shortest dark run that is a shadow, and the end of what was recorded, metres.
@@ -93,12 +109,15 @@ impl<'a> Look<'a> {
             Some(background) => background,
             None => {
                 let mut levels = grid.profile(survey, core(&mark.pings))?;
-                vec![median(&mut levels); grid.steps]
+                Background {
+                    levels: vec![median(&mut levels); grid.steps],
+                    speckle: f64::NAN,
+                }
             }
         };
         Some(Self {
             survey,
-            level: background.iter().sum::<f64>() / background.len() as f64,
+            level: background.levels.iter().sum::<f64>() / background.levels.len() as f64,
             shortest_m: SHORTEST_SHADOW_M.max(SHORTEST_SHADOW * length_m),
             end_m: limits[1],
             grid,
@@ -111,30 +130,46 @@ impl<'a> Look<'a> {
         self.grid.from_m + step as f64 * self.grid.step_m
     }
 
-    /// The echo, and start and end of the shadow, in some pings.
-    fn at(&self, pings: Range<usize>) -> Option<(Range<usize>, Option<[f64; 2]>)> {
+    /// The echo and its shadow in some pings.
+    fn at(&self, pings: Range<usize>) -> Option<([f64; 2], Option<Shadow>)> {
         let heard = self.grid.profile(self.survey, pings)?;
         let contrast: Vec<f64> = heard
             .iter()
-            .zip(&self.background)
+            .zip(&self.background.levels)
             .map(|(heard, quiet)| heard - quiet)
             .collect();
         let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
-        let dark = shadow.filter(|dark| {
-            let mean = contrast[dark.clone()].iter().sum::<f64>() / dark.len() as f64;
+        let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
+        let shadow = shadow.and_then(|dark| {
+            let darkness = -contrast[dark.clone()].iter().sum::<f64>() / dark.len() as f64;
             let dark_m = dark.len() as f64 * self.grid.step_m;
-            -mean > DARKER * self.level && dark_m > self.shortest_m
-        });
-        let shadow_m = dark.map(|dark| {
-            let end_m = self.range_m(dark.end);
+            if darkness < DARKER * self.level || dark_m < self.shortest_m {
+                return None;
+            }
+            // NaN gives half of the darkness.
+            let lit = (HALF_POWER * self.background.speckle).min(0.5 * darkness);
+            let end_m = self.range_m(last_below(&contrast, dark.start, -lit));
             let ends = end_m < self.end_m - 2.0 * self.grid.step_m;
-            [
-                self.range_m(dark.start),
-                if ends { end_m } else { f64::NAN },
-            ]
+            Some(Shadow {
+                bright_end_m: echo_m[1],
+                start_m: self.range_m(dark.start),
+                end_m: if ends { end_m } else { f64::NAN },
+            })
         });
-        Some((echo, shadow_m))
+        Some((echo_m, shadow))
     }
+}
+
+/// The step up to which a profile stays below a level from a step on: where the sum of what is below it is largest.
+fn last_below(contrast: &[f64], start: usize, level: f64) -> usize {
+    let (mut sum, mut largest, mut end) = (0.0, 0.0, start);
+    for (step, value) in contrast.iter().enumerate().skip(start) {
+        sum += level - value;
+        if sum > largest {
+            (largest, end) = (sum, step + 1);
+        }
+    }
+    end
 }
 
 /// The middle pings of a box.
@@ -156,11 +191,12 @@ fn slices(pings: &Range<usize>) -> impl Iterator<Item = Range<usize>> {
         .map(move |first| start + first..start + first + count)
 }
 
-/// The shadow of the highest top: by `(end - start) / end`, where the height is in proportion to it. Not the very longest of
-/// them, which speckle may have made, but the second where there are three.
-fn longest(shadows: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
-    let share = |[start, end]: &[f64; 2]| if end.is_nan() { 1.0 } else { 1.0 - start / end };
-    let mut shadows: Vec<[f64; 2]> = shadows.collect();
-    shadows.sort_by(|a, b| share(b).total_cmp(&share(a)));
-    shadows.get(usize::from(shadows.len() > 2)).copied()
+/// The shadow of the highest top: by `(end - start) / end`, where the height is in proportion to it. One that runs off the
+/// range is longer than any.
+fn longest(shadows: impl Iterator<Item = Shadow>) -> Option<Shadow> {
+    let share = |one: &Shadow| match one.end_m.is_nan() {
+        true => 1.0,
+        false => 1.0 - one.start_m / one.end_m,
+    };
+    shadows.max_by(|a, b| share(a).total_cmp(&share(b)))
 }

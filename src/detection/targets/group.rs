@@ -3,7 +3,6 @@
 use super::pairs::{pairs, same_pass, size_m};
 use super::spread::Spread;
 use super::{Target, passes_over};
-use crate::statistics::median;
 use crate::survey::{Navigation, Survey};
 
 /// How near two sightings of one object lie.
@@ -48,7 +47,7 @@ pub struct Group {
     pub sigma_m: f64,
     /// Class with the largest sum of scores; of equals the one seen first.
     pub class: usize,
-    /// Median of the heights that are known, metres; NaN without any.
+    /// Mean of the heights that are known, weighted by their certainty, metres; NaN without any.
     pub height_m: f64,
 }
 
@@ -137,14 +136,20 @@ fn common<'a>(
     (covariance.times(sum), covariance)
 }
 
+/// Mean of the known heights, weighted by the inverse of their variances; NaN without any.
+fn height_m<'a>(targets: impl Iterator<Item = &'a Target>) -> f64 {
+    let known = targets.filter(|target| target.height_m.is_finite());
+    let (weights, sum) = known.fold((0.0, 0.0), |(weights, sum), target| {
+        let weight = target.height_sigma_m.max(0.01).powi(-2);
+        (weights + weight, sum + weight * target.height_m)
+    });
+    sum / weights
+}
+
 fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupSettings) -> Group {
     members.sort_unstable();
     let all = || members.iter().map(|&index| &sightings[index]);
     let ([east_m, north_m], covariance) = common(all().map(|one| one.target), settings);
-    let mut heights_m: Vec<f64> = all()
-        .map(|one| one.target.height_m)
-        .filter(|height_m| height_m.is_finite())
-        .collect();
     let support = |class: usize| -> f64 {
         let same = all().filter(|one| one.class == class);
         same.map(|one| one.score.max(0.0)).sum()
@@ -160,7 +165,7 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
         north_m,
         sigma_m: covariance.widest_m(),
         class,
-        height_m: median(&mut heights_m),
+        height_m: height_m(all().map(|one| one.target)),
         members,
     }
 }
@@ -245,8 +250,10 @@ mod tests {
         let mut targets = [seen(0.0, 10.0, 0.3), seen(0.3, 14.0, 0.3)];
         targets[1].heading_rad = 1.2;
         assert_eq!(members(&targets), [vec![0, 1]]);
-        // While one still lasts, another is another.
+        // Two boxes over one echo are one object; at another range, at the same time, is another.
         targets[0].mark.pings.end = targets[1].mark.pings.start + 1;
+        assert_eq!(members(&targets), [vec![0, 1]]);
+        targets[1].mark.near_m += 0.8;
         assert_eq!(members(&targets), [vec![0], vec![1]]);
         let mut targets = [seen(-0.3, 10.0, 0.5), seen(0.3, 10.0, 0.5)];
         targets[1].mark.side = Side::Starboard;
@@ -296,7 +303,8 @@ mod tests {
         targets[1].along_sigma_m = 0.1;
         targets[1].heading_rad = std::f64::consts::FRAC_PI_2;
         targets[1].north_m = 0.8;
-        targets[1].height_m = 0.5;
+        (targets[1].height_m, targets[1].height_sigma_m) = (0.5, 0.1);
+        (targets[0].height_m, targets[0].height_sigma_m) = (0.2, 0.2);
         let [one] = &grouped(&targets, &[])[..] else {
             panic!("one object")
         };
@@ -306,6 +314,6 @@ mod tests {
         assert!((one.east_m - share * 0.4).abs() < 1e-9);
         assert!((one.north_m - (1.0 - share) * 0.8).abs() < 1e-9);
         assert!((one.sigma_m - (weights[0] + weights[1]).sqrt().recip()).abs() < 1e-9);
-        assert_eq!(one.height_m, 0.5);
+        assert!((one.height_m - (4.0 * 0.5 + 0.2) / 5.0).abs() < 1e-9);
     }
 }

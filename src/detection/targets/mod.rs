@@ -2,10 +2,12 @@
 //!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
 //! a height of them, `place` puts them on the bottom, `passes` tells which passes of the boat covered a place, `group` makes
-//! one object of the same object seen from several lines (`pairs` says which sightings may be one, `spread` how sure that is).
+//! one object of the same object seen from several lines (`pairs` says which sightings may be one, `spread`
+//! and `heading` how sure that is).
 
 mod echo;
 mod group;
+mod heading;
 mod pairs;
 mod passes;
 mod place;
@@ -14,7 +16,7 @@ mod runs;
 mod seen;
 mod spread;
 
-pub use echo::{Parts, parts};
+pub use echo::{Parts, Shadow, parts};
 pub use group::{Group, GroupSettings, Sighting, group};
 pub use passes::{Pass, passes_over};
 pub use place::Placer;
@@ -46,8 +48,9 @@ pub struct Target {
     /// Height above the bottom from the length of the longest shadow; NaN without a shadow that ends within the range. Of a
     /// round top it is that of the far flank where the last ray touches it.
     pub height_m: f64,
-    /// Standard deviation of the height on level ground; NaN without a height. A slope behind the object is not in it: one
-    /// that falls away lengthens the shadow, one that rises shortens it.
+    /// Standard deviation of the height; NaN without a height. It holds how sharp both ends of the shadow are, how far its end
+    /// is from the box's, a bottom that slopes by two degrees, and a top that may be flat or round. What casts no shadow of
+    /// its own (the far side of a wide object, a branch in the shadow of the trunk) cannot be known.
     pub height_sigma_m: f64,
     /// Depth of the bottom below the transducer.
     pub depth_m: f64,

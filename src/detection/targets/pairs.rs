@@ -7,6 +7,8 @@ use super::{GroupSettings, Sighting, Target};
 /// radians, are of one pass: a boat that goes straight on hears a thing once.
 const ONE_PASS_M: f64 = 8.0;
 const ONE_PASS_RAD: f64 = 0.35;
+/// Echoes that one ping hears begin at least so far apart where they are of two objects, metres.
+const SAME_ECHO_M: f64 = 0.5;
 /// What another class counts for in squared standard deviations: `-2 ln` of how often a detector takes one thing for another.
 const OTHER_CLASS: f64 = 3.0;
 /// Share of an object's extent by which the middle of what is seen of it from different sides may move, and the largest
@@ -14,14 +16,17 @@ const OTHER_CLASS: f64 = 3.0;
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
-/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it.
+/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it;
+/// two boxes over the same echo, at one time and one range, are no two objects.
 pub(super) fn same_pass(a: &Target, b: &Target) -> bool {
     if a.mark.side != b.mark.side {
         return false;
     }
-    let together = a.mark.pings.start < b.mark.pings.end && b.mark.pings.start < a.mark.pings.end;
+    if a.mark.pings.start < b.mark.pings.end && b.mark.pings.start < a.mark.pings.end {
+        return (a.mark.near_m - b.mark.near_m).abs() > SAME_ECHO_M;
+    }
     let straight = (a.heading_rad - b.heading_rad).cos() > ONE_PASS_RAD.cos();
-    together || straight && (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
+    straight && (a.sailed_m - b.sailed_m).abs() < ONE_PASS_M
 }
 
 /// How far the middle of what is seen may lie from the middle of the object because of its size: standard deviation, metres.

@@ -1,6 +1,8 @@
 //! From a box to a place on the bottom.
 
-use super::seen::Seen;
+use super::echo::Shadow;
+use super::heading::heading_sigma_rad;
+use super::seen::{PART_SIGMA, Seen};
 use super::{Target, parts};
 use crate::calibration::Calibration;
 use crate::detection::Mark;
@@ -10,15 +12,9 @@ use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
-/// Standard deviation of a heading from the fitted track, radians (2 degrees), and what a turn adds: a share of the change of
-/// heading over so many pings before and behind.
-const HEADING_SIGMA_RAD: f64 = 0.035;
-const TURN_SIGMA: f64 = 0.08;
-const TURN_PINGS: usize = 20;
-/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre.
-const FIX_SIGMA_M: f64 = 0.15;
-/// Share of its extent along the track by which the middle of what is heard may be off that of the object.
-const PART_SIGMA: f64 = 0.15;
+/// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a line along the grid is off
+/// by the same all the way.
+const FIX_SIGMA_M: f64 = 0.25;
 
 /// Places boxes of one survey.
 pub struct Placer<'a> {
@@ -77,7 +73,7 @@ impl<'a> Placer<'a> {
         }
         let track = &self.survey.track;
         let length_m = self.length_m(mark, seen.slant_m(), out_m);
-        let askew_m = self.heading_sigma_rad(mark) * ground_m;
+        let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
         let along_sigma_m = askew_m
             .hypot(PART_SIGMA * length_m.max(0.0))
             .hypot(FIX_SIGMA_M);
@@ -143,21 +139,22 @@ impl<'a> Placer<'a> {
             (Some(found), None) => found.echo_m[1],
             (None, None) => mark.near_m + (mark.far_m - mark.near_m) / 3.0,
         };
-        let longest_m = found.and_then(|found| found.longest_m);
+        // NaN stays NaN.
+        let end = |recorded_m: f64| match recorded_m.is_nan() {
+            true => recorded_m,
+            false => calibrated(recorded_m),
+        };
+        let longest = found.and_then(|found| found.longest);
         Seen {
             altitude_m,
             near_m: calibrated(mark.near_m),
             far_m: calibrated(far_m),
+            box_end_m: calibrated(mark.far_m),
             bounded: shadow_m.is_some(),
-            // NaN stays NaN.
-            longest_m: longest_m.map(|ends_m| {
-                ends_m.map(|end_m| {
-                    if end_m.is_nan() {
-                        end_m
-                    } else {
-                        calibrated(end_m)
-                    }
-                })
+            longest: longest.map(|shadow| Shadow {
+                bright_end_m: calibrated(shadow.bright_end_m),
+                start_m: calibrated(shadow.start_m),
+                end_m: end(shadow.end_m),
             }),
         }
     }
@@ -175,30 +172,6 @@ impl<'a> Placer<'a> {
             north_m: 0.5 * (before.north_m + behind.north_m),
             ..before
         })
-    }
-
-    /// Standard deviation of the heading over the box.
-    fn heading_sigma_rad(&self, mark: &Mark) -> f64 {
-        HEADING_SIGMA_RAD.hypot(TURN_SIGMA * self.turn_rad(mark))
-    }
-
-    /// Change of the heading around the box, 0 to pi; 0 where it is not known.
-    fn turn_rad(&self, mark: &Mark) -> f64 {
-        let heading = |ping: usize| {
-            self.navigation
-                .pings
-                .get(ping)
-                .map(|place| place.heading_rad)
-        };
-        let last = self.navigation.pings.len().saturating_sub(1);
-        let from = heading(mark.pings.start.saturating_sub(TURN_PINGS));
-        let to = heading((mark.pings.end + TURN_PINGS).min(last));
-        let change = from.zip(to).map_or(0.0, |(from, to)| (to - from).cos());
-        if change.is_finite() {
-            change.clamp(-1.0, 1.0).acos()
-        } else {
-            0.0
-        }
     }
 
     /// Extent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a

@@ -1,6 +1,7 @@
 //! Levels by slant range in some pings of one side.
 
 use crate::detection::Mark;
+use crate::statistics::median;
 use crate::survey::{Side, Survey};
 use std::ops::Range;
 
@@ -44,18 +45,18 @@ impl Grid {
         (count > 0.0).then(|| sums.iter().map(|sum| sum / count).collect())
     }
 
-    /// What the pings before and behind the box hear, smoothed over range.
-    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Vec<f64>> {
+    /// What the pings before and behind the box hear; `None` where there are none.
+    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Background> {
         let before = mark.pings.start.saturating_sub(APART);
-        let behind = mark.pings.end + APART;
+        let behind = (mark.pings.end + APART).min(survey.side_scan.len());
         let pings = [
             before.saturating_sub(BESIDE)..before,
             behind..(behind + BESIDE).min(survey.side_scan.len()),
         ];
-        let heard = pings
-            .into_iter()
-            .filter_map(|pings| self.profile(survey, pings));
-        let both: Vec<Vec<f64>> = heard.collect();
+        let both: Vec<Vec<f64>> = pings
+            .iter()
+            .filter_map(|pings| self.profile(survey, pings.clone()))
+            .collect();
         if both.is_empty() {
             return None;
         }
@@ -70,6 +71,39 @@ impl Grid {
             let count = around.len() as f64;
             rough[around].iter().sum::<f64>() / count
         };
-        Some((0..self.steps).map(smooth).collect())
+        let levels: Vec<f64> = (0..self.steps).map(smooth).collect();
+        let mut swings: Vec<f64> = pings
+            .into_iter()
+            .flatten()
+            .filter_map(|ping| self.swing(survey, ping, &levels))
+            .collect();
+        Some(Background {
+            speckle: median(&mut swings),
+            levels,
+        })
     }
+
+    /// Standard deviation of one ping's samples about its own mean level over the background.
+    fn swing(&self, survey: &Survey, ping: usize, levels: &[f64]) -> Option<f64> {
+        let span = survey.span(ping, self.side)?;
+        let samples = survey.samples(ping, self.side)?;
+        let (mut sum, mut squares, mut count) = (0.0, 0.0, 0.0);
+        for (step, level) in levels.iter().enumerate() {
+            let range_m = self.from_m + (step as f64 + 0.5) * self.step_m;
+            let index = span.sample_at(range_m).max(0.0) as usize;
+            if index < samples.len() {
+                let above = f64::from(samples.get(index)) - level;
+                (sum, squares, count) = (sum + above, squares + above * above, count + 1.0);
+            }
+        }
+        (count > 2.0).then(|| (squares / count - (sum / count).powi(2)).max(0.0).sqrt())
+    }
+}
+
+/// What the pings beside a box hear.
+pub(super) struct Background {
+    /// Mean level at each step, smoothed over range.
+    pub(super) levels: Vec<f64>,
+    /// Standard deviation of single samples about it; NaN where it is not known.
+    pub(super) speckle: f64,
 }

@@ -4,10 +4,14 @@
 //! `sqrt(r^2 - H^2)` beside the track, and one that stands `h` above it `sqrt(r^2 - (H - h)^2)`. A shadow from `r_t` (the far
 //! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e`.
 
+use super::echo::Shadow;
+
 /// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are rounded.
 const EDGE_SIGMA_M: f64 = 0.05;
 /// Standard deviation of the altitude at the object: the bottom is not flat. A share of the altitude.
 const ALTITUDE_SIGMA: f64 = 0.05;
+/// Slope of the bottom between the object and the end of its shadow, standard deviation: 2 degrees.
+const SLOPE_SIGMA: f64 = 0.035;
 /// Share of the echo's extent by which its middle may be off where no shadow ends it, and the extent assumed then at least,
 /// metres.
 const LOOSE_SIGMA: f64 = 0.25;
@@ -15,9 +19,10 @@ const USUAL_WIDTH_M: f64 = 0.6;
 /// Height that an object without a shadow may well have, metres. Far out it matters little; near the boat the echo of its
 /// top comes from much farther out than the bottom at the same range.
 const USUAL_HEIGHT_M: f64 = 0.3;
-/// Share of the height by which the top may be higher than the shadow tells: of a round top the ray that ends the shadow
-/// touches the far flank.
-const ROUND_SIGMA: f64 = 0.08;
+/// Least share of the slant range that the ground range counts with: steeper, and a shadow tells nothing.
+const STEEPEST: f64 = 0.2;
+/// Share of an extent by which the middle of what is heard may be off that of the object.
+pub(super) const PART_SIGMA: f64 = 0.15;
 
 /// What is measured of an object, by the calibration in force. Slant ranges and heights in metres.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +35,10 @@ pub(super) struct Seen {
     pub(super) far_m: f64,
     /// A shadow ends it.
     pub(super) bounded: bool,
-    /// Start and end of the longest shadow; the end is NaN where it runs off the range.
-    pub(super) longest_m: Option<[f64; 2]>,
+    /// Far edge of the box, which whoever drew it took for the end of the shadow.
+    pub(super) box_end_m: f64,
+    /// The longest shadow.
+    pub(super) longest: Option<Shadow>,
 }
 
 impl Seen {
@@ -42,19 +49,41 @@ impl Seen {
 
     /// Height above the bottom; NaN without a shadow that ends.
     pub(super) fn height_m(&self) -> f64 {
-        self.longest_m.map_or(f64::NAN, |[start_m, end_m]| {
-            self.altitude_m * (end_m - start_m) / end_m
+        self.longest.map_or(f64::NAN, |shadow| {
+            self.altitude_m * (shadow.end_m - shadow.start_m) / shadow.end_m
         })
     }
 
-    /// Standard deviation of the height: of both ends of the shadow, the altitude, and the round top.
+    /// Standard deviation of the height: of both ends of the shadow, of the altitude, of the slope, and of the shape.
+    ///
+    /// The shadow starts somewhere between what is bright and what is dark, and its end is off by half of what it differs
+    /// from the box's. The last ray over a round top touches its far flank: of a half ball that lies `ground / slant` as high
+    /// as the top, of a flat top as high. Which it is is not known; under the boat, where the ray comes from above, that is
+    /// most of the height.
     pub(super) fn height_sigma_m(&self) -> f64 {
-        self.longest_m.map_or(f64::NAN, |[start_m, end_m]| {
-            let start = self.altitude_m / end_m * EDGE_SIGMA_M;
-            let end = start * start_m / end_m;
-            let level = ALTITUDE_SIGMA * self.height_m();
-            let round = ROUND_SIGMA * self.height_m();
-            start.hypot(end).hypot(level).hypot(round)
+        self.longest.map_or(f64::NAN, |shadow| {
+            let Shadow {
+                bright_end_m,
+                start_m,
+                end_m,
+            } = shadow;
+            let height_m = self.height_m();
+            // Of evenly spread ones the standard deviation is the width over the root of 12.
+            let start_sigma_m = EDGE_SIGMA_M.hypot((start_m - bright_end_m) / 12f64.sqrt());
+            let end_sigma_m = EDGE_SIGMA_M.hypot(0.5 * (self.box_end_m - end_m));
+            let start = self.altitude_m / end_m * start_sigma_m;
+            let end = self.altitude_m * start_m / (end_m * end_m) * end_sigma_m;
+            let beside = |range_m: f64, below_m: f64| {
+                (range_m * range_m - below_m * below_m).max(0.0).sqrt()
+            };
+            let ground_m = beside(end_m, self.altitude_m);
+            let shadow_m = ground_m - beside(start_m, self.altitude_m - height_m);
+            let flank = 0.5 * (end_m / ground_m.max(STEEPEST * end_m) - 1.0);
+            start
+                .hypot(end)
+                .hypot(ALTITUDE_SIGMA * height_m)
+                .hypot(SLOPE_SIGMA * shadow_m)
+                .hypot(flank * height_m)
         })
     }
 
@@ -109,7 +138,12 @@ impl Seen {
         } else {
             LOOSE_SIGMA * self.width_m().max(USUAL_WIDTH_M)
         };
-        edges_m.hypot(altitude_m).hypot(height_m).hypot(loose_m)
+        let part_m = PART_SIGMA * self.width_m();
+        edges_m
+            .hypot(altitude_m)
+            .hypot(height_m)
+            .hypot(loose_m)
+            .hypot(part_m)
     }
 
     fn raised_m(&self) -> f64 {
@@ -134,5 +168,59 @@ impl Seen {
             (far_m - near_m).max(USUAL_WIDTH_M)
         };
         near_m + 0.5 * width_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block 0.5 m high from `ground_m` beside the track on, 0.6 m wide, 2.5 m below the transducer; with its shadow.
+    fn block(ground_m: f64) -> Seen {
+        let back_m = ground_m + 0.6;
+        let shadow_end_m = back_m * 2.5 / 2.0;
+        let start_m = back_m.hypot(2.0);
+        let end_m = shadow_end_m.hypot(2.5);
+        Seen {
+            altitude_m: 2.5,
+            near_m: ground_m.hypot(2.0),
+            far_m: start_m,
+            box_end_m: end_m,
+            bounded: true,
+            longest: Some(Shadow {
+                bright_end_m: start_m,
+                start_m,
+                end_m,
+            }),
+        }
+    }
+
+    #[test]
+    fn a_block_stands_where_it_is_as_high_as_it_is() {
+        for ground_m in [0.5, 2.0, 6.0, 12.0] {
+            let seen = block(ground_m);
+            assert!((seen.height_m() - 0.5).abs() < 1e-9, "{seen:?}");
+            assert!((seen.middle_m() - ground_m - 0.3).abs() < 1e-9, "{seen:?}");
+            assert!((seen.width_m() - 0.6).abs() < 1e-9, "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn what_lies_below_or_is_not_sharp_is_less_certain() {
+        let [below, beside] = [0.2, 5.0].map(block);
+        assert!(below.across_sigma_m() > 2.0 * beside.across_sigma_m());
+        assert!(below.height_sigma_m() > 2.0 * beside.height_sigma_m());
+        let mut other = beside;
+        other.box_end_m += 0.6;
+        // Half of 0.6 m, times H start / end^2.
+        let Shadow { start_m, end_m, .. } = beside.longest.expect("a shadow");
+        let more_m = 0.3 * 2.5 * start_m / (end_m * end_m);
+        let expected_m = beside.height_sigma_m().hypot(more_m);
+        assert!((other.height_sigma_m() - expected_m).abs() < 1e-9);
+        // Without a shadow its height and its far edge are guesses.
+        other.longest = None;
+        other.bounded = false;
+        assert!(other.height_m().is_nan() && other.height_sigma_m().is_nan());
+        assert!(other.across_sigma_m() > 1.3 * beside.across_sigma_m());
     }
 }

@@ -6,7 +6,7 @@ use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-const HEADER: [&str; 21] = [
+const HEADER: [&str; 22] = [
     "id",
     "file",
     "class",
@@ -26,6 +26,7 @@ const HEADER: [&str; 21] = [
     "height_m",
     "depth_m",
     "sigma_m",
+    "height_sigma_m",
     "object",
     "note",
 ];
@@ -52,7 +53,7 @@ pub fn objects_csv(
     })
 }
 
-fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 21] {
+fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 22] {
     let samples = row.mark.samples(survey);
     let target = row.target.as_ref();
     let number = |value: f64, decimals: usize| match value.is_finite() {
@@ -83,6 +84,7 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 21] {
         of_target(|target| target.height_m, 3),
         of_target(|target| target.depth_m, 3),
         of_target(|target| target.sigma_m, 3),
+        of_target(|target| target.height_sigma_m, 3),
         row.object
             .map_or_else(String::new, |object| object.to_string()),
         plain(row.note),

@@ -38,6 +38,7 @@ fn feature(row: &ObjectRow<'_>) -> Option<Value> {
             "height_m": metres(target.height_m),
             "depth_m": metres(target.depth_m),
             "sigma_m": metres(target.sigma_m),
+            "height_sigma_m": metres(target.height_sigma_m),
             "object": row.object,
             "note": row.note,
         },
