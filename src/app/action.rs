@@ -42,6 +42,8 @@ actions! {
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
     ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
+    OpenTruth, "Open truth…", None, "Opens what is known to lie in this log: a table of objects that was simulated, or a review.";
+    ForgetTruth, "Leave the truth", None, "Compares the boxes with no truth any more.";
     Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
@@ -83,6 +85,8 @@ actions! {
     AcceptBox, "Accept box", Some("A"), "There is an object: on to the next undecided box.";
     RejectBox, "Reject box", Some("R"), "There is nothing: on to the next undecided box.";
     UndecideBox, "Take the decision back", Some("U"), "Makes the selected box undecided again.";
+    NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
+    PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
     EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges.";
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";

@@ -29,6 +29,7 @@ impl App {
             Command::Select(mark) => {
                 self.selection = mark;
                 self.reviewing.selected = None;
+                self.reviewing.judging.look_away();
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
@@ -45,6 +46,9 @@ impl App {
             Command::LineUp(queue) => self.set_queue(*queue),
             Command::UseModel(path) => self.use_model(Some(path)),
             Command::OpenReview(path) => self.open_review(path),
+            Command::OpenTruth(path) => self.open_truth(path),
+            Command::ShowMistake(mistake) => self.show_mistake(&mistake),
+            Command::SortMistakes(sort) => self.sort_mistakes(sort),
             Command::SaveReview(path) => self.save_review(path),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
             // Views and their arrangement belong to the shell.
@@ -196,6 +200,9 @@ impl App {
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
             Action::LeaveTool => self.leave_tool(),
+            Action::ForgetTruth => self.forget_truth(),
+            Action::NextMistake => self.step_mistake(1),
+            Action::PreviousMistake => self.step_mistake(-1),
             // Windows, dialogs, layout and cameras belong to the shell.
             _ => {}
         }

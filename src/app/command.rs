@@ -1,8 +1,9 @@
 //! Everything the window can ask for.
 
-use super::{Action, LayoutPreset, Mark, Nudge, View, ViewOptions};
+use super::{Action, LayoutPreset, Mark, MistakeSort, Nudge, View, ViewOptions};
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
+use crate::detection::truth::Mistake;
 use crate::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -65,6 +66,12 @@ pub enum Command {
     UseModel(PathBuf),
     /// Read the review of the open survey's boxes from a file.
     OpenReview(PathBuf),
+    /// Read what is known to lie in the open survey, or in the one that is being opened, from a file.
+    OpenTruth(PathBuf),
+    /// Show a false alarm or a missed object in all views.
+    ShowMistake(Mistake),
+    /// Sort the list of mistakes.
+    SortMistakes(MistakeSort),
     /// Write the review into a file.
     SaveReview(PathBuf),
     /// Write reviewed boxes and objects into a folder.

@@ -25,6 +25,6 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use reviewing::{Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
+pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
 pub use state::{App, Jobs, Mark, Notice, Reveal};
 pub use task::{Outcome, Task};

@@ -61,6 +61,7 @@ impl App {
         self.poll_export();
         self.poll_review();
         self.poll_detecting();
+        self.poll_judging();
         self.poll_places();
     }
 
@@ -76,9 +77,12 @@ impl App {
     }
 
     fn take_survey(&mut self, survey: Survey, origin: Origin) {
-        let is_file = matches!(origin, Origin::Path(_));
-        if let Origin::Path(path) = origin {
-            self.remember(path);
+        let path = match origin {
+            Origin::Path(path) => Some(path),
+            Origin::Demo => None,
+        };
+        if let Some(path) = &path {
+            self.remember(path.clone());
         }
         let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
         self.lost_soundings = survey.soundings.len() - locked().count();
@@ -99,9 +103,10 @@ impl App {
         self.settings.calibration.pings = None;
         self.history = History::default();
         self.previewer.forget();
-        if is_file {
+        if path.is_some() {
             self.look_for_review();
         }
+        self.look_for_truth(path.is_some());
         self.process();
     }
 

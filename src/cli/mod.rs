@@ -33,6 +33,10 @@ struct Cli {
     #[arg(long, conflicts_with = "surveys")]
     demo: bool,
 
+    /// What is known to lie in the survey (a table of objects, or a review): boxes are compared with it
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -96,7 +100,8 @@ pub fn main() -> ExitCode {
             command: None,
             surveys,
             demo,
-        } => start::run(surveys, demo),
+            truth,
+        } => start::run(surveys, demo, truth),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -33,6 +33,9 @@ pub struct SnapshotArgs {
     /// Search for objects first, and draw their boxes
     #[arg(long)]
     objects: bool,
+    /// What is known to lie in the survey: boxes are compared with it
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
     /// Dark or light
     #[arg(long, value_enum, default_value_t = Theme::Dark)]
     theme: Theme,
@@ -95,6 +98,10 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     calibrate(&mut app, settings)?;
     select(&mut app, args.pings)?;
+    if let Some(truth) = args.truth {
+        app.apply(Command::OpenTruth(truth));
+        wait(&mut app)?;
+    }
     if args.objects {
         app.apply(Command::Do(Action::FindObjects));
         wait(&mut app)?;

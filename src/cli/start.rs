@@ -13,9 +13,15 @@ use std::path::{Path, PathBuf};
 const OUTPUT: &str = "bathyscope-out";
 
 /// Opens the window on the surveys; without a display processes them into [`OUTPUT`] and draws their pictures.
-pub fn run(surveys: Vec<PathBuf>, demo: bool) -> Result<(), String> {
+pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
     if window::display_available() {
-        return window::run(surveys, demo);
+        return window::run(surveys, demo, truth);
+    }
+    if truth.is_some() {
+        return Err(
+            "no display to compare boxes with the truth on; try `bathyscope snapshot SURVEY --objects --truth FILE -o window.png`"
+                .to_owned(),
+        );
     }
     if surveys.is_empty() && !demo {
         return Err(

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 /// Opens the window on a log, on the demo survey, or empty; returns when it is closed.
-pub fn run(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
-    crate::ui::open_window(paths, demo)
+pub fn run(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
+    crate::ui::open_window(paths, demo, truth)
 }
 
 /// Whether a window can be opened here. Elsewhere than on Linux and the BSDs there is always a display.

@@ -9,8 +9,9 @@
 //! tiles saw.
 //! `review` holds what the analyst decides about the boxes.
 //! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
-//! `targets` places boxes in the world.
+//! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
 
+mod class;
 pub mod dataset;
 pub mod decode;
 mod find;
@@ -26,8 +27,12 @@ mod raster;
 mod rect;
 pub mod review;
 pub mod targets;
+#[cfg(test)]
+mod testing;
+pub mod truth;
 mod vote;
 
+use class::class_index;
 pub use find::{DetectorSettings, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};

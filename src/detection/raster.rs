@@ -135,6 +135,18 @@ impl Raster {
         }
     }
 
+    /// Row and column at which a tile about the middle of a box starts, held to the picture.
+    pub fn start_about(&self, rect: &Rect) -> [usize; 2] {
+        let start = |from: f32, to: f32, count: usize| {
+            let wanted = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
+            wanted.min(count.saturating_sub(TILE_PX))
+        };
+        [
+            start(rect.y0, rect.y1, self.rows()),
+            start(rect.x0, rect.x1, self.columns()),
+        ]
+    }
+
     /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between pings it is
     /// interpolated; where pings lie closer than rows it is the mean of those in the row.
     pub fn tile(&self, survey: &Survey, side: Side, row: usize, column: usize) -> Tile {

@@ -89,7 +89,7 @@ impl Simulated {
     /// # Errors
     /// When writing fails.
     pub fn write_objects_csv(&self, out: &mut impl Write) -> io::Result<()> {
-        truth::write_objects(&self.objects, out)
+        truth::write_objects(&self.objects, self.pings.len(), out)
     }
 
     /// True depth of the ground (objects included, weed not) at a place in the survey's frame, metres; negative on land.

@@ -179,12 +179,18 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
 }
 
 /// Writes one line per sighting, and one with empty fields for an object that was never heard:
-/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m`.
-pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Result<()> {
+/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_far_m`.
+/// The last three, with `near_m`, are the box around echo and shadow that a detector should propose; `count` pings were recorded.
+pub fn write_objects(
+    objects: &[ObjectTruth],
+    count: usize,
+    out: &mut impl Write,
+) -> io::Result<()> {
     writeln!(
         out,
         "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
-         side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m"
+         side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,\
+         box_first_ping,box_last_ping,box_far_m"
     )?;
     for (index, object) in objects.iter().enumerate() {
         let what = format!(
@@ -200,12 +206,14 @@ pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Resul
             object.heading_deg,
         );
         if object.sightings.is_empty() {
-            writeln!(out, "{what},,,,,,,")?;
+            writeln!(out, "{what},,,,,,,,,,")?;
         }
         for seen in &object.sightings {
+            let pings = seen.pings(count);
+            let [_, far_m] = seen.echo_and_shadow_m();
             writeln!(
                 out,
-                "{what},{},{},{},{},{},{},{}",
+                "{what},{},{},{},{},{},{},{},{},{},{}",
                 seen.side.name(),
                 seen.first_ping,
                 seen.last_ping,
@@ -213,6 +221,9 @@ pub fn write_objects(objects: &[ObjectTruth], out: &mut impl Write) -> io::Resul
                 metres(seen.far_m),
                 metres(seen.shadow_m[0]),
                 metres(seen.shadow_m[1]),
+                pings.start,
+                pings.end - 1,
+                metres(far_m),
             )?;
         }
     }

@@ -15,6 +15,7 @@ enum Purpose {
     OpenLog,
     ExportInto,
     OpenReview,
+    OpenTruth,
     SaveReview,
     ExportBoxesInto,
     OpenModel,
@@ -73,6 +74,11 @@ impl Dialogs {
     /// Asks for a review of the open survey.
     pub fn pick_review(&mut self, jobs: &Jobs) {
         self.ask(Purpose::OpenReview, jobs);
+    }
+
+    /// Asks for what is known to lie in the open survey.
+    pub fn pick_truth(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenTruth, jobs);
     }
 
     /// Asks for the file that the review is to be kept in.
@@ -155,6 +161,11 @@ impl Dialogs {
             Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
             Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
+            Purpose::OpenTruth => (
+                "Open the truth",
+                "Path of a table of objects or a review",
+                "Open",
+            ),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
@@ -195,6 +206,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::OpenLog => Command::Open(path),
         Purpose::ExportInto => Command::Export(path),
         Purpose::OpenReview => Command::OpenReview(path),
+        Purpose::OpenTruth => Command::OpenTruth(path),
         Purpose::SaveReview => Command::SaveReview(path),
         Purpose::ExportBoxesInto => Command::ExportBoxes(path),
         Purpose::OpenModel => Command::UseModel(path),
@@ -227,6 +239,10 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")
             .add_filter("Reviews", &["json"])
+            .pick_file(),
+        Purpose::OpenTruth => rfd::FileDialog::new()
+            .set_title("Open what is known to lie in the log")
+            .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
         Purpose::SaveReview => {
             let mut dialog = rfd::FileDialog::new().set_title("Save the review of boxes");

@@ -49,6 +49,19 @@ pub fn box_colour_on_panel(theme: ThemeChoice, state: State) -> Color32 {
     }
 }
 
+/// Objects that no box has found, on the waterfall.
+pub fn missed_colour() -> Color32 {
+    Color32::from_rgb(206, 130, 255)
+}
+
+/// The same as words on a panel.
+pub fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
+    match theme {
+        ThemeChoice::Dark => missed_colour(),
+        ThemeChoice::Light => Color32::from_rgb(122, 40, 176),
+    }
+}
+
 /// Background of waterfall, map and cloud.
 pub fn canvas_colour(options: &ViewOptions) -> Color32 {
     match options.theme {

@@ -5,10 +5,10 @@ use crate::app::{App, Command, Jobs};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Opens the window on the first of `paths`, on the demo survey, or empty; returns when it is closed.
+/// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
 ///
 /// Errors say what is missing: a display, or a graphics driver.
-pub fn open_window(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
+pub fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Bathyscope")
@@ -31,6 +31,9 @@ pub fn open_window(paths: Vec<PathBuf>, demo: bool) -> Result<(), String> {
             shell.app.apply(Command::OpenDemo);
         } else {
             shell.app.apply(Command::OpenFirst(paths));
+        }
+        if let Some(truth) = truth {
+            shell.app.apply(Command::OpenTruth(truth));
         }
         Ok(Box::new(shell) as Box<dyn eframe::App>)
     };

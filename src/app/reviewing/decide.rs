@@ -77,6 +77,7 @@ impl App {
     /// Selects a box and brings it into all views, or selects none.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
         self.reviewing.selected = id;
+        self.reviewing.judging.look_away();
         let Some((survey, one)) = self.survey.as_ref().zip(self.reviewing.selected_box()) else {
             self.reviewing.selected = None;
             if self.reviewing.tool == Tool::Edit {
@@ -162,6 +163,7 @@ impl App {
     pub(in crate::app) fn set_queue(&mut self, queue: Queue) {
         self.reviewing.queue = queue;
         self.reviewing.line_up();
+        self.reviewing.count_mistakes();
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.

@@ -155,6 +155,7 @@ impl App {
         let known = self.reviewing.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
             self.reviewing.queue.threshold = detector.model.score();
+            self.reviewing.count_mistakes();
         }
         self.reviewing.detector = Some(detector);
     }

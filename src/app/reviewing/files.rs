@@ -144,7 +144,13 @@ impl App {
 }
 
 fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
-    let cannot = |error: std::io::Error| format!("cannot read the review: {error}");
+    let text = read_text(path, "review")?;
+    Review::from_json(&text, identity).map_err(|error| error.to_string())
+}
+
+/// The text of a file about boxes, of a size that such a file can have.
+pub(super) fn read_text(path: &Path, what: &str) -> Result<String, String> {
+    let cannot = |error: std::io::Error| format!("cannot read the {what}: {error}");
     let mut text = String::new();
     let file = File::open(path).map_err(cannot)?;
     // One byte more than allowed tells a file that is too large from one that just fits.
@@ -152,7 +158,7 @@ fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
         .read_to_string(&mut text)
         .map_err(cannot)?;
     if text.len() as u64 > LARGEST_FILE {
-        return Err("the file is too large to be a review of boxes".to_owned());
+        return Err(format!("the file is too large to be a {what} of boxes"));
     }
-    Review::from_json(&text, identity).map_err(|error| error.to_string())
+    Ok(text)
 }

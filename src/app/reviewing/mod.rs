@@ -1,14 +1,16 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
 //! `decide` carries out edits and moves on to the next box, `detect` asks a model, `places` puts boxes on the
-//! ground, `files` keeps the review and writes what other programs read.
+//! ground, `judging` compares them with the truth where it is known, `files` keeps the review and writes what other programs read.
 
 mod decide;
 mod detect;
 mod files;
+mod judging;
 mod places;
 
 pub use decide::Nudge;
+pub use judging::{Judging, MistakeSort};
 pub use places::Placed;
 
 use super::Mark;
@@ -89,6 +91,8 @@ pub struct Reviewing {
     parked: Vec<Parked>,
     opening: Option<Opening>,
     places: Places,
+    /// How the boxes stand to the truth.
+    pub judging: Judging,
     /// The analyst's own model; `None` for the one that comes with the program.
     model_path: Option<PathBuf>,
     /// The model that was asked last, ready to be asked again.
@@ -116,6 +120,7 @@ impl Default for Reviewing {
             parked: Vec::new(),
             opening: None,
             places: Places::default(),
+            judging: Judging::default(),
             model_path: None,
             detector: None,
             detecting: None,
@@ -191,7 +196,10 @@ impl Reviewing {
 
     /// Whether a review is being read, objects are being searched or boxes are being placed.
     pub(super) fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.places.is_busy() || self.detecting.is_some()
+        self.opening.is_some()
+            || self.places.is_busy()
+            || self.judging.is_busy()
+            || self.detecting.is_some()
     }
 
     /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
@@ -203,6 +211,7 @@ impl Reviewing {
     fn set(&mut self, review: Arc<Review>) {
         self.review = review;
         self.places.outdate();
+        self.judging.outdate();
         self.is_touched = is_touched(&self.review);
         if self.selected_box().is_none() {
             self.selected = None;
@@ -234,6 +243,7 @@ impl Reviewing {
         if !self.raster.as_ref().is_some_and(is_known) {
             let raster = Raster::new(survey, navigation, PIXEL_M);
             self.raster = Some((navigation.clone(), Arc::new(raster)));
+            self.judging.outdate();
             self.line_up();
         }
     }
@@ -243,6 +253,8 @@ impl Reviewing {
         let last = std::mem::take(self);
         let identity = Identity::of(survey);
         self.parked = last.parked;
+        self.judging = last.judging;
+        self.judging.start();
         self.model_path = last.model_path;
         self.detector = last.detector;
         self.queue.sort = last.queue.sort;

@@ -1,11 +1,11 @@
 //! All figures of one set of pictures.
 
-use super::confusion::{Confusion, confusion};
-use super::mistakes::{FalseAlarm, Miss, Shown};
+use super::confusion::Confusion;
+use super::matched::{AtScore, Matched, rank, total};
+use super::mistakes::{FalseAlarm, Miss};
 use super::precision::{Counts, CurvePoint, average_precision, curve};
-use super::ranking::{ANY_SIZE, Ranked, Ranking, Sizes};
+use super::ranking::{ANY_SIZE, Sizes};
 use super::{Image, Matching, MetricSettings};
-use rayon::prelude::*;
 
 /// One class.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,56 +58,38 @@ pub struct Evaluation {
 
 /// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
-    let images: Vec<Image> = images.iter().map(|boxes| within(boxes, classes)).collect();
-    let rankings = rank(&images, classes, settings, settings.iou, &ANY_SIZE);
-    let ap_50_95 = ap_50_95(&images, classes, settings, &ANY_SIZE);
-    let reports: Vec<ClassReport> = rankings
+    let matched = Matched::new(images, classes, settings);
+    let images = matched.images();
+    let AtScore {
+        classes: at_score,
+        counts,
+        confusion,
+        false_alarms,
+        misses,
+    } = matched.at(settings.score);
+    let reports: Vec<ClassReport> = matched
+        .rankings()
         .iter()
-        .zip(ap_50_95)
-        .map(|(ranking, ap_50_95)| ClassReport {
-            counts: Counts::of(ranking.shown(settings.score), ranking.truths),
+        .zip(ap_50_95(images, classes, settings, &ANY_SIZE))
+        .zip(at_score)
+        .map(|((ranking, ap_50_95), counts)| ClassReport {
+            counts,
             ap: average_precision(&ranking.ranked, ranking.truths, settings.ap),
             ap_50_95,
             curve: curve(&ranking.ranked, ranking.truths),
         })
         .collect();
-    let shown = rankings
-        .iter()
-        .flat_map(|ranking| ranking.shown(settings.score));
-    let shown = Shown::new(&images, shown);
     Evaluation {
-        counts: total(reports.iter().map(|report| report.counts)),
+        counts,
         map: mean(reports.iter().map(|report| report.ap), settings),
         map_50_95: mean(reports.iter().map(|report| report.ap_50_95), settings),
-        curve: joint_curve(&rankings),
-        sizes: sizes(&images, classes, settings),
-        confusion: confusion(&images, &shown, classes, settings),
-        false_alarms: shown.false_alarms(&images, settings),
-        misses: shown.misses(&images),
+        curve: matched.curve(),
+        sizes: sizes(images, classes, settings),
+        confusion,
+        false_alarms,
+        misses,
         classes: reports,
     }
-}
-
-/// The boxes whose class is known. Indices must stay, so that a box of no class becomes one that nothing looks at.
-fn within(boxes: &Image, classes: usize) -> Image {
-    let mut boxes = boxes.clone();
-    for truth in &mut boxes.truth {
-        truth.ignored |= truth.class >= classes;
-    }
-    boxes
-}
-
-fn rank(
-    images: &[Image],
-    classes: usize,
-    settings: &MetricSettings,
-    threshold: f64,
-    sizes: &Sizes,
-) -> Vec<Ranking> {
-    (0..classes)
-        .into_par_iter()
-        .map(|class| Ranking::new(images, class, settings, threshold, sizes))
-        .collect()
 }
 
 /// IoU 0.5, 0.55 .. 0.95, spaced as numpy does it, so that an IoU of 3/5 falls on the same side as there.
@@ -137,10 +119,6 @@ fn ap_50_95(
     sums.into_iter().map(|sum| sum / count).collect()
 }
 
-fn total(counts: impl Iterator<Item = Counts>) -> Counts {
-    counts.fold(Counts::default(), Counts::plus)
-}
-
 /// Mean over the classes; what a class without truths counts is a matter of the rule. NaN where no class has truths.
 fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64 {
     let all: Vec<f64> = precisions.collect();
@@ -152,13 +130,6 @@ fn mean(precisions: impl Iterator<Item = f64>, settings: &MetricSettings) -> f64
         Matching::DarknetVoc => all.len(),
     };
     sum / count as f64
-}
-
-fn joint_curve(rankings: &[Ranking]) -> Vec<CurvePoint> {
-    let all = rankings.iter().flat_map(|ranking| &ranking.ranked);
-    let mut all: Vec<Ranked> = all.copied().collect();
-    all.sort_by(|a, b| b.score.total_cmp(&a.score));
-    curve(&all, rankings.iter().map(|ranking| ranking.truths).sum())
 }
 
 fn sizes(images: &[Image], classes: usize, settings: &MetricSettings) -> Vec<SizeReport> {

@@ -1,14 +1,15 @@
 //! How well predicted boxes agree with true ones.
 //!
 //! `matching` pairs the boxes of one picture, `ranking` lines the pairs of a class up by score, `precision` makes curves and
-//! average precision of them, `confusion` says what was taken for what, `mistakes` lists what to look at, and [`evaluate`]
-//! lays them side by side.
+//! average precision of them, `confusion` says what was taken for what, `mistakes` lists what to look at, `matched` keeps the
+//! pairs to be counted at any score, and [`evaluate`] lays everything side by side.
 //!
 //! Two rules are in use and give different numbers from the same boxes: Darknet's (the published figures') and COCO's.
 //! [`MetricSettings::darknet`] equals `mean_average_precision` and [`MetricSettings::coco`] equals `pycocotools` (tests).
 
 mod confusion;
 mod evaluate;
+mod matched;
 mod matching;
 mod mistakes;
 mod precision;
@@ -16,6 +17,7 @@ mod ranking;
 
 pub use confusion::Confusion;
 pub use evaluate::{ClassReport, Evaluation, SizeReport, evaluate};
+pub use matched::{AtScore, Matched};
 pub use mistakes::{Cause, FalseAlarm, Miss};
 pub use precision::{ApMethod, Counts, CurvePoint};
 

@@ -1,7 +1,7 @@
 //! A new model's detections beside decisions that are there.
 
 use super::{Review, Reviewed, State, held};
-use crate::detection::{Detection, Raster, Rect};
+use crate::detection::{Detection, Raster, Rect, class_index};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -28,7 +28,9 @@ impl Review {
             boxes: kept,
             next_id: self.next_id,
         };
-        let class_of: Vec<usize> = classes.iter().map(|name| after.class_of(name)).collect();
+        let class_of: Vec<usize> = (classes.iter())
+            .map(|name| class_index(&mut after.classes, name))
+            .collect();
         let decided = Places::of(&after.boxes, raster);
         let mut earlier = Places::of(&open, raster);
         let mut lent = vec![None; after.boxes.len()];
@@ -68,15 +70,6 @@ impl Review {
         }
         after.boxes.sort_unstable_by_key(|one| one.id);
         after
-    }
-
-    /// Index of a class by name; appended when it is new.
-    fn class_of(&mut self, name: &str) -> usize {
-        let known = self.classes.iter().position(|class| class == name);
-        known.unwrap_or_else(|| {
-            self.classes.push(name.to_owned());
-            self.classes.len() - 1
-        })
     }
 }
 

@@ -66,14 +66,11 @@ fn frame(tile: &ReviewedTile) -> Rect {
 
 /// A tile about the middle of a box, held to the picture.
 fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)]) -> ReviewedTile {
-    let start = |from: f32, to: f32, count: usize| {
-        let wanted = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
-        wanted.min(count.saturating_sub(TILE_PX))
-    };
+    let [row, column] = raster.start_about(rect);
     let mut tile = ReviewedTile {
         side,
-        row: start(rect.y0, rect.y1, raster.rows()),
-        column: start(rect.x0, rect.x1, raster.columns()),
+        row,
+        column,
         boxes: Boxes::default(),
         rejected: 0,
     };

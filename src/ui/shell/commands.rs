@@ -33,6 +33,9 @@ impl Shell {
             Action::OpenReview if self.app.survey.is_some() => {
                 self.dialogs.pick_review(self.app.jobs());
             }
+            Action::OpenTruth if self.app.survey.is_some() => {
+                self.dialogs.pick_truth(self.app.jobs());
+            }
             Action::ChooseModel => self.dialogs.pick_model(self.app.jobs()),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),

@@ -49,6 +49,13 @@ const DETECTOR: &[Action] = &[
     Action::ShippedModel,
 ];
 const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
+/// What compares boxes with the truth.
+const TRUTH: &[Action] = &[
+    Action::OpenTruth,
+    Action::ForgetTruth,
+    Action::NextMistake,
+    Action::PreviousMistake,
+];
 const BOXES: &[Action] = &[
     Action::NextBox,
     Action::PreviousBox,
@@ -192,6 +199,17 @@ fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     for &action in REVIEW_FILES {
         let enabled = is_open && (has_boxes || action == Action::OpenReview);
+        titled(ui, context, action, action.label(), enabled);
+    }
+    ui.separator();
+    truth(ui, context);
+}
+
+fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let is_open = context.app.survey.is_some();
+    let is_known = context.app.reviewing.judging.source().is_some();
+    for &action in TRUTH {
+        let enabled = is_open && (is_known || action == Action::OpenTruth);
         titled(ui, context, action, action.label(), enabled);
     }
 }

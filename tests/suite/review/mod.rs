@@ -1,6 +1,7 @@
 //! The review of a detector's boxes, driven as an analyst would: by keys alone, and by the mouse.
 
 mod exported;
+mod judged;
 mod mouse;
 mod search;
 

@@ -1,6 +1,8 @@
-//! The review of boxes: how far it is, the selected box enlarged with all that is known about it, and the queue.
+//! The review of boxes: how far it is, the selected box enlarged with all that is known about it, the queue, and where truth is
+//! known how the boxes stand to it.
 
 mod chip;
+mod judged;
 mod queue;
 mod selected;
 
@@ -39,9 +41,11 @@ impl ReviewPanel {
         section(ui, context, &heading, |ui, context| {
             progress(ui, context);
             self.selected(ui, context);
+            judged::at_slider(ui, context);
             queue::ui(ui, context);
             files(ui, context);
         });
+        judged::ui(ui, context);
     }
 }
 

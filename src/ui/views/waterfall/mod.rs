@@ -93,6 +93,7 @@ impl WaterfallView {
             camera.equal_scales(metres, ping as f64 + 0.5);
         }
         let boxes = boxes::in_view(&lens, context.app);
+        let missed = boxes::Missed::in_view(&lens, context.app);
         overlay::draw(
             &painter,
             &lens,
@@ -104,6 +105,7 @@ impl WaterfallView {
                 // The pointer's own mark reaches the state only after this frame.
                 hover: self.was_over.or(context.app.hover),
                 boxes: &boxes,
+                missed: &missed,
                 has_gpu: context.render_state.is_some(),
             },
         );
@@ -114,7 +116,7 @@ impl WaterfallView {
             pointer::read_out(&painter, &lens, at, text);
         }
         let visible = lens.visible(survey.side_scan.len());
-        let seen = boxes::words(&boxes, context.app);
+        let seen = boxes::words(&boxes, &missed, context.app);
         words::describe(
             &response,
             &visible,

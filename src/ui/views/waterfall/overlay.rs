@@ -23,6 +23,8 @@ pub(super) struct Shown<'a> {
     pub hover: Option<Mark>,
     /// The boxes in view.
     pub boxes: &'a [boxes::Shown<'a>],
+    /// The missed objects in view.
+    pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
 }
 
@@ -51,6 +53,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
             marks::cross_hair(painter, lens, shown.survey, &mark, colour);
         }
     }
+    for missed in shown.missed {
+        missed.draw(painter);
+    }
     for shown_box in shown.boxes {
         shown_box.draw(painter, shown.app.reviewing.tool);
     }
@@ -60,6 +65,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     }
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
+    }
+    for missed in shown.missed {
+        missed.label(&mut labels);
     }
     for shown_box in shown.boxes.iter().rev() {
         shown_box.label(&mut labels, &shown.app.reviewing.review);

@@ -2,9 +2,11 @@
 
 mod grab;
 mod hit;
+mod missed;
 mod outline;
 
 pub(super) use grab::{Boxes, under};
+pub(super) use missed::Missed;
 
 use super::labels::Labels;
 use super::lens::{Lens, Place, across_m};
@@ -95,7 +97,7 @@ fn caption(one: &Reviewed, review: &Review) -> String {
 }
 
 /// What the view says about its boxes to screen readers and tests.
-pub(super) fn words(seen: &[Shown<'_>], app: &App) -> String {
+pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> String {
     if !app.reviewing.has_boxes() {
         return String::new();
     }
@@ -113,8 +115,12 @@ pub(super) fn words(seen: &[Shown<'_>], app: &App) -> String {
         Tool::Edit => ", editing it",
         Tool::Draw => ", drawing a box",
     };
+    let missed = match missed.len() {
+        0 => String::new(),
+        count => format!(", {count} missed in view"),
+    };
     format!(
-        ", {} in view{selected}{tool}",
+        ", {} in view{missed}{selected}{tool}",
         text::plural(seen.len(), "box", "boxes")
     )
 }

@@ -20,6 +20,8 @@ enum Line {
     Crossed,
     /// Added by hand: corners only.
     Corners,
+    /// Missed: nobody has drawn it.
+    Dotted,
 }
 
 /// Colour and line of a state.
@@ -40,6 +42,14 @@ impl Style {
         Self {
             colour: theme::box_colour(state),
             line,
+        }
+    }
+
+    /// An object that no box has found.
+    pub fn missed() -> Self {
+        Self {
+            colour: theme::missed_colour(),
+            line: Line::Dotted,
         }
     }
 }
@@ -68,6 +78,9 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
     match style.line {
         Line::Dashed => {
             painter.extend(Shape::dashed_line(&outline(rect), stroke, 6.0, 4.0));
+        }
+        Line::Dotted => {
+            painter.extend(Shape::dashed_line(&outline(rect), stroke, 2.0, 3.0));
         }
         Line::Crossed => {
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);

@@ -1,0 +1,373 @@
+//! The boxes against the truth, when it is known: read off the window's thread, compared once per change of boxes, counted
+//! once per move of the confidence slider.
+
+use super::files::read_text;
+use super::{Reviewing, middle};
+use crate::app::{App, Outcome, Task};
+use crate::detection::Raster;
+use crate::detection::review::Identity;
+use crate::detection::truth::{Comparison, LaidTruth, Mistake, Standing, Truth};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// End of the name of the table of objects that `bathyscope simulate` writes beside a log.
+const SUFFIX: &str = "objects.csv";
+/// What lies in the bundled demo survey: what `bathyscope simulate` writes for its scene.
+const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
+
+/// What the list of mistakes is sorted by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MistakeSort {
+    /// The surest false alarms first, then the largest misses.
+    #[default]
+    Score,
+    /// The largest first.
+    Size,
+    /// Along the track.
+    Position,
+}
+
+impl MistakeSort {
+    /// All sorts in the order of the menu.
+    pub const ALL: [MistakeSort; 3] =
+        [MistakeSort::Score, MistakeSort::Size, MistakeSort::Position];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            MistakeSort::Score => "score",
+            MistakeSort::Size => "size",
+            MistakeSort::Position => "position",
+        }
+    }
+}
+
+/// Where truth comes from.
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    File(PathBuf),
+    Demo,
+}
+
+/// A truth being read.
+struct Opening {
+    source: Source,
+    /// Found beside the log: nobody asked for it.
+    unasked: bool,
+    task: Task<Result<Truth, String>>,
+}
+
+/// What a comparison was made of, and the truth laid out for it.
+struct Compared {
+    raster: Arc<Raster>,
+    laid: Arc<LaidTruth>,
+    comparison: Comparison,
+}
+
+/// The truth, and how the boxes stand to it.
+#[derive(Default)]
+pub struct Judging {
+    truth: Option<(Source, Arc<Truth>)>,
+    opening: Option<Opening>,
+    /// Asked for while the log was still being opened.
+    wanted: Option<PathBuf>,
+    compared: Option<Compared>,
+    running: Option<Task<Option<Compared>>>,
+    /// Boxes, raster or truth have changed since the last comparison began.
+    outdated: bool,
+    standing: Option<Standing>,
+    sort: MistakeSort,
+    /// The missed object that is looked at.
+    missed: Option<usize>,
+}
+
+impl Judging {
+    /// Where the truth comes from; `None` while none is known.
+    pub fn source(&self) -> Option<String> {
+        let (source, _) = self.truth.as_ref()?;
+        Some(match source {
+            Source::File(path) => path
+                .file_name()
+                .unwrap_or(path.as_os_str())
+                .to_string_lossy()
+                .into_owned(),
+            Source::Demo => "the demo's scene".to_owned(),
+        })
+    }
+
+    /// Boxes and truth, paired; perhaps of boxes of a moment ago.
+    pub fn comparison(&self) -> Option<&Comparison> {
+        self.compared.as_ref().map(|compared| &compared.comparison)
+    }
+
+    /// What the boxes at the confidence slider amount to.
+    pub fn standing(&self) -> Option<&Standing> {
+        self.standing.as_ref()
+    }
+
+    /// False alarms and misses, in the order that was chosen.
+    pub fn mistakes(&self) -> &[Mistake] {
+        self.standing().map_or(&[], |standing| &standing.mistakes)
+    }
+
+    /// What mistakes are sorted by.
+    pub fn sort(&self) -> MistakeSort {
+        self.sort
+    }
+
+    /// The missed object that is looked at, as an index into the truth's objects.
+    pub fn missed(&self) -> Option<usize> {
+        self.missed
+    }
+
+    /// Notes that boxes or raster are others.
+    pub(super) fn outdate(&mut self) {
+        self.outdated = true;
+    }
+
+    /// Starts on another survey; what was asked for meanwhile is kept.
+    pub(super) fn start(&mut self) {
+        *self = Self {
+            wanted: self.wanted.take(),
+            sort: self.sort,
+            ..Self::default()
+        };
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        self.opening.is_some() || self.running.is_some()
+    }
+
+    /// No missed object is looked at any more.
+    pub(in crate::app) fn look_away(&mut self) {
+        self.missed = None;
+    }
+
+    fn forget(&mut self) {
+        self.truth = None;
+        self.compared = None;
+        self.running = None;
+        self.standing = None;
+        self.missed = None;
+    }
+}
+
+impl Reviewing {
+    /// Counts anew at the confidence slider.
+    pub(super) fn count_mistakes(&mut self) {
+        let Some(compared) = &self.judging.compared else {
+            return;
+        };
+        let mut standing = compared.comparison.at(self.queue.threshold);
+        let place = |mistake: &Mistake| match mistake {
+            Mistake::FalseAlarm { id, .. } => self.review.get(*id).map(|one| one.mark.pings.start),
+            Mistake::Miss { object, .. } => {
+                let objects = &compared.comparison.truth().objects;
+                objects.get(*object).map(|one| one.whole.pings.start)
+            }
+        };
+        match self.judging.sort {
+            // As they come.
+            MistakeSort::Score => {}
+            MistakeSort::Size => {
+                (standing.mistakes).sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));
+            }
+            MistakeSort::Position => standing.mistakes.sort_by_key(place),
+        }
+        let is_missed = |wanted: usize| {
+            let same =
+                |one: &Mistake| matches!(one, Mistake::Miss { object, .. } if *object == wanted);
+            standing.mistakes.iter().any(same)
+        };
+        self.judging.missed = self.judging.missed.filter(|&object| is_missed(object));
+        self.judging.standing = Some(standing);
+    }
+
+    /// Place in the list of the mistake that is looked at.
+    pub fn mistake_at(&self) -> Option<usize> {
+        let is_here = |one: &Mistake| match one {
+            Mistake::FalseAlarm { id, .. } => self.selected == Some(*id),
+            Mistake::Miss { object, .. } => self.judging.missed == Some(*object),
+        };
+        self.judging.mistakes().iter().position(is_here)
+    }
+}
+
+impl App {
+    /// Reads the truth from a file; while a log is being opened, once that is open.
+    pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
+        if self.load_status().is_some() {
+            self.reviewing.judging.wanted = Some(path);
+        } else {
+            self.read_truth(Source::File(path), false);
+        }
+    }
+
+    /// Reads what was asked for while the log was being opened, or what lies beside it.
+    pub(in crate::app) fn look_for_truth(&mut self, is_file: bool) {
+        if let Some(path) = self.reviewing.judging.wanted.take() {
+            return self.read_truth(Source::File(path), false);
+        }
+        if !is_file {
+            return self.read_truth(Source::Demo, true);
+        }
+        let log = (self.survey.as_ref()).and_then(|survey| survey.source.files.first());
+        let beside = log.map(|log| log.with_extension(SUFFIX));
+        if let Some(beside) = beside.filter(|beside| beside.is_file()) {
+            self.read_truth(Source::File(beside), true);
+        }
+    }
+
+    /// Leaves the truth aside.
+    pub(in crate::app) fn forget_truth(&mut self) {
+        self.reviewing.judging.forget();
+    }
+
+    fn read_truth(&mut self, source: Source, unasked: bool) {
+        let Some(survey) = &self.survey else {
+            let text = "open the log first, then the truth about it";
+            return self.tell(text.to_owned(), true);
+        };
+        let (identity, from) = (Identity::of(survey), source.clone());
+        let task = Task::start(&self.jobs, move |_| {
+            let parse =
+                |text: &str| Truth::parse(text, &identity).map_err(|error| error.to_string());
+            match &from {
+                Source::Demo => parse(DEMO_TRUTH),
+                Source::File(path) => read_text(path, "truth")
+                    .and_then(|text| parse(&text))
+                    .map_err(|text| format!("{text}: {}", path.display())),
+            }
+        });
+        self.reviewing.judging.opening = Some(Opening {
+            source,
+            unasked,
+            task,
+        });
+    }
+
+    /// Collects truth and comparisons, and asks for what is outdated.
+    pub(in crate::app) fn poll_judging(&mut self) {
+        self.poll_truth();
+        if self.reviewing.judging.running.is_none() {
+            self.compare();
+        }
+        let judging = &mut self.reviewing.judging;
+        match judging.running.as_ref().map(Task::poll) {
+            Some(Outcome::Done(compared)) => {
+                judging.running = None;
+                if compared.is_some() {
+                    judging.compared = compared;
+                }
+                self.reviewing.count_mistakes();
+            }
+            Some(Outcome::Failed) => judging.running = None,
+            Some(Outcome::Pending) | None => {}
+        }
+    }
+
+    fn poll_truth(&mut self) {
+        let judging = &mut self.reviewing.judging;
+        let read = match judging.opening.as_ref().map(|opening| opening.task.poll()) {
+            Some(Outcome::Done(read)) => read,
+            Some(Outcome::Failed) => Err("reading the truth failed unexpectedly".to_owned()),
+            Some(Outcome::Pending) | None => return,
+        };
+        let Some(opening) = judging.opening.take() else {
+            return;
+        };
+        match read {
+            Ok(truth) => {
+                let objects = truth.objects.len();
+                judging.forget();
+                judging.truth = Some((opening.source.clone(), Arc::new(truth)));
+                judging.outdated = true;
+                // What lay beside the log is named where it is used.
+                if let Source::File(path) = opening.source
+                    && !opening.unasked
+                {
+                    let path = path.display();
+                    let text = format!("Opened the truth about {objects} objects: {path}");
+                    self.tell(text, false);
+                }
+            }
+            Err(text) => self.tell(text, true),
+        }
+    }
+
+    fn compare(&mut self) {
+        let Some(raster) = self.reviewing.raster().cloned() else {
+            return;
+        };
+        let review = self.reviewing.review.clone();
+        let judging = &mut self.reviewing.judging;
+        let (Some(survey), Some((_, truth)), true) =
+            (&self.survey, &judging.truth, judging.outdated)
+        else {
+            return;
+        };
+        judging.outdated = false;
+        let (survey, truth) = (survey.clone(), truth.clone());
+        let known = judging.compared.as_ref();
+        let laid = known
+            .filter(|known| Arc::ptr_eq(&known.raster, &raster))
+            .filter(|known| Arc::ptr_eq(known.laid.truth(), &truth))
+            .map(|known| known.laid.clone());
+        judging.running = Some(Task::start(&self.jobs, move |progress| {
+            let laid = match laid {
+                Some(laid) => laid,
+                None => Arc::new(LaidTruth::new(&survey, &raster, truth, progress).ok()?),
+            };
+            Some(Compared {
+                comparison: Comparison::new(&review, laid.clone(), &raster),
+                raster,
+                laid,
+            })
+        }));
+    }
+
+    /// Shows a mistake: a box is selected, a missed object marked, and both are brought into all views.
+    pub(in crate::app) fn show_mistake(&mut self, mistake: &Mistake) {
+        match *mistake {
+            Mistake::FalseAlarm { id, .. } => self.select_box(Some(id)),
+            Mistake::Miss { object, .. } => {
+                self.select_box(None);
+                let known = (self.reviewing.judging.comparison())
+                    .and_then(|comparison| comparison.truth().objects.get(object));
+                if let Some((survey, known)) = self.survey.as_ref().zip(known) {
+                    let mark = middle(survey, &known.whole);
+                    self.reviewing.judging.missed = Some(object);
+                    self.reveal(mark);
+                }
+            }
+        }
+    }
+
+    /// The next mistake of the list, or the one before; around its ends.
+    pub(in crate::app) fn step_mistake(&mut self, by: isize) {
+        let judging = &self.reviewing.judging;
+        let mistakes = judging.mistakes();
+        let count = mistakes.len() as isize;
+        if count == 0 || !self.reviewing.has_boxes() {
+            let text = match judging.standing() {
+                Some(_) if count == 0 => "there is no mistake at this confidence",
+                Some(_) => "there are no boxes yet to compare with the truth; find objects first",
+                None => "mistakes are known once there is truth: open it in the Review menu",
+            };
+            return self.tell(text.to_owned(), false);
+        }
+        let next = match self.reviewing.mistake_at() {
+            Some(here) => (here as isize + by).rem_euclid(count),
+            None if by < 0 => count - 1,
+            None => 0,
+        };
+        let next = mistakes[next as usize];
+        self.show_mistake(&next);
+    }
+
+    /// Sorts the list of mistakes.
+    pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
+        self.reviewing.judging.sort = sort;
+        self.reviewing.count_mistakes();
+    }
+}

@@ -1,0 +1,179 @@
+//! A review's boxes against the truth.
+
+use super::LaidTruth;
+use crate::detection::metrics::{
+    AtScore, Cause, Confusion, Counts, CurvePoint, Image, Matched, MetricSettings, Truth,
+};
+use crate::detection::review::{BoxId, Review, Reviewed};
+use crate::detection::{Raster, Rect, Scored, class_index};
+use crate::survey::Side;
+use std::sync::Arc;
+
+/// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
+/// no score and are left out.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    laid: Arc<LaidTruth>,
+    /// Class names: those of the review, then those that only the truth has.
+    classes: Vec<String>,
+    /// The two sides as pictures.
+    pub(super) matched: Matched,
+    boxes: [Vec<BoxId>; 2],
+    curve: Vec<CurvePoint>,
+    pixel_m: f64,
+}
+
+/// Something to look at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mistake {
+    /// A box that found nothing.
+    FalseAlarm {
+        /// The box.
+        id: BoxId,
+        /// Its confidence.
+        score: f32,
+        /// Why.
+        cause: Cause,
+        /// Its longer side, metres.
+        size_m: f64,
+    },
+    /// An object that no box found.
+    Miss {
+        /// Index into the truth's objects.
+        object: usize,
+        /// The longer side of its box, metres.
+        size_m: f64,
+    },
+}
+
+impl Mistake {
+    /// Longer side of the box, metres.
+    pub fn size_m(&self) -> f64 {
+        match self {
+            Mistake::FalseAlarm { size_m, .. } | Mistake::Miss { size_m, .. } => *size_m,
+        }
+    }
+
+    /// Confidence; `None` for a miss.
+    pub fn score(&self) -> Option<f32> {
+        match self {
+            Mistake::FalseAlarm { score, .. } => Some(*score),
+            Mistake::Miss { .. } => None,
+        }
+    }
+}
+
+/// What the boxes of at least a score amount to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standing {
+    /// The score.
+    pub score: f32,
+    /// Found, false and missed, all classes together.
+    pub counts: Counts,
+    /// What was taken for what, by [`Comparison::classes`].
+    pub confusion: Confusion,
+    /// False alarms by falling score, then misses by falling size.
+    pub mistakes: Vec<Mistake>,
+}
+
+impl Comparison {
+    /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
+    /// when their names are.
+    pub fn new(review: &Review, laid: Arc<LaidTruth>, raster: &Raster) -> Self {
+        let mut classes = review.classes().to_vec();
+        let truth = laid.truth();
+        let class_of: Vec<usize> = (truth.classes.iter())
+            .map(|name| class_index(&mut classes, name))
+            .collect();
+        let mut boxes = [Vec::new(), Vec::new()];
+        let mut images = [Image::default(), Image::default()];
+        for (index, side) in Side::BOTH.into_iter().enumerate() {
+            let image = &mut images[index];
+            image
+                .truth
+                .extend(laid.sides[index].iter().map(|(one, _)| Truth {
+                    class: class_of.get(one.class).copied().unwrap_or(usize::MAX),
+                    ..*one
+                }));
+            let of_side = |one: &&Reviewed| one.mark.side == side;
+            for (one, score) in
+                (review.boxes().filter(of_side)).filter_map(|one| Some((one, one.score?)))
+            {
+                boxes[index].push(one.id);
+                image.predicted.push(Scored {
+                    class: one.class,
+                    score,
+                    rect: raster.rect_of(&one.mark),
+                });
+            }
+        }
+        let matched = Matched::new(&images, classes.len(), &MetricSettings::darknet());
+        Self {
+            curve: matched.curve(),
+            matched,
+            laid,
+            classes,
+            boxes,
+            pixel_m: raster.pixel_m(),
+        }
+    }
+
+    /// Class names, as the confusion counts them.
+    pub fn classes(&self) -> &[String] {
+        &self.classes
+    }
+
+    /// Precision and recall for every score that occurs, falling.
+    pub fn curve(&self) -> &[CurvePoint] {
+        &self.curve
+    }
+
+    /// The truth that boxes are compared with.
+    pub fn truth(&self) -> &super::Truth {
+        self.laid.truth()
+    }
+
+    /// Objects that count: those that can be seen.
+    pub fn counted(&self) -> usize {
+        let all = self.laid.sides.iter().flatten();
+        all.filter(|(one, _)| !one.ignored).count()
+    }
+
+    /// What the boxes of at least a score amount to.
+    pub fn at(&self, score: f32) -> Standing {
+        let AtScore {
+            counts,
+            confusion,
+            false_alarms,
+            misses,
+            ..
+        } = self.matched.at(score);
+        let images = self.matched.images();
+        let size_m =
+            |rect: &Rect| f64::from((rect.x1 - rect.x0).max(rect.y1 - rect.y0)) * self.pixel_m;
+        let mut mistakes: Vec<Mistake> = false_alarms
+            .iter()
+            .map(|one| {
+                let predicted = &images[one.image].predicted[one.predicted];
+                Mistake::FalseAlarm {
+                    id: self.boxes[one.image][one.predicted],
+                    score: predicted.score,
+                    cause: one.cause,
+                    size_m: size_m(&predicted.rect),
+                }
+            })
+            .collect();
+        let first_miss = mistakes.len();
+        mistakes.extend(misses.iter().map(|one| Mistake::Miss {
+            object: self.laid.sides[one.image][one.truth].1,
+            size_m: size_m(&images[one.image].truth[one.truth].rect),
+        }));
+        mistakes[first_miss..].sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));
+        Standing {
+            score,
+            counts,
+            confusion,
+            mistakes,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Truth from files. What is read may come from anywhere: every number is checked before it is believed.
+
+use super::Truth;
+use crate::detection::dataset::Known;
+use crate::detection::review::{Identity, Review};
+use crate::detection::{Mark, class_index};
+use crate::survey::Side;
+use csv::StringRecord;
+
+/// More sightings than any survey holds.
+const MOST_OBJECTS: usize = 200_000;
+/// More classes than any detector of this kind knows.
+const MOST_CLASSES: usize = 1_000;
+
+/// A file that does not tell what lies in the open survey.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct TruthError(String);
+
+impl Truth {
+    /// Reads the table of objects that `bathyscope simulate` writes, or the review of the log `of` (its accepted and added
+    /// boxes).
+    ///
+    /// # Errors
+    /// A sentence when the text is neither, when a line makes no sense, or when it belongs to another log.
+    pub fn parse(text: &str, of: &Identity) -> Result<Self, TruthError> {
+        if text.trim_start().starts_with('{') {
+            let review =
+                Review::from_json(text, of).map_err(|error| TruthError(error.to_string()))?;
+            return Ok(Self::from_review(&review));
+        }
+        from_table(text, of.pings)
+    }
+
+    /// The accepted and added boxes of a review.
+    pub fn from_review(review: &Review) -> Self {
+        let objects = review.boxes().filter(|one| one.state.is_object());
+        Self {
+            classes: review.classes().to_vec(),
+            objects: objects
+                .map(|one| Known {
+                    class: one.class,
+                    echo: one.mark.clone(),
+                    whole: one.mark.clone(),
+                })
+                .collect(),
+            was_seen: true,
+        }
+    }
+}
+
+/// Where the table keeps what is read.
+struct Columns {
+    kind: usize,
+    side: usize,
+    near: usize,
+    far: usize,
+    /// First ping, last ping and far edge of the box around echo and shadow.
+    whole: [usize; 3],
+}
+
+impl Columns {
+    fn of(header: &StringRecord) -> Result<Self, TruthError> {
+        let column = |name: &str| {
+            let found = header.iter().position(|field| field.trim() == name);
+            found.ok_or_else(|| {
+                TruthError(format!(
+                    "there is no column `{name}`; truth is a table of objects as `bathyscope simulate` writes it, or a review"
+                ))
+            })
+        };
+        Ok(Self {
+            kind: column("kind")?,
+            side: column("side")?,
+            near: column("near_m")?,
+            far: column("far_m")?,
+            whole: [
+                column("box_first_ping")?,
+                column("box_last_ping")?,
+                column("box_far_m")?,
+            ],
+        })
+    }
+}
+
+fn from_table(text: &str, pings: usize) -> Result<Truth, TruthError> {
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let broken = |error: csv::Error| TruthError(format!("the table of objects is broken: {error}"));
+    let columns = Columns::of(table.headers().map_err(broken)?)?;
+    let mut truth = Truth {
+        classes: Vec::new(),
+        objects: Vec::new(),
+        was_seen: false,
+    };
+    for (index, record) in table.records().enumerate() {
+        let record = record.map_err(broken)?;
+        // An object that no pass heard has no side.
+        if record.get(columns.side).is_none_or(str::is_empty) {
+            continue;
+        }
+        let known = known(&record, &columns, pings, &mut truth.classes)
+            .map_err(|what| TruthError(format!("cannot use line {}: {what}", index + 2)))?;
+        truth.objects.push(known);
+        if truth.objects.len() > MOST_OBJECTS || truth.classes.len() > MOST_CLASSES {
+            return Err(TruthError(format!(
+                "at most {MOST_OBJECTS} sightings of {MOST_CLASSES} kinds are read"
+            )));
+        }
+    }
+    Ok(truth)
+}
+
+fn known(
+    record: &StringRecord,
+    columns: &Columns,
+    pings: usize,
+    classes: &mut Vec<String>,
+) -> Result<Known, String> {
+    let field = |column: usize| record.get(column).unwrap_or_default().trim();
+    let metres = |column: usize| {
+        let value = field(column).parse().ok();
+        value
+            .filter(|metres: &f64| metres.is_finite() && *metres >= 0.0)
+            .ok_or_else(|| format!("`{}` is no range in metres", field(column)))
+    };
+    let ping = |column: usize| {
+        let value = field(column).parse::<usize>();
+        value.map_err(|_| format!("`{}` is no ping", field(column)))
+    };
+    let side = Side::BOTH
+        .into_iter()
+        .find(|side| side.name() == field(columns.side))
+        .ok_or_else(|| format!("`{}` is no side", field(columns.side)))?;
+    let [first, last, box_far] = columns.whole;
+    let (first, last) = (ping(first)?, ping(last)?);
+    if last >= pings {
+        return Err(format!(
+            "ping {last} is beyond the {pings} of the open log; this is the truth of another"
+        ));
+    }
+    let (near_m, far_m, box_far_m) = (
+        metres(columns.near)?,
+        metres(columns.far)?,
+        metres(box_far)?,
+    );
+    if first > last || near_m >= far_m || far_m > box_far_m {
+        return Err("the object is inside out".to_owned());
+    }
+    let mark = |far_m: f64| Mark {
+        side,
+        pings: first..last + 1,
+        near_m,
+        far_m,
+    };
+    Ok(Known {
+        class: class_index(classes, field(columns.kind)),
+        echo: mark(far_m),
+        whole: mark(box_far_m),
+    })
+}

@@ -1,0 +1,35 @@
+//! What is known to lie in a survey, and how a review's boxes compare with it.
+//!
+//! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same log by somebody who knew.
+//! `laid` puts it into the survey's raster and leaves out what nobody could see; `compare` pairs it with boxes.
+
+mod compare;
+mod file;
+mod laid;
+#[cfg(test)]
+mod tests;
+
+pub use compare::{Comparison, Mistake, Standing};
+pub use file::TruthError;
+pub use laid::LaidTruth;
+
+use super::dataset::Known;
+
+/// Objects whose place in a survey is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth {
+    /// Class names that [`Known::class`] means.
+    pub classes: Vec<String>,
+    /// The objects, one entry for each pass that heard one.
+    pub objects: Vec<Known>,
+    /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they follow from geometry, and
+    /// what does not stand out in the picture is neither to be found nor to be missed.
+    pub was_seen: bool,
+}
+
+impl Truth {
+    /// Name of a class; empty for an index that has none.
+    pub fn class_name(&self, class: usize) -> &str {
+        self.classes.get(class).map_or("", String::as_str)
+    }
+}

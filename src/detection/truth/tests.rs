@@ -1,0 +1,216 @@
+use super::*;
+use crate::detection::metrics::{Cause, MetricSettings, evaluate};
+use crate::detection::review::{BoxId, Edit, Identity, Review};
+use crate::detection::testing::survey;
+use crate::detection::{Detection, Mark, Raster};
+use crate::progress::Progress;
+use crate::survey::Side;
+use std::sync::Arc;
+
+const HEADER: &str = "object,kind,side,near_m,far_m,box_first_ping,box_last_ping,box_far_m\n";
+
+fn identity(pings: usize) -> Identity {
+    Identity {
+        file: "pond.sl2".into(),
+        byte_count: 1,
+        pings,
+    }
+}
+
+fn mark(start: usize, near_m: f64) -> Mark {
+    Mark {
+        side: Side::Port,
+        pings: start..start + 10,
+        near_m,
+        far_m: near_m + 2.0,
+    }
+}
+
+fn read(lines: &str) -> Result<Truth, String> {
+    Truth::parse(&format!("{HEADER}{lines}"), &identity(200)).map_err(|error| error.to_string())
+}
+
+#[test]
+fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() {
+    let truth = read(
+        "0,tyre,port,3.0,3.5,40,49,5.0\n1,rock,,,,,,\n2,log,starboard,2,3,0,199,3\n3,tyre,port,1,2,5,5,2\n",
+    );
+    let truth = truth.expect("a table");
+    assert_eq!(truth.classes, ["tyre", "log"]);
+    assert!(!truth.was_seen);
+    let [tyre, log, other] = &truth.objects[..] else {
+        panic!("{truth:?}");
+    };
+    assert_eq!(tyre.whole, mark(40, 3.0));
+    assert_eq!((tyre.echo.far_m, tyre.echo.pings.clone()), (3.5, 40..50));
+    assert_eq!((log.class, log.whole.side), (1, Side::Starboard));
+    assert_eq!((other.class, other.whole.pings.clone()), (0, 5..6));
+}
+
+#[test]
+fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
+    for (line, part) in [
+        (
+            "0,tyre,port,3.0,3.5,40,200,5.0",
+            "line 2: ping 200 is beyond the 200",
+        ),
+        ("0,tyre,left,3.0,3.5,40,49,5.0", "`left` is no side"),
+        ("0,tyre,port,nan,3.5,40,49,5.0", "`nan` is no range"),
+        ("0,tyre,port,3.0,3.5,-1,49,5.0", "`-1` is no ping"),
+        ("0,tyre,port,3.0,3.5,50,49,5.0", "inside out"),
+        ("0,tyre,port,3.0,3.5,40,49,3.2", "inside out"),
+        ("0,tyre,port", "broken"),
+    ] {
+        let sentence = read(line).expect_err(line);
+        assert!(sentence.contains(part), "{line}: {sentence}");
+    }
+    let other = Truth::parse("id,class\n1,rock\n", &identity(9)).expect_err("another table");
+    assert!(other.to_string().contains("no column `kind`"), "{other}");
+    let review = Review::new(identity(100), vec!["rock".into()]).to_json();
+    let other = Truth::parse(&review, &identity(200)).expect_err("another log's review");
+    assert!(other.to_string().contains("another log"), "{other}");
+}
+
+#[test]
+fn a_review_is_truth_by_what_was_accepted_and_added() {
+    let (survey, navigation) = survey(200, |_, _| 0);
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    let names = ["rock".to_owned()];
+    let found = [20, 60].map(|start| Detection {
+        class: 0,
+        score: 0.5,
+        mark: mark(start, 3.0),
+    });
+    let review = Review::new(identity(200), names.to_vec());
+    let review = review.adopt("model", &names, &found, &raster);
+    let review = review.apply(&Edit::Accept(BoxId(1))).expect("accepted");
+    let review = review.apply(&Edit::Reject(BoxId(2))).expect("rejected");
+    let drawn = Edit::Add {
+        mark: mark(100, 4.0),
+        class: 0,
+    };
+    let review = review.apply(&drawn).expect("added");
+    let truth = Truth::parse(&review.to_json(), &identity(200)).expect("a review");
+    let marks: Vec<&Mark> = truth.objects.iter().map(|known| &known.whole).collect();
+    assert_eq!(marks, [&mark(20, 3.0), &mark(100, 4.0)]);
+    assert!(truth.was_seen);
+}
+
+#[test]
+fn objects_that_do_not_stand_out_count_only_when_somebody_saw_them() {
+    // Bright from ping 40 to 49 between 3 and 5 m, level elsewhere.
+    let (survey, navigation) = survey(200, |ping, sample| {
+        let speckle = (ping * 100 + sample).wrapping_mul(2_654_435_761) >> 7;
+        let bright = (40..50).contains(&ping) && (30..50).contains(&sample);
+        80 + (speckle % 20) as u8 + u8::from(bright) * 100
+    });
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    let mut truth = read("0,tyre,port,3,5,40,49,5\n0,tyre,port,3,5,100,109,5\n").expect("a table");
+    let lay = |truth: &Truth| {
+        let truth = Arc::new(truth.clone());
+        let laid = LaidTruth::new(&survey, &raster, truth, &Progress::new());
+        let [port, starboard] = laid.expect("nobody cancels").sides;
+        assert!(starboard.is_empty());
+        port.iter().map(|(one, _)| one.ignored).collect::<Vec<_>>()
+    };
+    assert_eq!(lay(&truth), [false, true]);
+    truth.was_seen = true;
+    assert_eq!(lay(&truth), [false, false]);
+}
+
+/// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
+fn compared() -> Comparison {
+    let (survey, navigation) = survey(200, |_, _| 0);
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    let truth = Truth {
+        classes: vec!["log".into(), "tyre".into()],
+        objects: [(1, 20), (0, 60), (1, 140)]
+            .map(|(class, start)| Known {
+                class,
+                echo: mark(start, 3.0),
+                whole: mark(start, 3.0),
+            })
+            .to_vec(),
+        was_seen: true,
+    };
+    // The model knows them by other numbers.
+    let names = ["tyre".to_owned(), "rock".to_owned()];
+    let found = [
+        (0, 0.9, mark(20, 3.0)),
+        (0, 0.8, mark(60, 3.0)),
+        (1, 0.6, mark(100, 3.0)),
+        (0, 0.3, mark(20, 3.4)),
+    ];
+    let found = found.map(|(class, score, mark)| Detection { class, score, mark });
+    let review = Review::new(identity(200), Vec::new());
+    let review = review.adopt("model", &names, &found, &raster);
+    let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
+    let laid = LaidTruth::new(&survey, &raster, Arc::new(truth), &Progress::new());
+    Comparison::new(&review, Arc::new(laid.expect("nobody cancels")), &raster)
+}
+
+#[test]
+fn the_slider_counts_what_a_full_evaluation_counts() {
+    let comparison = compared();
+    assert_eq!(comparison.classes(), ["tyre", "rock", "log"]);
+    for (score, found, false_alarms) in [
+        (0.95, 0, 0),
+        (0.85, 1, 0),
+        (0.7, 1, 1),
+        (0.5, 1, 2),
+        (0.1, 1, 3),
+    ] {
+        let standing = comparison.at(score);
+        let counts = standing.counts;
+        assert_eq!(
+            (counts.found, counts.false_alarms),
+            (found, false_alarms),
+            "{score}"
+        );
+        assert_eq!(counts.missed(), 3 - found);
+        let settings = MetricSettings {
+            score,
+            ..MetricSettings::darknet()
+        };
+        let whole = evaluate(comparison.matched.images(), 3, &settings);
+        assert_eq!(standing.counts, whole.counts);
+        assert_eq!(standing.confusion, whole.confusion);
+        assert_eq!(comparison.curve(), whole.curve);
+    }
+}
+
+#[test]
+fn mistakes_name_boxes_and_objects_with_their_cause_and_size() {
+    let standing = compared().at(0.1);
+    let alarm = |mistake: &Mistake| match *mistake {
+        Mistake::FalseAlarm { id, cause, .. } => Some((id.0, cause)),
+        Mistake::Miss { .. } => None,
+    };
+    let alarms: Vec<_> = standing.mistakes.iter().filter_map(alarm).collect();
+    assert_eq!(
+        alarms,
+        [
+            (2, Cause::OtherClass),
+            (3, Cause::Background),
+            (4, Cause::Duplicate)
+        ]
+    );
+    let misses: Vec<usize> = (standing.mistakes.iter())
+        .filter_map(|mistake| match mistake {
+            Mistake::Miss { object, .. } => Some(*object),
+            Mistake::FalseAlarm { .. } => None,
+        })
+        .collect();
+    assert_eq!(misses, [1, 2], "the log and the tyre at ping 140");
+    // Ten pings of 0.2 m, 2 m of range.
+    for mistake in &standing.mistakes {
+        assert!((mistake.size_m() - 2.0).abs() < 0.03, "{mistake:?}");
+    }
+    assert_eq!(
+        standing.confusion.at(2, 0),
+        1,
+        "the log was taken for a tyre"
+    );
+    assert_eq!(standing.confusion.at(3, 1), 1, "a rock where nothing is");
+    assert_eq!(standing.confusion.at(0, 3), 1, "a tyre was missed");
+}

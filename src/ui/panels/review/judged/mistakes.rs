@@ -1,0 +1,122 @@
+//! The list of false alarms and misses: a click, or Enter on a row, shows the place in all views.
+
+use super::super::super::parts::{remark, row};
+use crate::app::{Action, Command, MistakeSort};
+use crate::detection::metrics::Cause;
+use crate::detection::truth::{Comparison, Mistake};
+use crate::ui::{ViewContext, text, theme};
+use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
+
+/// Rows in sight.
+const ROWS: f32 = 8.0;
+
+/// Draws the list, how it is sorted, and the buttons that walk along it.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
+    let reviewing = &context.app.reviewing;
+    let mistakes = reviewing.judging.mistakes();
+    if mistakes.is_empty() {
+        remark(ui, "No mistake at this confidence.");
+        return;
+    }
+    let mut sort = reviewing.judging.sort();
+    let before = sort;
+    row(ui, "Sort by", "The order of the list.", |ui| {
+        ComboBox::from_id_salt("sort mistakes")
+            .width(ui.available_width() - 2.0)
+            .selected_text(sort.name())
+            .show_ui(ui, |ui| {
+                for one in MistakeSort::ALL {
+                    ui.selectable_value(&mut sort, one, one.name());
+                }
+            })
+            .response
+    });
+    if sort != before {
+        context.push(Command::SortMistakes(sort));
+    }
+    ui.horizontal(|ui| {
+        for (action, name) in [
+            (Action::PreviousMistake, "Previous"),
+            (Action::NextMistake, "Next"),
+        ] {
+            super::super::button(ui, context, action, name, true);
+        }
+    });
+    list(ui, context, comparison, mistakes);
+}
+
+/// Rows in sight are drawn, whatever the length of the list.
+fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mistakes: &[Mistake]) {
+    let height = ui.spacing().interact_size.y;
+    let each = height + ui.spacing().item_spacing.y;
+    let here = context.app.reviewing.mistake_at();
+    let mut area = ScrollArea::vertical()
+        .id_salt("mistakes")
+        .max_height(ROWS * each)
+        .auto_shrink([false, true]);
+    let last_id = egui::Id::unique("last mistake shown");
+    let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
+    if here != last {
+        // Keys walk along the list: the row stays in its middle.
+        ui.data_mut(|data| data.insert_temp(last_id, here));
+        if let Some(here) = here {
+            let offset = (here as f32 - (ROWS - 1.0) / 2.0) * each;
+            area = area.vertical_scroll_offset(offset.max(0.0));
+        }
+    }
+    area.show_rows(ui, height, mistakes.len(), |ui, rows| {
+        for index in rows {
+            let Some(mistake) = mistakes.get(index) else {
+                continue;
+            };
+            let said = said(context, comparison, mistake);
+            let colour = colour(context, mistake);
+            let shown = RichText::new(&said).color(colour);
+            let button = Button::selectable(here == Some(index), shown)
+                .min_size(egui::vec2(ui.available_width(), height));
+            if ui.add(button).clicked() {
+                context.push(Command::ShowMistake(*mistake));
+            }
+        }
+    });
+}
+
+/// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
+fn said(context: &ViewContext<'_>, comparison: &Comparison, mistake: &Mistake) -> String {
+    let size = text::measure(mistake.size_m(), 1, "m");
+    match mistake {
+        Mistake::FalseAlarm {
+            id, score, cause, ..
+        } => {
+            let review = &context.app.reviewing.review;
+            let class = review
+                .get(*id)
+                .map_or("", |one| review.class_name(one.class));
+            let cause = match cause {
+                Cause::Background => "nothing there",
+                Cause::Duplicate => "found twice",
+                Cause::OtherClass => "another class",
+                Cause::Loose => "overlaps too little",
+            };
+            format!("{class} {score:.2}, {cause}, {size}")
+        }
+        Mistake::Miss { object, .. } => {
+            let truth = comparison.truth();
+            let known = truth.objects.get(*object);
+            let class = known.map_or("", |known| truth.class_name(known.class));
+            format!("missed {class}, {size}")
+        }
+    }
+}
+
+fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
+    let look = context.app.options.theme;
+    match mistake {
+        Mistake::FalseAlarm { id, .. } => {
+            let one = context.app.reviewing.review.get(*id);
+            let state = one.map_or(crate::detection::review::State::Proposed, |one| one.state);
+            theme::box_colour_on_panel(look, state)
+        }
+        Mistake::Miss { .. } => theme::missed_colour_on_panel(look),
+    }
+}

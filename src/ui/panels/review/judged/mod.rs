@@ -1,0 +1,61 @@
+//! The boxes against the truth, where it is known: the precision-recall curve that the confidence slider runs along, the
+//! list of mistakes, and what was taken for what.
+
+mod curve;
+mod matrix;
+mod mistakes;
+
+use super::super::parts::{Section, remark, section};
+use crate::app::Action;
+use crate::ui::{ViewContext, text};
+use egui::Ui;
+
+/// Draws the curve with the figures at the slider; nothing while there is no truth.
+pub fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let judging = &context.app.reviewing.judging;
+    let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
+        return;
+    };
+    curve::ui(ui, context, comparison, standing);
+}
+
+/// Draws the section of mistakes; nothing while there is no truth.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let judging = &app.reviewing.judging;
+    let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
+        return;
+    };
+    let heading = Section {
+        number: None,
+        title: "Mistakes",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        let (counted, all) = (comparison.counted(), comparison.truth().objects.len());
+        let mut told = format!(
+            "Against {}: {}",
+            judging.source().unwrap_or_default(),
+            text::plural(counted, "object", "objects")
+        );
+        if counted < all {
+            told += &format!(", {} more cannot be seen and do not count", all - counted);
+        }
+        remark(ui, told + ".");
+        mistakes::ui(ui, context, comparison);
+        matrix::ui(ui, context, comparison, standing);
+        ui.horizontal(|ui| {
+            super::button(ui, context, Action::OpenTruth, "Open truth…", true);
+            super::button(ui, context, Action::ForgetTruth, "Leave it", true);
+        });
+    });
+}
+
+/// `0.93`, or a dash where there is nothing to divide by.
+fn share(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.2}")
+    } else {
+        text::NONE.to_owned()
+    }
+}
