@@ -19,7 +19,7 @@ pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
 pub use first_returns::first_returns_csv;
-pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml};
+pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;
 
 use crate::cloud::PointSource;

@@ -1,14 +1,18 @@
 //! `bathyscope evaluate`: predicted boxes against true ones.
 
+mod html;
 mod json;
+mod svg;
 mod table;
 
 use super::output;
 use crate::detection::labels::{self, LabelSet, Paired};
 use crate::detection::metrics::{ApMethod, Evaluation, MetricSettings, evaluate};
-use std::path::PathBuf;
+use crate::export::write_aside;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
 
-/// `bathyscope evaluate --truth DIR --predicted DIR`.
+/// `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
 #[derive(Debug, clap::Args)]
 pub struct EvaluateArgs {
     /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file
@@ -20,6 +24,9 @@ pub struct EvaluateArgs {
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
+    /// Also draw the curves, and list every false alarm and miss, on a page for a browser
+    #[arg(short, long, value_name = "PAGE.html")]
+    output: Option<PathBuf>,
     /// Intersection over union that makes a match
     #[arg(long, default_value_t = 0.5, value_parser = parse_share)]
     iou: f64,
@@ -50,8 +57,11 @@ struct Outcome<'a> {
     coco: Evaluation,
 }
 
-/// Measures and prints.
+/// Measures, prints and draws.
 pub fn run(args: EvaluateArgs) -> Result<(), String> {
+    if let Some(page) = &args.output {
+        check_page(page)?;
+    }
     let truth = labels::read_truth(&args.truth).map_err(|error| error.to_string())?;
     let predicted =
         labels::read_predicted(&args.predicted, &truth).map_err(|error| error.to_string())?;
@@ -78,6 +88,9 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
         iou: args.iou,
         score: args.score,
     };
+    if let Some(page) = &args.output {
+        write_page(page, &html::of(&outcome))?;
+    }
     if args.json {
         return output::results(format_args!("{:#}", json::of(&outcome)));
     }
@@ -85,4 +98,20 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
         output::tell(format_args!("note: {note}"));
     }
     output::results(table::of(&outcome).trim_end())
+}
+
+/// Refuses a name that is no page's before any work: labels of that name would be replaced.
+fn check_page(path: &Path) -> Result<(), String> {
+    let suffix = path.extension().unwrap_or_default();
+    if ["html", "htm"]
+        .iter()
+        .any(|known| suffix.eq_ignore_ascii_case(known))
+    {
+        return Ok(());
+    }
+    Err(format!("a page's name ends in .html: {}", path.display()))
+}
+
+fn write_page(path: &Path, text: &str) -> Result<(), String> {
+    write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(|error| error.to_string())
 }

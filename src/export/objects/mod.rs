@@ -69,8 +69,8 @@ impl ObjectRow<'_> {
     }
 }
 
-/// Text between the tags of an XML file: markup escaped, characters that XML 1.0 forbids left out.
-fn xml(text: &str) -> String {
+/// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids left out.
+pub fn xml(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
         match letter {

@@ -60,6 +60,49 @@ fn evaluate_tells_figures_matrix_and_mistakes() {
 }
 
 #[test]
+fn evaluate_draws_curves_and_lists_mistakes_on_a_page() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    labels(folder);
+    fs::write(folder.join("truth/classes.txt"), "rock & roll\ntyre\n").expect("names");
+    let mut args = ARGS.to_vec();
+    args.extend(["-o", "page.html"]);
+    run(folder, &args);
+    let page = fs::read_to_string(folder.join("page.html")).expect("the page");
+    assert_eq!(page.matches("<svg ").count(), 2);
+    assert!(page.contains(">rock &amp; roll</") && !page.contains("rock & roll"));
+    // Of all classes: 0.9 finds a rock, 0.8 and 0.7 find nothing, 0.1 finds a rock: recall 1/3, 1/3, 1/3, 2/3 at
+    // precision 1, 1/2, 1/3, 1/2.
+    assert!(
+        page.contains("M168.00 10.00L168.00 190.00L168.00 250.00L288.00 190.00"),
+        "{page}"
+    );
+    let rows: Vec<&str> = page
+        .lines()
+        .filter(|line| line.contains("<tr><td class=\"text\">"))
+        .collect();
+    let cells =
+        |row: &str, words: &[&str]| words.iter().all(|word| row.contains(&format!(">{word}<")));
+    assert_eq!(rows.len(), 4);
+    assert!(cells(rows[0], &["a", "other class", "0.800"]));
+    assert!(cells(rows[1], &["b", "background", "0.700"]));
+    assert!(
+        cells(rows[2], &["b", "rock &amp; roll", "missed"]),
+        "the largest miss: {}",
+        rows[2]
+    );
+    assert!(cells(rows[3], &["a", "tyre", "missed"]));
+    args.pop();
+    args.push("truth/a.txt");
+    assert!(refusal(folder, &args, 1).contains("ends in .html"));
+    assert!(
+        fs::read_to_string(folder.join("truth/a.txt"))
+            .expect("labels")
+            .starts_with("0 0.5")
+    );
+}
+
+#[test]
 fn evaluate_refuses_what_it_cannot_use() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();

@@ -1,0 +1,200 @@
+//! Everything on one page: figures, curves, matrix and the list of mistakes.
+
+use super::{Outcome, svg, table};
+use crate::detection::Rect;
+use crate::detection::metrics::CurvePoint;
+use crate::export::xml;
+use std::fmt::Write as _;
+
+/// Longest list on the page; JSON lists all.
+const MOST_ROWS: usize = 2000;
+
+const STYLE: &str = "body{font:14px sans-serif;color:#1a1a1a;margin:24px;max-width:1200px}h2{font-size:16px;margin-top:28px}\
+pre{font-size:12px;background:#f4f4f4;padding:12px;overflow-x:auto}table{border-collapse:collapse}\
+td,th{border:1px solid #cccccc;padding:3px 8px;text-align:right;font-weight:normal}th{background:#f4f4f4}\
+td.text,th.text{text-align:left}td.found{background:#cfe8df}td.mistaken{background:#f6d5cf}figure{display:inline-block;margin:0 24px 0 0}";
+
+/// The page.
+pub fn of(outcome: &Outcome) -> String {
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Boxes against the truth</title><style>{STYLE}</style></head><body>\n<h1>Boxes against the truth</h1>\n"
+    );
+    // Writing to a string cannot fail.
+    for part in [curves, confusion, figures, mistakes] {
+        part(outcome, &mut page).ok();
+    }
+    page.push_str("</body></html>\n");
+    page
+}
+
+type Written = Result<(), std::fmt::Error>;
+
+fn curves(outcome: &Outcome, page: &mut String) -> Written {
+    let all = &outcome.darknet;
+    let at_score = format!("confidence {}", outcome.score);
+    let precision_recall = |name: String, points: &[CurvePoint]| svg::Curve {
+        name,
+        points: (points.iter())
+            .map(|point| [point.recall, point.precision])
+            .collect(),
+    };
+    let of_class = (outcome.paired.classes.iter().zip(&all.classes))
+        .map(|(name, class)| precision_recall(name.clone(), &class.curve));
+    let first = precision_recall("all classes".to_owned(), &all.curve);
+    let drawn = svg::svg(&svg::Plot {
+        across: "recall",
+        up: "precision",
+        curves: [first].into_iter().chain(of_class).collect(),
+        mark: Some((
+            [all.counts.recall(), all.counts.precision()],
+            at_score.clone(),
+        )),
+        limit: None,
+    });
+    writeln!(
+        page,
+        "<h2>Curves (Darknet's rule, IoU {})</h2>\n<figure>{drawn}</figure>",
+        outcome.iou
+    )?;
+    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| svg::Curve {
+        name: name.to_owned(),
+        points: steps(&all.curve, of),
+    };
+    let drawn = svg::svg(&svg::Plot {
+        across: "confidence from which boxes are shown",
+        up: "share, all classes",
+        curves: vec![
+            over_confidence("F1", |point| point.f1),
+            over_confidence("precision", |point| point.precision),
+            over_confidence("recall", |point| point.recall),
+        ],
+        mark: None,
+        limit: Some((outcome.score, at_score)),
+    });
+    writeln!(page, "<figure>{drawn}</figure>")
+}
+
+/// A share over the confidence: between two scores that occur, the boxes shown stay the same.
+fn steps(curve: &[CurvePoint], of: fn(&CurvePoint) -> f64) -> Vec<[f64; 2]> {
+    let mut points = Vec::with_capacity(2 * curve.len());
+    for (index, point) in curve.iter().enumerate() {
+        points.push([f64::from(point.score), of(point)]);
+        let below = curve.get(index + 1).map_or(0.0, |next| next.score);
+        points.push([f64::from(below), of(point)]);
+    }
+    points
+}
+
+fn confusion(outcome: &Outcome, page: &mut String) -> Written {
+    let names = || {
+        let classes = outcome.paired.classes.iter().map(String::as_str);
+        classes.chain(["background"])
+    };
+    writeln!(
+        page,
+        "<h2>What was taken for what</h2>\n<p>Row background: false alarms; column background: missed.</p>\n<table><tr><th class=\"text\" rowspan=\"2\">truth</th><th colspan=\"{}\">proposed at confidence {}</th></tr><tr>",
+        names().count(),
+        outcome.score
+    )?;
+    for name in names() {
+        write!(page, "<th>{}</th>", xml(name))?;
+    }
+    writeln!(page, "</tr>")?;
+    for (row, (name, cells)) in names().zip(outcome.darknet.confusion.rows()).enumerate() {
+        write!(page, "<tr><th class=\"text\">{}</th>", xml(name))?;
+        for (column, count) in cells.iter().enumerate() {
+            let class = match (count, row == column) {
+                (0, _) => "",
+                (_, true) => " class=\"found\"",
+                (_, false) => " class=\"mistaken\"",
+            };
+            write!(page, "<td{class}>{count}</td>")?;
+        }
+        writeln!(page, "</tr>")?;
+    }
+    writeln!(page, "</table>")
+}
+
+fn figures(outcome: &Outcome, page: &mut String) -> Written {
+    let text = table::of(outcome);
+    writeln!(
+        page,
+        "<h2>Figures</h2>\n<pre>{}</pre>",
+        xml(text.trim_end())
+    )?;
+    for note in &outcome.paired.notes {
+        writeln!(page, "<p>Note: {}</p>", xml(note))?;
+    }
+    Ok(())
+}
+
+/// A line of the list.
+struct Mistake<'a> {
+    what: &'static str,
+    picture: usize,
+    class: usize,
+    score: Option<f32>,
+    rect: &'a Rect,
+}
+
+/// False alarms by falling score, then misses by falling size.
+fn list<'a>(outcome: &'a Outcome<'_>) -> Vec<Mistake<'a>> {
+    let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
+    let alarms = evaluation.false_alarms.iter().map(|one| {
+        let predicted = &paired.images[one.image].predicted[one.predicted];
+        Mistake {
+            what: one.cause.name(),
+            picture: one.image,
+            class: predicted.class,
+            score: Some(predicted.score),
+            rect: &predicted.rect,
+        }
+    });
+    let misses = evaluation.misses.iter().map(|one| {
+        let truth = &paired.images[one.image].truth[one.truth];
+        Mistake {
+            what: "missed",
+            picture: one.image,
+            class: truth.class,
+            score: None,
+            rect: &truth.rect,
+        }
+    });
+    let mut misses: Vec<Mistake<'a>> = misses.collect();
+    misses.sort_by(|a, b| b.rect.area().total_cmp(&a.rect.area()));
+    alarms.chain(misses).collect()
+}
+
+fn mistakes(outcome: &Outcome, page: &mut String) -> Written {
+    let all = list(outcome);
+    writeln!(
+        page,
+        "<h2>False alarms, the surest first, then misses, the largest first: {}</h2>",
+        all.len()
+    )?;
+    if all.len() > MOST_ROWS {
+        writeln!(
+            page,
+            "<p>The first {MOST_ROWS} are listed; --json lists all.</p>"
+        )?;
+    }
+    writeln!(
+        page,
+        "<table><tr><th class=\"text\">picture</th><th class=\"text\">class</th><th class=\"text\">what</th><th>confidence</th><th>left, top, right, bottom, pixels</th></tr>"
+    )?;
+    let paired = &outcome.paired;
+    for one in all.iter().take(MOST_ROWS) {
+        let score = one
+            .score
+            .map_or(String::new(), |score| format!("{score:.3}"));
+        let Rect { x0, y0, x1, y1 } = one.rect;
+        writeln!(
+            page,
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{score}</td><td>{x0:.0}, {y0:.0}, {x1:.0}, {y1:.0}</td></tr>",
+            xml(&paired.names[one.picture]),
+            xml(&paired.classes[one.class]),
+            one.what,
+        )?;
+    }
+    writeln!(page, "</table>")
+}
