@@ -41,6 +41,7 @@ actions! {
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
+    TakeUpUnsaved, "Take up unsaved decisions", None, "Takes the decisions that were not saved when this log was last open.";
     ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
     OpenTruth, "Open truth…", None, "Opens what is known to lie in this log: a table of objects that was simulated, or a review.";
     ForgetTruth, "Leave the truth", None, "Compares the boxes with no truth any more.";

@@ -200,6 +200,7 @@ impl App {
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
             Action::LeaveTool => self.leave_tool(),
+            Action::TakeUpUnsaved => self.take_up_unsaved(),
             Action::ForgetTruth => self.forget_truth(),
             Action::NextMistake => self.step_mistake(1),
             Action::PreviousMistake => self.step_mistake(-1),

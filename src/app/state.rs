@@ -4,7 +4,7 @@ use super::loader::Loading;
 use super::preview::Previewer;
 use super::reviewing::{Reviewing, Step};
 use super::work::Exporting;
-use super::{Figures, History, LoadStatus, Task, ViewOptions};
+use super::{Action, Figures, History, LoadStatus, Task, ViewOptions};
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Engine, EngineStatus, Products, Settings, Stage};
 use crate::survey::{Side, Survey};
@@ -56,6 +56,8 @@ pub struct Notice {
     pub text: String,
     /// Something could not be done (otherwise: something was).
     pub is_error: bool,
+    /// What can be done about it.
+    pub offer: Option<Action>,
 }
 
 /// How work off the window's thread is run.

@@ -3,7 +3,7 @@
 use super::figures::Figures;
 use super::loader::Loading;
 use super::preview::Request;
-use super::{App, History, Jobs, Notice, Origin, Outcome, Task};
+use super::{Action, App, History, Jobs, Notice, Origin, Outcome, Task};
 use crate::pipeline::{Products, write_products};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -60,6 +60,7 @@ impl App {
         }
         self.poll_export();
         self.poll_review();
+        self.poll_autosave();
         self.poll_detecting();
         self.poll_judging();
         self.poll_places();
@@ -89,6 +90,8 @@ impl App {
         self.depth_span_m = locked()
             .map(|sounding| [sounding.depth_m, sounding.depth_m])
             .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
+        self.keep_decisions();
+        self.withdraw(Action::TakeUpUnsaved);
         self.reviewing.start(&survey);
         self.survey = Some(Arc::new(survey));
         self.survey_serial += 1;
@@ -105,6 +108,7 @@ impl App {
         self.previewer.forget();
         if path.is_some() {
             self.look_for_review();
+            self.look_for_unsaved();
         }
         self.look_for_truth(path.is_some());
         self.process();
@@ -203,7 +207,25 @@ impl App {
 
     /// Tells the analyst a sentence.
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
-        self.notices.push(Notice { text, is_error });
+        self.notices.push(Notice {
+            text,
+            is_error,
+            offer: None,
+        });
+    }
+
+    /// Tells the analyst a sentence, and what can be done about it.
+    pub(super) fn offer(&mut self, text: String, action: Action) {
+        self.notices.push(Notice {
+            text,
+            is_error: false,
+            offer: Some(action),
+        });
+    }
+
+    /// Takes an offer back that was accepted or makes no sense any more.
+    pub(super) fn withdraw(&mut self, action: Action) {
+        self.notices.retain(|notice| notice.offer != Some(action));
     }
 
     /// Starts opening a log; one that is still being opened is dropped.

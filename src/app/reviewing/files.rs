@@ -50,6 +50,7 @@ impl App {
         });
         match written {
             Ok(()) => {
+                self.reviewing.autosave.clear();
                 let boxes = self.reviewing.review.boxes().len();
                 self.tell(format!("Saved {boxes} boxes to {}", path.display()), false);
                 self.reviewing.saved = self.reviewing.review.clone();
@@ -143,7 +144,7 @@ impl App {
     }
 }
 
-fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
+pub(super) fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
     let text = read_text(path, "review")?;
     Review::from_json(&text, identity).map_err(|error| error.to_string())
 }

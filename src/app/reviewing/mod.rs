@@ -1,8 +1,9 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `decide` carries out edits and moves on to the next box, `detect` asks a model, `places` puts boxes on the
+//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `detect` asks a model, `places` puts boxes on the
 //! ground, `judging` compares them with the truth where it is known, `files` keeps the review and writes what other programs read.
 
+mod autosave;
 mod decide;
 mod detect;
 mod files;
@@ -18,6 +19,7 @@ use crate::detection::review::{BoxId, Counts, Identity, Queue, Review, Reviewed,
 use crate::detection::{self, Raster};
 use crate::pipeline::Settings;
 use crate::survey::{Navigation, Survey};
+use autosave::Autosave;
 use detect::{Detecting, Detector};
 use files::Opening;
 use places::Places;
@@ -62,6 +64,8 @@ struct Parked {
     review: Arc<Review>,
     saved: Arc<Review>,
     path: Option<PathBuf>,
+    /// The decisions are in the file of unsaved ones.
+    is_kept: bool,
 }
 
 /// The boxes and what is done with them.
@@ -90,6 +94,7 @@ pub struct Reviewing {
     saved: Arc<Review>,
     parked: Vec<Parked>,
     opening: Option<Opening>,
+    autosave: Autosave,
     places: Places,
     /// How the boxes stand to the truth.
     pub judging: Judging,
@@ -119,6 +124,7 @@ impl Default for Reviewing {
             raster: None,
             parked: Vec::new(),
             opening: None,
+            autosave: Autosave::default(),
             places: Places::default(),
             judging: Judging::default(),
             model_path: None,
@@ -186,17 +192,10 @@ impl Reviewing {
         !Arc::ptr_eq(&self.review, &self.saved) && (self.is_touched || is_touched(&self.saved))
     }
 
-    /// Whether decisions about any log that was open are in no file yet.
-    pub fn has_unsaved(&self) -> bool {
-        let is_unsaved = |parked: &Parked| {
-            !Arc::ptr_eq(&parked.review, &parked.saved) && is_touched(&parked.review)
-        };
-        self.is_unsaved() || self.parked.iter().any(is_unsaved)
-    }
-
     /// Whether a review is being read, objects are being searched or boxes are being placed.
     pub(super) fn is_busy(&self) -> bool {
         self.opening.is_some()
+            || self.autosave.is_looking()
             || self.places.is_busy()
             || self.judging.is_busy()
             || self.detecting.is_some()
@@ -261,6 +260,7 @@ impl Reviewing {
         self.queue.threshold = last.queue.threshold;
         if last.review.boxes().len() > 0 {
             self.parked.push(Parked {
+                is_kept: last.autosave.holds(&last.review),
                 review: last.review,
                 saved: last.saved,
                 path: last.path,

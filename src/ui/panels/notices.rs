@@ -25,6 +25,12 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 if ui.small_button("Dismiss").clicked() {
                     context.push(Command::Dismiss(index));
                 }
+                if let Some(action) = notice.offer {
+                    let button = ui.small_button(action.label());
+                    if button.on_hover_text(action.hint()).clicked() {
+                        context.push(Command::Do(action));
+                    }
+                }
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                     let text = RichText::new(&notice.text).strong();
                     ui.add(egui::Label::new(text).truncate())

@@ -48,7 +48,12 @@ const DETECTOR: &[Action] = &[
     Action::ChooseModel,
     Action::ShippedModel,
 ];
-const REVIEW_FILES: &[Action] = &[Action::OpenReview, Action::SaveReview, Action::ExportBoxes];
+const REVIEW_FILES: &[Action] = &[
+    Action::TakeUpUnsaved,
+    Action::OpenReview,
+    Action::SaveReview,
+    Action::ExportBoxes,
+];
 /// What compares boxes with the truth.
 const TRUTH: &[Action] = &[
     Action::OpenTruth,

@@ -154,8 +154,9 @@ impl Shell {
         for command in commands {
             self.carry_out(&ctx, command);
         }
-        if !self.app.is_idle() {
-            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+        let busy = (!self.app.is_idle()).then_some(std::time::Duration::ZERO);
+        if let Some(due) = busy.or(self.app.autosave_due()) {
+            ctx.request_repaint_after(due.max(std::time::Duration::from_millis(100)));
         }
     }
 
@@ -172,13 +173,16 @@ impl Shell {
         }
     }
 
-    /// Decisions about boxes that are in no file are not lost by a slip: the first wish to close only says so.
+    /// Decisions about boxes that no file keeps are not lost by a slip: the first wish to close only says so.
     fn guard_decisions(&mut self, ctx: &egui::Context) {
-        if !self.app.reviewing.has_unsaved() {
+        let closes = ctx.input(|input| input.viewport().close_requested());
+        if closes {
+            self.app.keep_decisions();
+        }
+        if !self.app.is_at_risk() {
             self.warned_of_loss = false;
             return;
         }
-        let closes = ctx.input(|input| input.viewport().close_requested());
         if closes && !self.warned_of_loss {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
@@ -295,6 +299,10 @@ impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
         let render_state = frame.wgpu_render_state().cloned();
         self.frame(ui, render_state.as_ref());
+    }
+
+    fn on_exit(&mut self) {
+        self.app.keep_decisions();
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

@@ -2,6 +2,7 @@
 
 mod exported;
 mod judged;
+mod kept;
 mod mouse;
 mod search;
 

@@ -71,7 +71,12 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         parts.push(format!("{} below the confidence", counts.hidden));
     }
     if context.app.reviewing.is_unsaved() {
-        parts.push("not saved".to_owned());
+        // What is kept on the way is safe, but not where the analyst put it.
+        let kept = match context.app.is_at_risk() {
+            true => "not saved",
+            false => "not saved, kept beside the log",
+        };
+        parts.push(kept.to_owned());
     }
     remark(ui, parts.join(" · "));
 }

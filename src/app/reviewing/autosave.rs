@@ -1,0 +1,232 @@
+//! Decisions are kept as they are made: in a file of their own beside the log, written aside and renamed, every few seconds
+//! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
+
+use super::files::read;
+use super::{Parked, is_touched};
+use crate::app::{Action, App, Outcome, Task};
+use crate::detection::review::{Identity, Review, Reviewed};
+use crate::export;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Least time between two writes.
+const EVERY: Duration = Duration::from_secs(3);
+/// End of the name of the file, in place of the log's.
+const SUFFIX: &str = "review.unsaved.json";
+/// The same for decisions of an earlier run that were not taken up before new ones were made.
+const OLDER_SUFFIX: &str = "review.unsaved-older.json";
+
+/// A version on its way into the file.
+struct Writing {
+    review: Arc<Review>,
+    task: Task<Result<(), String>>,
+}
+
+/// What is kept, and what an earlier run left.
+#[derive(Default)]
+pub(super) struct Autosave {
+    /// The log; `None` when it is no file.
+    log: Option<PathBuf>,
+    /// The version in the file.
+    written: Option<Arc<Review>>,
+    last: Option<Instant>,
+    writing: Option<Writing>,
+    looking: Option<Task<Result<Review, String>>>,
+    /// Decisions of an earlier run that nobody has taken up yet.
+    left: Option<Arc<Review>>,
+    /// The file cannot be written; it was said.
+    failed: bool,
+}
+
+impl Autosave {
+    /// Whether a version is in the file.
+    pub fn holds(&self, review: &Arc<Review>) -> bool {
+        let written = self.written.as_ref();
+        written.is_some_and(|written| Arc::ptr_eq(written, review))
+    }
+
+    pub fn is_looking(&self) -> bool {
+        self.looking.is_some()
+    }
+
+    fn path(&self) -> Option<PathBuf> {
+        Some(self.log.as_ref()?.with_extension(SUFFIX))
+    }
+
+    /// How long the next write has to wait.
+    fn wait(&self) -> Duration {
+        let passed = self.last.map_or(EVERY, |last| last.elapsed());
+        EVERY.saturating_sub(passed)
+    }
+
+    /// What one write does: where to, and whether decisions that lie there were never taken up. They go under another name.
+    fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), String> + Send + use<>> {
+        let (log, path) = (self.log.clone()?, self.path()?);
+        let was_left = self.left.take().is_some();
+        Some(move |review: &Review| {
+            if was_left {
+                std::fs::rename(&path, log.with_extension(OLDER_SUFFIX))
+                    .map_err(|error| format!("{error}: {}", path.display()))?;
+            }
+            write(&path, review)
+        })
+    }
+
+    /// The review was saved: what was kept on the way is not needed any more.
+    pub fn clear(&mut self) {
+        self.writing = None;
+        if self.written.take().is_some()
+            && let Some(path) = self.path()
+        {
+            // Left behind, it would only be offered again.
+            std::fs::remove_file(path).ok();
+        }
+    }
+}
+
+fn write(path: &Path, review: &Review) -> Result<(), String> {
+    let text = review.to_json();
+    export::write_aside(path, |mut file| {
+        file.write_all(text.as_bytes())?;
+        file.write_all(b"\n")
+    })
+    .map_err(|error| error.to_string())
+}
+
+impl Parked {
+    /// Whether closing would lose decisions.
+    fn is_at_risk(&self) -> bool {
+        !Arc::ptr_eq(&self.review, &self.saved) && is_touched(&self.review) && !self.is_kept
+    }
+}
+
+impl App {
+    /// Whether closing now would lose decisions: they are in no file.
+    pub fn is_at_risk(&self) -> bool {
+        let reviewing = &self.reviewing;
+        let here = reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review);
+        here || reviewing.parked.iter().any(Parked::is_at_risk)
+    }
+
+    /// Time until decisions are due to be written; `None` when there is nothing to write.
+    pub fn autosave_due(&self) -> Option<Duration> {
+        let autosave = &self.reviewing.autosave;
+        let is_due = autosave.writing.is_none() && self.wants_autosave();
+        is_due.then(|| autosave.wait())
+    }
+
+    fn wants_autosave(&self) -> bool {
+        let reviewing = &self.reviewing;
+        let autosave = &reviewing.autosave;
+        let is_possible = autosave.log.is_some() && !autosave.failed && !autosave.is_looking();
+        is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
+    }
+
+    /// Writes decisions when they are due, and tells of those that an earlier run left.
+    pub(in crate::app) fn poll_autosave(&mut self) {
+        self.poll_left();
+        if let Some(writing) = self.reviewing.autosave.writing.take() {
+            match writing.task.poll() {
+                Outcome::Pending => self.reviewing.autosave.writing = Some(writing),
+                Outcome::Done(Ok(())) => self.reviewing.autosave.written = Some(writing.review),
+                Outcome::Done(Err(text)) => self.cannot_keep(&text),
+                Outcome::Failed => self.cannot_keep("the writing failed unexpectedly"),
+            }
+        }
+        if self.autosave_due() == Some(Duration::ZERO) {
+            let review = self.reviewing.review.clone();
+            let autosave = &mut self.reviewing.autosave;
+            if let Some(write) = autosave.next() {
+                let wanted = review.clone();
+                let task = Task::start(&self.jobs, move |_| write(&wanted));
+                autosave.last = Some(Instant::now());
+                autosave.writing = Some(Writing { review, task });
+            }
+        }
+    }
+
+    /// Writes what is not in the file yet, now: another log is opened, or the window closes.
+    pub fn keep_decisions(&mut self) {
+        // A write under way ends before this one, so that the newest stays.
+        while self.reviewing.autosave.writing.is_some() {
+            self.poll_autosave();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if !self.wants_autosave() {
+            return;
+        }
+        let review = self.reviewing.review.clone();
+        match self.reviewing.autosave.next().map(|write| write(&review)) {
+            Some(Ok(())) => self.reviewing.autosave.written = Some(review),
+            Some(Err(text)) => self.cannot_keep(&text),
+            None => {}
+        }
+    }
+
+    fn cannot_keep(&mut self, why: &str) {
+        self.reviewing.autosave.failed = true;
+        let text = format!("decisions cannot be kept as you go, save them with Ctrl+S: {why}");
+        self.tell(text, true);
+    }
+
+    /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
+    pub(in crate::app) fn look_for_unsaved(&mut self) {
+        let Some(survey) = &self.survey else {
+            return;
+        };
+        let autosave = &mut self.reviewing.autosave;
+        autosave.log = survey.source.files.first().cloned();
+        let Some(path) = autosave.path().filter(|path| path.is_file()) else {
+            return;
+        };
+        let identity = Identity::of(survey);
+        autosave.looking = Some(Task::start(&self.jobs, move |_| {
+            read(&path, &identity).map_err(|text| format!("{text}: {}", path.display()))
+        }));
+    }
+
+    fn poll_left(&mut self) {
+        // The saved review comes first: what was left is compared with it.
+        if self.reviewing.opening.is_some() {
+            return;
+        }
+        let autosave = &mut self.reviewing.autosave;
+        let left = match autosave.looking.as_ref().map(Task::poll) {
+            Some(Outcome::Done(left)) => left,
+            Some(Outcome::Failed) => Err("reading them failed unexpectedly".to_owned()),
+            Some(Outcome::Pending) | None => return,
+        };
+        autosave.looking = None;
+        let now = &self.reviewing.review;
+        match left {
+            // This run wrote it.
+            Ok(left) if left.shared() == now.shared() => autosave.written = Some(now.clone()),
+            Ok(left) => {
+                let decided = left.boxes().filter(|one| Reviewed::is_kept(one)).count();
+                autosave.left = Some(Arc::new(left));
+                let text = format!(
+                    "Decisions about {decided} boxes were not saved when this log was last open"
+                );
+                self.offer(text, Action::TakeUpUnsaved);
+            }
+            Err(text) => {
+                // Never written over: it may be somebody's work.
+                autosave.log = None;
+                self.tell(format!("cannot use the unsaved decisions: {text}"), true);
+            }
+        }
+    }
+
+    /// Takes up what an earlier run left, as one undo step.
+    pub(in crate::app) fn take_up_unsaved(&mut self) {
+        let Some(left) = self.reviewing.autosave.left.take() else {
+            let text = "there are no unsaved decisions of an earlier run about this log";
+            return self.tell(text.to_owned(), true);
+        };
+        self.reviewing.autosave.written = Some(left.clone());
+        self.take_review(left, "take up decisions", false);
+        self.withdraw(Action::TakeUpUnsaved);
+    }
+}
