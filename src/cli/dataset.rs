@@ -2,8 +2,9 @@
 
 use super::output;
 use super::status_line::StatusLine;
-use crate::detection::dataset::{Boxes, Chip, Coco, Known, yolo_lines};
+use crate::detection::dataset::{Boxes, Chip, Known};
 use crate::detection::{Mark, Raster, TILE_PX};
+use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::formats;
 use crate::progress::Progress;
 use crate::simulation::{
@@ -35,8 +36,6 @@ pub struct DatasetArgs {
     threads: Option<usize>,
 }
 
-/// Names of the parts of a dataset, in the order of a split.
-const PARTS: [&str; 3] = ["train", "val", "test"];
 /// Side of a pixel, metres.
 const PIXEL_M: f64 = 0.04;
 /// Columns that a tile holds of the range at least.
@@ -87,7 +86,9 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
     if images.iter().sum::<usize>() > MOST_IMAGES {
         return Err(format!("more than {MOST_IMAGES} pictures; ask for fewer"));
     }
-    prepare(folder)?;
+    refuse_in_use(folder)?;
+    let names = ObjectKind::ALL.map(|kind| kind.name().to_owned());
+    let dataset = DatasetFolder::new(folder, &names).map_err(told)?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = args.threads {
         pool = pool.num_threads(threads);
@@ -101,13 +102,12 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
     progress.start(images.iter().sum::<usize>() as u64);
     let per_scene = usize::from(args.per_scene);
     let made = pool.install(|| {
-        let parts = PARTS.iter().zip(images).enumerate();
+        let parts = Part::ALL.into_iter().zip(images);
         parts
-            .map(|(part, (name, images))| {
+            .map(|(part, images)| {
                 let maker = Maker {
-                    folder,
-                    name,
-                    part: part as u64,
+                    dataset: &dataset,
+                    part,
                     seed,
                     per_scene,
                     images,
@@ -115,14 +115,14 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
                 };
                 maker.part()
             })
-            .collect::<Result<Vec<Part>, String>>()
+            .collect::<Result<Vec<Made>, String>>()
     })?;
     let manifest = Manifest::new(args, seed, &made);
-    write_json(&folder.join("manifest.json"), &manifest)?;
+    dataset.manifest(&manifest).map_err(told)?;
     drop(status);
     let labels: usize = made
         .iter()
-        .map(|part| part.labels.values().sum::<usize>())
+        .map(|made| made.part.labels.values().sum::<usize>())
         .sum();
     output::results(format_args!(
         "made {} pictures with {labels} boxes (seed {seed}) in {}",
@@ -131,112 +131,72 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
     ))
 }
 
-/// Makes the folders and the class names; an old dataset is never mixed with a new one.
-fn prepare(folder: &Path) -> Result<(), String> {
+/// An old dataset is never mixed with a new one.
+fn refuse_in_use(folder: &Path) -> Result<(), String> {
     let in_use = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
-    if in_use {
-        return Err(format!(
+    match in_use {
+        true => Err(format!(
             "the folder is not empty; name a new one: {}",
             folder.display()
-        ));
+        )),
+        false => Ok(()),
     }
-    for part in PARTS {
-        for kind in ["images", "labels"] {
-            let path = folder.join(kind).join(part);
-            fs::create_dir_all(&path)
-                .map_err(|error| format!("cannot make the folder: {error}: {}", path.display()))?;
-        }
-    }
-    let names = ObjectKind::ALL
-        .map(|kind| format!("{}\n", kind.name()))
-        .concat();
-    write(&folder.join("classes.txt"), names.as_bytes())
+}
+
+fn told(error: ExportError) -> String {
+    error.to_string()
 }
 
 /// Makes one part of the dataset.
 struct Maker<'a> {
-    folder: &'a Path,
-    name: &'a str,
-    part: u64,
+    dataset: &'a DatasetFolder,
+    part: Part,
     seed: u64,
     per_scene: usize,
     images: usize,
     progress: &'a Progress,
 }
 
-/// What a part holds, for the manifest.
+/// What a part holds and was made from, for the manifest.
 #[derive(Serialize)]
-struct Part {
-    name: String,
-    images: usize,
+struct Made {
+    #[serde(flatten)]
+    part: PartSummary,
     scenes: usize,
-    images_without_boxes: usize,
-    /// Boxes to find, by class.
-    labels: std::collections::BTreeMap<&'static str, usize>,
-    /// Boxes that count for nothing.
-    ignored: usize,
     /// The seed of each scene, in the order of the pictures.
     scene_seeds: Vec<u64>,
 }
 
 impl Maker<'_> {
-    fn part(&self) -> Result<Part, String> {
+    fn part(&self) -> Result<Made, String> {
         let scenes = self.images.div_ceil(self.per_scene);
         let boxes: Vec<Vec<Boxes>> = (0..scenes)
             .into_par_iter()
             .map(|scene| self.scene(scene))
             .collect::<Result<_, String>>()?;
         let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
-        let mut coco = Coco::new(ObjectKind::ALL.map(ObjectKind::name));
-        for (index, boxes) in boxes.iter().enumerate() {
-            coco.add(format!("{index:06}.png"), boxes);
-        }
-        write_json(&self.folder.join(format!("{}.json", self.name)), &coco)?;
-        Ok(self.summary(&boxes, scenes))
+        Ok(Made {
+            part: self.dataset.finish(self.part, &boxes).map_err(told)?,
+            scenes,
+            scene_seeds: (0..scenes).map(|scene| self.seed_of(scene)).collect(),
+        })
     }
 
-    fn summary(&self, boxes: &[Boxes], scenes: usize) -> Part {
-        let mut labels: std::collections::BTreeMap<_, _> =
-            ObjectKind::ALL.map(|kind| (kind.name(), 0)).into();
-        for label in boxes.iter().flat_map(|boxes| &boxes.labels) {
-            *labels
-                .entry(ObjectKind::ALL[label.class].name())
-                .or_insert(0) += 1;
-        }
-        Part {
-            name: self.name.to_owned(),
-            images: boxes.len(),
-            scenes,
-            images_without_boxes: boxes.iter().filter(|boxes| boxes.labels.is_empty()).count(),
-            labels,
-            ignored: boxes.iter().map(|boxes| boxes.ignored.len()).sum(),
-            scene_seeds: (0..scenes as u64)
-                .map(|scene| training_seed(self.seed, self.part, scene))
-                .collect(),
-        }
+    fn seed_of(&self, scene: usize) -> u64 {
+        training_seed(self.seed, self.part as u64, scene as u64)
     }
 
     /// Simulates one scene and writes its pictures and their YOLO labels.
     fn scene(&self, index: usize) -> Result<Vec<Boxes>, String> {
         self.progress.check().map_err(|error| error.to_string())?;
-        let seed = training_seed(self.seed, self.part, index as u64);
+        let seed = self.seed_of(index);
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
         let first = index * self.per_scene;
         let wanted = self.per_scene.min(self.images - first);
         let chips = chips(&training, seed, wanted)?;
         let mut all = Vec::with_capacity(chips.len());
         for (number, chip) in (first..).zip(chips) {
-            let path = |kind: &str, ending: &str| {
-                self.folder
-                    .join(kind)
-                    .join(self.name)
-                    .join(format!("{number:06}.{ending}"))
-            };
-            write(&path("images", "png"), &chip.png())?;
-            write(
-                &path("labels", "txt"),
-                yolo_lines(&chip.boxes.labels).as_bytes(),
-            )?;
+            self.dataset.chip(self.part, number, &chip).map_err(told)?;
             all.push(chip.boxes);
         }
         self.progress.advance(all.len() as u64);
@@ -306,11 +266,11 @@ struct Manifest<'a> {
     pixel_m: f64,
     tile_px: usize,
     classes: [&'static str; ObjectKind::ALL.len()],
-    parts: &'a [Part],
+    parts: &'a [Made],
 }
 
 impl<'a> Manifest<'a> {
-    fn new(args: &DatasetArgs, seed: u64, parts: &'a [Part]) -> Self {
+    fn new(args: &DatasetArgs, seed: u64, parts: &'a [Made]) -> Self {
         Self {
             program: "bathyscope simulate --dataset",
             version: env!("CARGO_PKG_VERSION"),
@@ -323,14 +283,4 @@ impl<'a> Manifest<'a> {
             parts,
         }
     }
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    fs::write(path, bytes)
-        .map_err(|error| format!("cannot write the file: {error}: {}", path.display()))
-}
-
-fn write_json(path: &Path, value: &impl Serialize) -> Result<(), String> {
-    let text = serde_json::to_vec(value).map_err(|error| error.to_string())?;
-    write(path, &text)
 }

@@ -12,6 +12,7 @@ mod info;
 mod input;
 mod output;
 mod process;
+mod review;
 mod simulate;
 mod snapshot;
 mod start;
@@ -55,6 +56,8 @@ enum Command {
     Process(process::ProcessArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
+    /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
+    Review(review::ReviewArgs),
     /// Draw the window, or one of its views, into a picture
     Snapshot(snapshot::SnapshotArgs),
     /// Make a survey of known truth: log, truth and objects
@@ -88,6 +91,10 @@ pub fn main() -> ExitCode {
             command: Some(Command::Detect(args)),
             ..
         } => detect::run(args),
+        Cli {
+            command: Some(Command::Review(args)),
+            ..
+        } => review::run(args),
         Cli {
             command: Some(Command::Snapshot(args)),
             ..

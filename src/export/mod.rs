@@ -1,12 +1,14 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `points` reads and writes the point files of `bathyscope filter`.
+//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `dataset` is the folder that detectors are trained
+//! on, `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
 mod chips;
 mod cloud_csv;
 mod cloud_laz;
 mod cloud_ply;
+mod dataset;
 mod first_returns;
 pub mod geotiff;
 mod objects;
@@ -18,6 +20,7 @@ pub use chips::{ChipError, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
+pub use dataset::{DatasetFolder, Part, PartSummary};
 pub use first_returns::first_returns_csv;
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;

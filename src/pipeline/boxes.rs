@@ -2,11 +2,11 @@
 
 use super::Products;
 use super::detections::number_objects;
-use crate::detection::dataset::{Chip, Coco, voc_xml, yolo_lines};
-use crate::detection::review::{Review, ReviewedTile, State};
+use super::lessons::Lessons;
+use crate::detection::Raster;
+use crate::detection::review::{Review, State};
 use crate::detection::targets::Placer;
-use crate::detection::{Raster, level};
-use crate::export::{self, ObjectRow};
+use crate::export::{self, ObjectRow, Part};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -27,11 +27,25 @@ pub struct BoxesWritten {
     pub negatives: usize,
 }
 
+impl BoxesWritten {
+    /// What was written, in a sentence.
+    pub fn told(&self, folder: &Path) -> String {
+        format!(
+            "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
+            self.boxes,
+            self.pictures,
+            self.negatives,
+            folder.display()
+        )
+    }
+}
+
 /// Writes into `folder`, which is made when it is missing: `objects.csv` and `objects.geojson` with every box and its state,
 /// `objects.kml` and `objects.gpx` with the accepted and added ones, the review itself, and `dataset/` with a picture around
-/// each decided box (`images/`), its labels as YOLO (`labels/`, `classes.txt`), Pascal VOC (`voc/`) and COCO
-/// (`annotations.json`). A picture in which all was rejected has no label: a hard negative. Undecided boxes are marked as to be
-/// neither found nor missed (COCO `iscrowd`, VOC `difficult`).
+/// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
+/// ([`export::DatasetFolder`]); the whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
+/// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
+/// Pictures of an earlier export of the same log are replaced.
 ///
 /// The error is one sentence that names the file. A cancelled run leaves whole files only.
 pub fn write_boxes(
@@ -39,6 +53,7 @@ pub fn write_boxes(
     products: &Products,
     review: &Review,
     raster: &Raster,
+    part: Part,
     folder: &Path,
     progress: &Progress,
 ) -> Result<BoxesWritten, String> {
@@ -47,8 +62,15 @@ pub fn write_boxes(
     make(folder)?;
     let rows = rows(survey, products, review, progress)?;
     tables(survey, &rows, folder).map_err(|error| error.to_string())?;
-    let dataset = folder.join("dataset");
-    let negatives = pictures(survey, review, raster, &tiles, &dataset, progress)?;
+    let root = folder.join("dataset");
+    let lessons = Lessons {
+        survey,
+        review,
+        raster,
+        tiles: &tiles,
+        part,
+    };
+    let negatives = lessons.write(&root, progress)?;
     text(&folder.join(REVIEW), &(review.to_json() + "\n"))?;
     Ok(BoxesWritten {
         boxes: rows.len(),
@@ -107,60 +129,12 @@ fn tables(
     export::objects_gpx(&folder.join("objects.gpx"), &objects)
 }
 
-/// Writes the pictures with their labels; returns how many are hard negatives.
-fn pictures(
-    survey: &Survey,
-    review: &Review,
-    raster: &Raster,
-    tiles: &[ReviewedTile],
-    folder: &Path,
-    progress: &Progress,
-) -> Result<usize, String> {
-    let [images, labels, voc] = ["images", "labels", "voc"].map(|name| folder.join(name));
-    for folder in [&images, &labels, &voc] {
-        make(folder)?;
-    }
-    let names = review.classes();
-    let mut coco = Coco::new(names.iter().map(String::as_str));
-    let mut negatives = 0;
-    for (index, tile) in tiles.iter().enumerate() {
-        progress.check().map_err(|error| error.to_string())?;
-        let mut pixels = raster.tile(survey, tile.side, tile.row, tile.column).pixels;
-        level(&mut pixels);
-        let chip = Chip {
-            pixels,
-            boxes: tile.boxes.clone(),
-        };
-        negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
-        let stem = format!("{:05}", index + 1);
-        let picture = format!("{stem}.png");
-        bytes(&images.join(&picture), &chip.png())?;
-        text(
-            &labels.join(format!("{stem}.txt")),
-            &yolo_lines(&chip.boxes.labels),
-        )?;
-        text(
-            &voc.join(format!("{stem}.xml")),
-            &voc_xml(&picture, names, &chip.boxes),
-        )?;
-        coco.add(picture, &chip.boxes);
-        progress.advance(1);
-    }
-    let annotations = serde_json::to_string_pretty(&coco).map_err(|error| error.to_string())?;
-    text(&folder.join("annotations.json"), &(annotations + "\n"))?;
-    text(&folder.join("classes.txt"), &(names.join("\n") + "\n"))?;
-    Ok(negatives)
-}
-
 fn make(folder: &Path) -> Result<(), String> {
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))
 }
 
 fn text(path: &Path, text: &str) -> Result<(), String> {
-    bytes(path, text.as_bytes())
-}
-
-fn bytes(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    export::write_aside(path, |mut file| file.write_all(bytes)).map_err(|error| error.to_string())
+    export::write_aside(path, |mut file| file.write_all(text.as_bytes()))
+        .map_err(|error| error.to_string())
 }

@@ -2,12 +2,13 @@
 //!
 //! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
 //! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them. `detections`
-//! searches for objects and writes them, `boxes` writes what was decided about boxes, `mosaic` the side-scan
-//! mosaic.
+//! searches for objects and writes them, `boxes` writes what was decided about boxes, `lessons` as pictures for training,
+//! `mosaic` the side-scan mosaic.
 
 mod boxes;
 mod detections;
 mod engine;
+mod lessons;
 mod mosaic;
 mod outputs;
 mod products;

@@ -1,4 +1,5 @@
-"""Chips and their boxes in memory, read from the folder that `bathyscope simulate --dataset DIR` writes.
+"""Chips and their boxes in memory, read from the folder that `bathyscope simulate --dataset DIR` writes, or `bathyscope review`
+as its `dataset`: then all chips of a log are in one split, and the others are empty.
 
 DIR/images/{train,val,test}/NNNNNN.png   8-bit grey; rows run along track, columns outward in slant range
 DIR/labels/{train,val,test}/NNNNNN.txt   `class cx cy w h` per line, fractions of the chip; a box holds echo and shadow
@@ -116,6 +117,11 @@ def has_split(root: Path, split: str) -> bool:
     return any((root / "images" / split).glob("*.png"))
 
 
+def holding(roots: list[Path], split: str) -> list[Path]:
+    """The folders with chips in a split; the first where none has any, for its message."""
+    return [root for root in roots if has_split(root, split)] or roots[:1]
+
+
 def join(parts: list[Chips]) -> Chips:
     """The chips of several folders as one."""
     if len(parts) == 1:
@@ -128,7 +134,7 @@ def join(parts: list[Chips]) -> Chips:
 
 def read_names(root: Path) -> list[str]:
     """The class names, in the order of the labels' numbers."""
-    return (root / "classes.txt").read_text().split()
+    return (root / "classes.txt").read_text().splitlines()
 
 
 def read_manifest(root: Path) -> dict:

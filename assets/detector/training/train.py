@@ -24,7 +24,7 @@ import real
 from anchors import per_head, size_iou
 from augment import Augmenter, Strength
 from darknet_weights import load_coco
-from data import DEFAULT_PIXEL_M, Chips, has_split, join, read_manifest, read_names, read_split
+from data import DEFAULT_PIXEL_M, Chips, has_split, holding, join, read_manifest, read_names, read_split
 from detect import detect, judged, suppress, truths
 from evaluate import evaluate
 from export import export
@@ -219,7 +219,7 @@ def arguments() -> argparse.Namespace:
     """What the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--data", type=Path, required=True, nargs="+", help="folders written by `bathyscope simulate --dataset`")
+    add("--data", type=Path, required=True, nargs="+", help="folders written by `bathyscope simulate --dataset` or `bathyscope review`")
     add("--test", type=Path, help="folder whose test split is measured (default: the first of --data)")
     add("--out", type=Path, required=True, help="folder for the results")
     add("--network", default="tiny", choices=["tiny", "tiny3l", "yolov4"])
@@ -255,7 +255,11 @@ def arguments() -> argparse.Namespace:
 def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
     """Reads all data and settles what the network must know: names, anchors, resolution."""
     began = time.monotonic()
-    train, val = (join([read_split(root, split, args.limit) for root in args.data]) for split in ("train", "val"))
+    names = read_names(args.data[0])
+    for root in args.data[1:]:
+        if read_names(root) != names:
+            raise SystemExit(f"these are other classes than those of {args.data[0]}, or in another order: {root / 'classes.txt'}")
+    train, val = (join([read_split(root, split, args.limit) for root in holding(args.data, split)]) for split in ("train", "val"))
     held = args.test or args.data[0]
     test = read_split(held, "test", args.limit) if has_split(held, "test") else val
     if test is val:
@@ -270,7 +274,7 @@ def prepare(args) -> tuple[Chips, Chips, Chips, "real.Tiles | None", dict]:
     fit = size_iou(sizes, np.array(anchors).reshape(-1, 2)).max(1).mean()
     meta = {
         "name": args.name or args.network, "network": args.network, "width": args.width if args.network == "yolov4" else 1.0,
-        "names": read_names(args.data[0]), "anchors": anchors, "side": train.side,
+        "names": names, "anchors": anchors, "side": train.side,
         "pixel_m": manifest.get("pixel_m", DEFAULT_PIXEL_M),
     }  # fmt: skip
     spent = time.monotonic() - began

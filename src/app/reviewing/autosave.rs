@@ -1,7 +1,6 @@
 //! Decisions are kept as they are made: in a file of their own beside the log, written aside and renamed, every few seconds
 //! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
 
-use super::files::read;
 use super::{Parked, is_touched};
 use crate::app::{Action, App, Outcome, Task};
 use crate::detection::review::{Identity, Review, Reviewed};
@@ -183,7 +182,7 @@ impl App {
         };
         let identity = Identity::of(survey);
         autosave.looking = Some(Task::start(&self.jobs, move |_| {
-            read(&path, &identity).map_err(|text| format!("{text}: {}", path.display()))
+            Review::open(&path, &identity).map_err(|error| error.to_string())
         }));
     }
 

@@ -2,12 +2,11 @@
 
 use crate::app::work::Exporting;
 use crate::app::{App, Outcome, Task};
-use crate::detection::review::{Identity, LARGEST_FILE, Review};
+use crate::detection::review::{Identity, Review};
 use crate::export;
 use crate::pipeline::write_boxes;
-use std::fs::File;
-use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::io::Write as _;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// End of the name of a review's file.
@@ -70,14 +69,11 @@ impl App {
         let (survey, products, raster) = (survey.clone(), products.clone(), raster.clone());
         let review = self.reviewing.review.clone();
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let written = write_boxes(&survey, &products, &review, &raster, &folder, progress)?;
-            Ok(format!(
-                "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
-                written.boxes,
-                written.pictures,
-                written.negatives,
-                folder.display()
-            ))
+            let part = export::Part::Train;
+            let written = write_boxes(
+                &survey, &products, &review, &raster, part, &folder, progress,
+            )?;
+            Ok(written.told(&folder))
         }));
     }
 
@@ -103,7 +99,7 @@ impl App {
         };
         let (identity, from) = (Identity::of(survey), path.clone());
         let task = Task::start(&self.jobs, move |_| {
-            read(&from, &identity).map_err(|text| format!("{text}: {}", from.display()))
+            Review::open(&from, &identity).map_err(|error| error.to_string())
         });
         self.reviewing.opening = Some(Opening {
             path,
@@ -142,24 +138,4 @@ impl App {
             Err(text) => self.tell(text, true),
         }
     }
-}
-
-pub(super) fn read(path: &Path, identity: &Identity) -> Result<Review, String> {
-    let text = read_text(path, "review")?;
-    Review::from_json(&text, identity).map_err(|error| error.to_string())
-}
-
-/// The text of a file about boxes, of a size that such a file can have.
-pub(super) fn read_text(path: &Path, what: &str) -> Result<String, String> {
-    let cannot = |error: std::io::Error| format!("cannot read the {what}: {error}");
-    let mut text = String::new();
-    let file = File::open(path).map_err(cannot)?;
-    // One byte more than allowed tells a file that is too large from one that just fits.
-    file.take(LARGEST_FILE + 1)
-        .read_to_string(&mut text)
-        .map_err(cannot)?;
-    if text.len() as u64 > LARGEST_FILE {
-        return Err(format!("the file is too large to be a {what} of boxes"));
-    }
-    Ok(text)
 }

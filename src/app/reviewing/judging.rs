@@ -1,11 +1,10 @@
 //! The boxes against the truth, when it is known: read off the window's thread, compared once per change of boxes, counted
 //! once per move of the confidence slider.
 
-use super::files::read_text;
 use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
 use crate::detection::Raster;
-use crate::detection::review::Identity;
+use crate::detection::review::{Identity, read_text};
 use crate::detection::truth::{Comparison, LaidTruth, Mistake, Standing, Truth};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -230,13 +229,13 @@ impl App {
         };
         let (identity, from) = (Identity::of(survey), source.clone());
         let task = Task::start(&self.jobs, move |_| {
-            let parse =
-                |text: &str| Truth::parse(text, &identity).map_err(|error| error.to_string());
+            let parse = |text: &str| Truth::parse(text, &identity);
             match &from {
-                Source::Demo => parse(DEMO_TRUTH),
-                Source::File(path) => read_text(path, "truth")
-                    .and_then(|text| parse(&text))
-                    .map_err(|text| format!("{text}: {}", path.display())),
+                Source::Demo => parse(DEMO_TRUTH).map_err(|error| error.to_string()),
+                Source::File(path) => {
+                    let text = read_text(path, "truth").map_err(|error| error.to_string())?;
+                    parse(&text).map_err(|error| format!("{error}: {}", path.display()))
+                }
             }
         });
         self.reviewing.judging.opening = Some(Opening {

@@ -15,7 +15,9 @@ pub use judging::{Judging, MistakeSort};
 pub use places::Placed;
 
 use super::Mark;
-use crate::detection::review::{BoxId, Counts, Identity, Queue, Review, Reviewed, State};
+use crate::detection::review::{
+    BoxId, Counts, Identity, NAMELESS_CLASS, Queue, Review, Reviewed, State,
+};
 use crate::detection::{self, Raster};
 use crate::pipeline::Settings;
 use crate::survey::{Navigation, Survey};
@@ -26,8 +28,6 @@ use places::Places;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Class of a box that is drawn before any model has named one.
-const NAMELESS_CLASS: &str = "object";
 /// Side of a pixel of the raster that boxes are compared and shown in, metres.
 pub const PIXEL_M: f64 = 0.04;
 /// Reviews of other logs kept at hand while the window is open.

@@ -5,10 +5,13 @@ use crate::detection::Mark;
 use crate::survey::Side;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Bytes of the largest file that is read.
-pub const LARGEST_FILE: u64 = 64 << 20;
+const LARGEST_FILE: u64 = 64 << 20;
 /// Number of the layout.
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
@@ -22,6 +25,25 @@ const LONGEST_NOTE: usize = 10_000;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ReviewError(String);
+
+/// The text of a file about boxes, of a size that such a file can have. `what` is what it should be: `review`.
+///
+/// # Errors
+/// A sentence with the path when it cannot be read, or is too large.
+pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
+    let cannot =
+        |why: String| ReviewError(format!("cannot read the {what}: {why}: {}", path.display()));
+    let mut text = String::new();
+    let file = File::open(path).map_err(|error| cannot(error.to_string()))?;
+    // One byte more than allowed tells a file that is too large from one that just fits.
+    file.take(LARGEST_FILE + 1)
+        .read_to_string(&mut text)
+        .map_err(|error| cannot(error.to_string()))?;
+    if text.len() as u64 > LARGEST_FILE {
+        return Err(cannot("the file is too large for that".to_owned()));
+    }
+    Ok(text)
+}
 
 #[derive(Serialize, Deserialize)]
 struct Stored {
@@ -94,6 +116,16 @@ impl Review {
             note: one.note.clone(),
             model: one.model.as_deref().map(str::to_owned),
         }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// As [`Review::from_json`], with the path.
+    pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
+        let text = read_text(path, "review")?;
+        Self::from_json(&text, of)
+            .map_err(|ReviewError(text)| ReviewError(format!("{text}: {}", path.display())))
     }
 
     /// Reads the text of a file.

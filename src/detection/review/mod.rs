@@ -11,7 +11,7 @@ mod queue;
 mod tiles;
 
 pub use edit::Edit;
-pub use file::{LARGEST_FILE, ReviewError};
+pub use file::{ReviewError, read_text};
 pub use queue::{Counts, Filter, Queue, Sort};
 pub use tiles::ReviewedTile;
 
@@ -19,6 +19,9 @@ use super::Mark;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Class of a box that is drawn before any model has named one.
+pub const NAMELESS_CLASS: &str = "object";
 
 /// Number of a box, never given twice in a review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

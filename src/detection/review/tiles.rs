@@ -1,6 +1,6 @@
 //! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
 
-use super::{Review, Reviewed, State};
+use super::{NAMELESS_CLASS, Review, Reviewed, State};
 use crate::detection::dataset::Boxes;
 use crate::detection::{Labelled, Raster, Rect, TILE_PX};
 use crate::survey::Side;
@@ -27,6 +27,22 @@ pub struct ReviewedTile {
 }
 
 impl Review {
+    /// Class names to train with, and which of them each class of the review is: the review's own, but the class of boxes that
+    /// no model has named comes last, and only where a box has it. So data of the same model's classes can be joined.
+    pub fn training_classes(&self) -> (Vec<String>, Vec<Option<usize>>) {
+        let nameless = self.classes.iter().position(|name| name == NAMELESS_CLASS);
+        let is_nameless = |class: usize| Some(class) == nameless;
+        let is_used = self.boxes().any(|one| is_nameless(one.class));
+        let named = (0..self.classes.len()).filter(|&class| !is_nameless(class));
+        let order: Vec<usize> = named.chain(nameless.filter(|_| is_used)).collect();
+        let names = order.iter().map(|&class| self.classes[class].clone());
+        let place = |class| order.iter().position(|&one| one == class);
+        (
+            names.collect(),
+            (0..self.classes.len()).map(place).collect(),
+        )
+    }
+
     /// Tiles that hold every decided box, as few as a walk along the track needs. Undecided boxes alone make no tile.
     pub fn tiles(&self, raster: &Raster) -> Vec<ReviewedTile> {
         let mut tiles = Vec::new();

@@ -4,6 +4,7 @@ mod compare;
 mod detect;
 mod evaluate;
 mod refused;
+mod review;
 
 use crate::support;
 use std::fs;

@@ -43,21 +43,34 @@ pub(super) fn check_tables(folder: &Path, review: &Review) {
 }
 
 pub(super) fn check_dataset(folder: &Path, review: &Review) {
-    let coco = fs::read_to_string(folder.join("annotations.json")).expect("annotations");
+    let coco = fs::read_to_string(folder.join("train.json")).expect("annotations");
     let coco: serde_json::Value = serde_json::from_str(&coco).expect("JSON");
     let images = coco["images"].as_array().expect("images");
     let annotations = coco["annotations"].as_array().expect("annotations");
     let classes = fs::read_to_string(folder.join("classes.txt")).expect("classes");
     assert!(classes.lines().eq(review.classes()));
+    let manifest = fs::read_to_string(folder.join("manifest.json")).expect("a manifest");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    assert_eq!(manifest["pixel_m"], 0.04);
+    assert_eq!(manifest["tile_px"], 416);
+    assert_eq!(manifest["parts"][0]["images"], images.len());
+    assert_eq!(manifest["survey"]["pings"], review.identity().pings);
+    for part in ["val", "test"] {
+        assert!(
+            folder.join("images").join(part).is_dir()
+                && folder.join(format!("{part}.json")).is_file()
+        );
+    }
+    let mut negatives = 0;
     let mut labelled = 0;
     for image in images {
         let name = image["file_name"].as_str().expect("a name");
         let stem = name.trim_end_matches(".png");
-        let picture = image::open(folder.join("images").join(name)).expect("a picture");
+        let picture = image::open(folder.join("images/train").join(name)).expect("a picture");
         assert_eq!((picture.width(), picture.height()), (416, 416));
-        let yolo = fs::read_to_string(folder.join("labels").join(format!("{stem}.txt")));
+        let yolo = fs::read_to_string(folder.join("labels/train").join(format!("{stem}.txt")));
         let yolo = yolo.expect("labels");
-        let voc = fs::read_to_string(folder.join("voc").join(format!("{stem}.xml")));
+        let voc = fs::read_to_string(folder.join("voc/train").join(format!("{stem}.xml")));
         let voc = voc.expect("labels");
         let sure = |one: &&serde_json::Value| one["image_id"] == image["id"] && one["iscrowd"] == 0;
         let sure: Vec<_> = annotations.iter().filter(sure).collect();
@@ -76,10 +89,81 @@ pub(super) fn check_dataset(folder: &Path, review: &Review) {
             assert!((numbers[1] * 416.0 - (left + 0.5 * width)).abs() < 0.01);
         }
         labelled += sure.len();
+        negatives += usize::from(yolo.is_empty());
     }
+    assert_eq!(manifest["hard_negatives"], negatives);
     let objects = review.boxes().filter(|one| one.state.is_object()).count();
     assert!(
         labelled >= objects,
         "{labelled} labels of {objects} objects"
+    );
+}
+
+/// What lies in a dataset's folder, by name.
+fn listed(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> = entries
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_second_export_replaces_the_first_and_never_other_peoples_pictures() {
+    let (folder, mut window) = proposed(4);
+    let out = folder.path().join("out");
+    let dataset = out.join("dataset");
+    let export = |window: &mut Window| {
+        app_mut(window).apply(Command::ExportBoxes(out.clone()));
+        window.run();
+        app(window).notices.last().expect("a notice").clone()
+    };
+    for id in [1, 2, 3, 4].map(BoxId) {
+        let edit = Edit::Reject(id);
+        app_mut(&mut window).apply(Command::Edit { edit, live: false });
+    }
+    window.run();
+    assert!(!export(&mut window).is_error);
+    let pictures = listed(&dataset.join("images/train"));
+    assert!(
+        pictures.len() > 1 && pictures[0] == "000000.png",
+        "{pictures:?}"
+    );
+    for name in listed(&dataset.join("labels/train")) {
+        let label = fs::read_to_string(dataset.join("labels/train").join(name));
+        assert_eq!(label.expect("a label"), "", "all was rejected");
+    }
+    let note = dataset.join("images/train/mine.txt");
+    fs::write(&note, "a remark").expect("a file");
+    // One decision left: one picture.
+    for id in [2, 3, 4].map(BoxId) {
+        let edit = Edit::Undecide(id);
+        app_mut(&mut window).apply(Command::Edit { edit, live: false });
+    }
+    window.run();
+    assert!(!export(&mut window).is_error);
+    assert_eq!(
+        listed(&dataset.join("images/train")),
+        ["000000.png", "mine.txt"]
+    );
+    assert_eq!(listed(&dataset.join("voc/train")), ["000000.xml"]);
+
+    let manifest = dataset.join("manifest.json");
+    fs::write(&manifest, "{\"program\": \"another\"}").expect("a file");
+    let refused = export(&mut window);
+    assert!(
+        refused.is_error && refused.text.contains("pictures of something else"),
+        "{refused:?}"
+    );
+    assert_eq!(
+        fs::read_to_string(manifest).expect("a file"),
+        "{\"program\": \"another\"}"
     );
 }

@@ -1,0 +1,62 @@
+//! `bathyscope review`: what was decided about the boxes of a log, written for maps and for training.
+
+use super::output;
+use super::status_line::StatusLine;
+use crate::app::PIXEL_M;
+use crate::detection::Raster;
+use crate::detection::review::{Identity, Review};
+use crate::export::Part;
+use crate::formats;
+use crate::pipeline::{self, Settings};
+use crate::progress::Progress;
+use std::path::PathBuf;
+
+/// `bathyscope review SURVEY -o DIR`.
+#[derive(Debug, clap::Args)]
+pub struct ReviewArgs {
+    /// The log
+    survey: PathBuf,
+    /// The decisions about its boxes; without it, SURVEY.review.json beside the log
+    #[arg(long, value_name = "FILE")]
+    review: Option<PathBuf>,
+    /// Folder for objects.csv, .geojson, .kml, .gpx and dataset; made when missing
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Part of a training set that this log belongs to: train, val or test
+    #[arg(long, default_value = "train", value_parser = parse_part)]
+    part: Part,
+}
+
+fn parse_part(text: &str) -> Result<Part, String> {
+    let part = Part::ALL.into_iter().find(|part| part.name() == text);
+    part.ok_or_else(|| "it is train, val or test".to_owned())
+}
+
+/// Places the boxes and writes everything.
+pub fn run(args: ReviewArgs) -> Result<(), String> {
+    let progress = Progress::new();
+    let survey = formats::open(&args.survey, &progress).map_err(|error| error.to_string())?;
+    let path = args.review.unwrap_or_else(|| {
+        let log = survey.source.files.first().unwrap_or(&args.survey);
+        log.with_extension("review.json")
+    });
+    let review = Review::open(&path, &Identity::of(&survey)).map_err(|error| error.to_string())?;
+    let status = StatusLine::new(&progress);
+    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |stage| {
+        status.step(stage.name())
+    })
+    .map_err(|error| error.to_string())?;
+    status.step("writing");
+    let raster = Raster::new(&survey, &products.navigation, PIXEL_M);
+    let written = pipeline::write_boxes(
+        &survey,
+        &products,
+        &review,
+        &raster,
+        args.part,
+        &args.output,
+        &progress,
+    )?;
+    drop(status);
+    output::results(written.told(&args.output))
+}

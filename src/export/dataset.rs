@@ -1,0 +1,160 @@
+//! The folder of pictures and labels that a detector is trained on (`assets/detector/training/data.py` reads it).
+
+use super::{ExportError, write_aside};
+use crate::detection::dataset::{Boxes, Chip, Coco, voc_xml, yolo_lines};
+use serde::Serialize;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A part of a dataset. No recording, real or simulated, is in two of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Part {
+    /// What is learnt from.
+    Train,
+    /// What settings are chosen on.
+    Val,
+    /// What figures are measured on.
+    Test,
+}
+
+impl Part {
+    /// All parts, in the order of a split.
+    pub const ALL: [Part; 3] = [Part::Train, Part::Val, Part::Test];
+
+    /// `train`, `val` or `test`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Train => "train",
+            Part::Val => "val",
+            Part::Test => "test",
+        }
+    }
+}
+
+/// What a part holds, for the manifest.
+#[derive(Clone, Debug, Serialize)]
+pub struct PartSummary {
+    /// `train`, `val` or `test`.
+    pub name: &'static str,
+    /// Pictures.
+    pub images: usize,
+    /// Pictures in which there is nothing to find.
+    pub images_without_boxes: usize,
+    /// Boxes to find, by class.
+    pub labels: std::collections::BTreeMap<String, usize>,
+    /// Boxes that count for nothing.
+    pub ignored: usize,
+}
+
+/// A folder `images/PART/NNNNNN.png` with `labels/PART/NNNNNN.txt` (YOLO), `PART.json` (COCO), `classes.txt` and
+/// `manifest.json`.
+#[derive(Clone, Debug)]
+pub struct DatasetFolder {
+    root: PathBuf,
+    classes: Vec<String>,
+}
+
+impl DatasetFolder {
+    /// Makes the folders and the class names.
+    ///
+    /// # Errors
+    /// When something cannot be written.
+    pub fn new(root: &Path, classes: &[String]) -> Result<Self, ExportError> {
+        let folder = Self {
+            root: root.to_owned(),
+            classes: classes.to_vec(),
+        };
+        for kind in ["images", "labels"] {
+            for part in Part::ALL {
+                make(&root.join(kind).join(part.name()))?;
+            }
+        }
+        folder.text("classes.txt", &(classes.join("\n") + "\n"))?;
+        Ok(folder)
+    }
+
+    /// Writes a picture and its YOLO labels.
+    ///
+    /// # Errors
+    /// When something cannot be written.
+    pub fn chip(&self, part: Part, number: usize, chip: &Chip) -> Result<(), ExportError> {
+        let png = format!("images/{}/{}", part.name(), picture(number));
+        self.bytes(&png, &chip.png())?;
+        let labels = format!("labels/{}/{number:06}.txt", part.name());
+        self.text(&labels, &yolo_lines(&chip.boxes.labels))
+    }
+
+    /// Writes a picture's labels as Pascal VOC, in `voc/PART`.
+    ///
+    /// # Errors
+    /// When something cannot be written.
+    pub fn voc(&self, part: Part, number: usize, boxes: &Boxes) -> Result<(), ExportError> {
+        make(&self.root.join("voc").join(part.name()))?;
+        let text = voc_xml(&picture(number), &self.classes, boxes);
+        self.text(&format!("voc/{}/{number:06}.xml", part.name()), &text)
+    }
+
+    /// Writes the COCO file of a part, its pictures numbered from 0.
+    ///
+    /// # Errors
+    /// When something cannot be written.
+    pub fn finish(&self, part: Part, pictures: &[Boxes]) -> Result<PartSummary, ExportError> {
+        let mut coco = Coco::new(self.classes.iter().map(String::as_str));
+        for (number, boxes) in pictures.iter().enumerate() {
+            coco.add(picture(number), boxes);
+        }
+        self.json(&format!("{}.json", part.name()), &coco)?;
+        let mut labels: std::collections::BTreeMap<String, usize> =
+            self.classes.iter().map(|name| (name.clone(), 0)).collect();
+        for label in pictures.iter().flat_map(|boxes| &boxes.labels) {
+            if let Some(name) = self.classes.get(label.class) {
+                *labels.entry(name.clone()).or_default() += 1;
+            }
+        }
+        let is_empty = |boxes: &&Boxes| boxes.labels.is_empty();
+        Ok(PartSummary {
+            name: part.name(),
+            images: pictures.len(),
+            images_without_boxes: pictures.iter().filter(is_empty).count(),
+            labels,
+            ignored: pictures.iter().map(|boxes| boxes.ignored.len()).sum(),
+        })
+    }
+
+    /// Writes how the dataset was made.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn manifest(&self, manifest: &impl Serialize) -> Result<(), ExportError> {
+        self.json("manifest.json", manifest)
+    }
+
+    fn json(&self, name: &str, value: &impl Serialize) -> Result<(), ExportError> {
+        let text = serde_json::to_vec(value).map_err(|error| ExportError {
+            path: self.root.join(name),
+            source: error.into(),
+        })?;
+        self.bytes(name, &text)
+    }
+
+    fn text(&self, name: &str, text: &str) -> Result<(), ExportError> {
+        self.bytes(name, text.as_bytes())
+    }
+
+    fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), ExportError> {
+        write_aside(&self.root.join(name), |mut file| file.write_all(bytes))
+    }
+}
+
+fn picture(number: usize) -> String {
+    format!("{number:06}.png")
+}
+
+fn make(folder: &Path) -> Result<(), ExportError> {
+    fs::create_dir_all(folder).map_err(|source| ExportError {
+        path: folder.to_owned(),
+        source,
+    })
+}
