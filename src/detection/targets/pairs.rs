@@ -17,12 +17,12 @@ const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
 /// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it;
-/// two boxes over the same echo, at one time and one range, are no two objects.
+/// two boxes over the same echo, or two halves of it, at one time and one range, are no two objects.
 pub(super) fn same_pass(a: &Target, b: &Target) -> bool {
     if a.mark.side != b.mark.side {
         return false;
     }
-    if a.mark.pings.start < b.mark.pings.end && b.mark.pings.start < a.mark.pings.end {
+    if a.mark.pings.start <= b.mark.pings.end && b.mark.pings.start <= a.mark.pings.end {
         return (a.mark.near_m - b.mark.near_m).abs() > SAME_ECHO_M;
     }
     let straight = (a.heading_rad - b.heading_rad).cos() > ONE_PASS_RAD.cos();
