@@ -1,8 +1,8 @@
 //! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of other programs.
 
 use super::folders::Folders;
-use super::output;
 use super::status_line::StatusLine;
+use super::{found, output};
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture, find_in_picture};
 use crate::export;
@@ -10,7 +10,6 @@ use crate::formats;
 use crate::pipeline::{self, Settings};
 use crate::progress::Progress;
 use image::{ImageReader, Limits};
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -110,10 +109,8 @@ fn detect_into(
     } else {
         search_survey(input, model, settings, folder)?
     };
-    let names = found.iter().map(|&class| model.names()[class].as_str());
     output::results(format_args!(
-        "found {}; wrote the tables and chips into {}",
-        counted(names),
+        "found {found}; wrote the tables and chips into {}",
         folder.display()
     ))
 }
@@ -123,32 +120,13 @@ fn is_picture(path: &Path) -> bool {
     ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|one| ending == *one))
 }
 
-/// `7 objects (4 rock, 3 tyre)`.
-pub fn counted<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for name in names {
-        *counts.entry(name).or_default() += 1;
-    }
-    let each: Vec<String> = counts
-        .iter()
-        .map(|(name, count)| format!("{count} {name}"))
-        .collect();
-    match counts.values().sum() {
-        0 => "no objects".to_owned(),
-        1 => format!("1 object ({})", each.join("")),
-        count => format!("{count} objects ({})", each.join(", ")),
-    }
-}
-
-/// The classes of what was found.
-type Classes = Vec<usize>;
-
+/// Searches a log and tells what was found.
 fn search_survey(
     input: &Path,
     model: &Model,
     settings: &DetectorSettings,
     folder: &Path,
-) -> Result<Classes, String> {
+) -> Result<String, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("reading");
@@ -160,16 +138,17 @@ fn search_survey(
     status.step("detecting");
     let found = pipeline::write_detections(&survey, &products, model, settings, folder, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    Ok(found.iter().map(|one| one.class).collect())
+    Ok(found::proposed(&found, model.names()))
 }
 
+/// Searches a picture and tells what was found.
 fn search_picture(
     input: &Path,
     model: &Model,
     settings: &DetectorSettings,
     folder: &Path,
     chips: &Path,
-) -> Result<Classes, String> {
+) -> Result<String, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("detecting");
@@ -183,7 +162,8 @@ fn search_picture(
     let table = folder.join("detections.csv");
     export::picture_boxes_csv(&table, &name, model.names(), &found)
         .map_err(|error| error.to_string())?;
-    Ok(found.iter().map(|one| one.class).collect())
+    let names = found.iter().map(|one| model.names()[one.class].as_str());
+    Ok(found::boxes(names))
 }
 
 fn read_picture(path: &Path) -> Result<Picture, String> {

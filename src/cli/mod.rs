@@ -8,6 +8,7 @@ mod detect;
 mod evaluate;
 mod filter;
 mod folders;
+mod found;
 mod info;
 mod input;
 mod output;

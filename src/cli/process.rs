@@ -2,7 +2,7 @@
 
 use super::folders::Folders;
 use super::status_line::StatusLine;
-use super::{detect, input, output};
+use super::{detect, found, input, output};
 use crate::detection::Model;
 use crate::formats;
 use crate::pipeline::{self, MosaicWritten, Preset, Settings};
@@ -155,12 +155,11 @@ pub fn process_into(
     if let Some(model) = model.filter(|_| survey.has_side_scan()) {
         status.step("objects");
         let how = &settings.detector;
-        let found = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
+        let boxes = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
         written
             .files
             .extend(["detections.csv", "detections.geojson", "chips"]);
-        let names = found.iter().map(|one| model.names()[one.class].as_str());
-        objects = Some(detect::counted(names));
+        objects = Some(found::proposed(&boxes, model.names()));
     }
     drop(status);
     for warning in &written.report.warnings {

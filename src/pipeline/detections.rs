@@ -8,8 +8,19 @@ use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
 
+/// What a search proposes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposed {
+    /// The boxes, in order of the pings.
+    pub boxes: Vec<Detection>,
+    /// Objects that they are sightings of: one that several lines saw has as many boxes.
+    pub objects: usize,
+    /// Boxes whose place in the world cannot be known, and so neither whose object they show.
+    pub unplaced: usize,
+}
+
 /// Searches the survey and writes `detections.csv`, `detections.geojson` and `chips/` with a picture of each box into `folder`,
-/// which is made when it is missing. Returns the boxes, in order of the pings.
+/// which is made when it is missing.
 ///
 /// The error is one sentence. Each file is written aside and renamed.
 pub fn write_detections(
@@ -19,7 +30,7 @@ pub fn write_detections(
     settings: &DetectorSettings,
     folder: &Path,
     progress: &Progress,
-) -> Result<Vec<Detection>, String> {
+) -> Result<Proposed, String> {
     let chips = folder.join("chips");
     std::fs::create_dir_all(&chips)
         .map_err(|error| format!("cannot make the folder: {error}: {}", chips.display()))?;
@@ -33,7 +44,21 @@ pub fn write_detections(
     export::objects_csv(&folder.join("detections.csv"), survey, &rows)
         .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
         .map_err(|error| error.to_string())?;
-    Ok(found)
+    let (objects, unplaced) = (objects_in(&rows), unplaced_in(&rows));
+    Ok(Proposed {
+        boxes: found,
+        objects,
+        unplaced,
+    })
+}
+
+/// Objects are numbered from 1 on.
+fn objects_in(rows: &[ObjectRow<'_>]) -> usize {
+    rows.iter().filter_map(|row| row.object).max().unwrap_or(0)
+}
+
+fn unplaced_in(rows: &[ObjectRow<'_>]) -> usize {
+    rows.iter().filter(|row| row.object.is_none()).count()
 }
 
 /// The rows of the tables; boxes of the same object share its number.

@@ -16,7 +16,7 @@ mod report;
 mod settings;
 
 pub use boxes::{BoxesWritten, write_boxes};
-pub use detections::write_detections;
+pub use detections::{Proposed, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};
 pub use outputs::{Written, write_products};

@@ -49,7 +49,7 @@ pub fn run() {
     let taken_s = start.elapsed().as_secs_f64();
     let tiles = tiles.into_inner();
     println!(
-        "{} pings, {tiles} tiles     {taken_s:8.1} s ({} objects; {:.2} of as many tiles one after the other)",
+        "{} pings, {tiles} tiles     {taken_s:8.1} s ({} boxes; {:.2} of as many tiles one after the other)",
         survey.side_scan.len(),
         found.expect("a search").len(),
         taken_s / (tiles as f64 * tile_s)
