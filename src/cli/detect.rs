@@ -100,12 +100,11 @@ fn detect_into(
     settings: &DetectorSettings,
     folder: &Path,
 ) -> Result<(), String> {
-    let chips = folder.join("chips");
     // Before the work: a folder that cannot be made should not cost minutes first.
-    fs::create_dir_all(&chips)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", chips.display()))?;
+    fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let found = if is_picture(input) {
-        search_picture(input, model, settings, folder, &chips)?
+        search_picture(input, model, settings, folder)?
     } else {
         search_survey(input, model, settings, folder)?
     };
@@ -147,7 +146,6 @@ fn search_picture(
     model: &Model,
     settings: &DetectorSettings,
     folder: &Path,
-    chips: &Path,
 ) -> Result<String, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
@@ -156,11 +154,13 @@ fn search_picture(
         .map_err(|error| format!("cannot read the picture: {error}: {}", input.display()))?;
     let found = find_in_picture(&picture, model, settings, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    export::picture_chips(chips, &picture, model.names(), &found)
+    let chips = export::picture_chips(folder, &picture, model.names(), &found)
         .map_err(|error| error.to_string())?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
     let table = folder.join("detections.csv");
-    export::picture_boxes_csv(&table, &name, model.names(), &found)
+    chips
+        .finish()
+        .and_then(|()| export::picture_boxes_csv(&table, &name, model.names(), &found))
         .map_err(|error| error.to_string())?;
     let names = found.iter().map(|one| model.names()[one.class].as_str());
     Ok(found::boxes(names))

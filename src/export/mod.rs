@@ -4,6 +4,7 @@
 //! on, `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
+mod chip_folder;
 mod chips;
 mod cloud_csv;
 mod cloud_laz;
@@ -16,6 +17,7 @@ mod picture_boxes;
 pub mod points;
 
 pub use aside::{ExportError, write_aside};
+pub use chip_folder::ChipFolder;
 pub use chips::{ChipError, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;

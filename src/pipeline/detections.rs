@@ -22,7 +22,8 @@ pub struct Proposed {
 /// Searches the survey and writes `detections.csv`, `detections.geojson` and `chips/` with a picture of each box into `folder`,
 /// which is made when it is missing.
 ///
-/// The error is one sentence. Each file is written aside and renamed.
+/// The error is one sentence. Each file is written aside and renamed; until the last chip is there, those of an earlier search
+/// stay, and then they go.
 pub fn write_detections(
     survey: &Survey,
     products: &Products,
@@ -31,17 +32,18 @@ pub fn write_detections(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Proposed, String> {
-    let chips = folder.join("chips");
-    std::fs::create_dir_all(&chips)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", chips.display()))?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let navigation = &products.navigation;
     let found = find(survey, navigation, model, settings, progress, |_| ())
         .map_err(|error| error.to_string())?;
     let raster = Raster::new(survey, navigation, model.pixel_m());
     let rows = rows(survey, products, model.names(), &found);
-    export::chips(&chips, survey, &raster, model.names(), &found, progress)
+    let chips = export::chips(folder, survey, &raster, model.names(), &found, progress)
         .map_err(|error| error.to_string())?;
-    export::objects_csv(&folder.join("detections.csv"), survey, &rows)
+    chips
+        .finish()
+        .and_then(|()| export::objects_csv(&folder.join("detections.csv"), survey, &rows))
         .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
         .map_err(|error| error.to_string())?;
     let (objects, unplaced) = (objects_in(&rows), unplaced_in(&rows));

@@ -112,6 +112,39 @@ fn pictures_are_searched_in_their_own_pixels() {
 }
 
 #[test]
+fn chips_of_an_earlier_search_give_way() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let model = model();
+    let chips = || {
+        let entries = fs::read_dir(folder.join("out/chips")).expect("chips");
+        let names = entries.map(|entry| entry.expect("a chip").file_name());
+        let names = names.map(|name| name.into_string().expect("a plain name"));
+        names.collect::<BTreeSet<String>>()
+    };
+    let search = |iou: &str| {
+        let args = ["detect", "pond.sl2", "-o", "out", "--model", &model];
+        run(folder, &[&args[..], &["--iou", iou]].concat());
+        rows(&folder.join("out/detections.csv"))
+    };
+    let named = |rows: &[Vec<String>]| {
+        let rows = rows.iter().enumerate();
+        rows.map(|(index, row)| format!("{:04}-{}.png", index + 1, row[2]))
+            .collect::<BTreeSet<String>>()
+    };
+    let many = search("0.45");
+    assert_eq!(chips(), named(&many));
+    fs::write(folder.join("out/chips/0001-mine.png"), "mine").expect("a file");
+    let few = search("0");
+    assert!(!few.is_empty() && few.len() < many.len());
+    let mut expected = named(&few);
+    expected.insert("0001-mine.png".to_owned());
+    assert_eq!(chips(), expected);
+    assert!(!folder.join("out/chips.part").exists());
+}
+
+#[test]
 fn what_cannot_be_searched_is_refused() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
