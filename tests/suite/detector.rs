@@ -127,6 +127,14 @@ fn what_cannot_be_used_is_refused_with_what_to_do() {
             "costly",
             "billion multiplications; export a smaller network",
         ),
+        (
+            "outer_product",
+            "makes 1,1048576,1048576 numbers of constants",
+        ),
+        ("worked_out", "makes 1,3,19200,19200 numbers of constants"),
+        ("many_constants", "numbers of its constants"),
+        ("gathering", "gathers 68183654400 numbers under its kernel"),
+        ("held", "one picture holds"),
     ];
     for (name, sentence) in refused {
         let path = models().join(format!("{name}.onnx"));

@@ -1,11 +1,14 @@
 //! A detector somebody trained: an ONNX file, looked through, understood, compiled once and run on many tiles.
 //!
-//! `screen` refuses what could harm before anything is computed, `tract` compiles and runs (behind `backend`, so that another
-//! may come), `guard` keeps failures and endless work to themselves. `family` tells by the outputs' shapes how boxes are
+//! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what
+//! would take too much to run. `tract` compiles and runs (behind `backend`, so that another may come), `guard` keeps failures
+//! and endless work to themselves. `family` tells by the outputs' shapes how boxes are
 //! written; `sidecar` (the JSON file beside the model) and `metadata` (inside it) tell the rest. `input` makes the numbers that
 //! the network takes. `shipped` is the model that comes with the program.
 
 mod backend;
+mod constants;
+mod cost;
 mod error;
 mod family;
 mod guard;

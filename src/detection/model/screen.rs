@@ -12,25 +12,37 @@ use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoPr
 const MOST_LAYERS: usize = 20_000;
 /// Elements that a shape written in the file may ask for.
 const MOST_ELEMENTS: i64 = 1 << 27;
+/// Weights of a network: 512 MiB in f16, the largest file that is read.
+const MOST_WEIGHTS: i64 = 1 << 28;
 /// Pixels that a layer may gather into one.
 const MOST_GATHERED: i64 = 1 << 16;
 /// Layers whose output is as large as numbers in the file say.
-const GROWING: [&str; 12] = [
+const GROWING: [&str; 18] = [
     "AveragePool",
+    "BlackmanWindow",
+    "ConstantLike",
     "ConstantOfShape",
     "ConvTranspose",
     "Expand",
     "EyeLike",
+    "HammingWindow",
+    "HannWindow",
     "MaxPool",
     "OneHot",
     "Pad",
+    "RandomNormal",
+    "RandomUniform",
     "Range",
     "Resize",
     "Tile",
     "Upsample",
 ];
 /// Layers that are refused, and what that means.
-const REFUSED: [(&str, &str); 5] = [
+const REFUSED: [(&str, &str); 6] = [
+    (
+        "If",
+        "which holds two networks in one; export a plain detector, without what follows it",
+    ),
     (
         "NonMaxSuppression",
         "which drops overlapping boxes inside the network; export it again without (nms=False, no --end2end): overlapping \
@@ -117,6 +129,7 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
             "it has more than {MOST_LAYERS} layers"
         )));
     }
+    screen_weights(graph)?;
     let sizes = written_sizes(graph);
     for node in &graph.node {
         if let Some((layer, why)) = REFUSED.iter().find(|(layer, _)| *layer == node.op_type) {
@@ -133,6 +146,26 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
             inner
                 .into_iter()
                 .try_for_each(|inner| screen_graph(inner, layers))?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses weights that are larger than any file that is read. Several may lie in the same bytes of a file beside this one, and
+/// each is unpacked on its own.
+fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
+    let mut in_all = 0_i64;
+    let constants = graph.node.iter().flat_map(|node| &node.attribute);
+    let constants = constants.filter_map(|attribute| attribute.t.as_ref());
+    for weight in graph.initializer.iter().chain(constants) {
+        let mut sizes = weight.dims.iter();
+        let elements = sizes.try_fold(1_i64, |product, &size| product.checked_mul(size.max(0)));
+        in_all = in_all.saturating_add(elements.unwrap_or(i64::MAX));
+        if in_all > MOST_WEIGHTS {
+            return Err(Unusable::TooBig(format!(
+                "with `{}` it has more than {MOST_WEIGHTS} weights",
+                weight.name
+            )));
         }
     }
     Ok(())

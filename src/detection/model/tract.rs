@@ -1,5 +1,8 @@
-//! Networks run by tract, in pure Rust. The only file that names it beside `screen`, which reads the same protobuf.
+//! Networks run by tract, in pure Rust. Beside it only `screen`, `constants` and `cost` name it, which look at the
+//! same graph before it is compiled or run.
 
+use super::constants::check_constants;
+use super::cost::check_cost;
 use super::screen::Declared;
 use super::{Inference, Output, Unusable};
 use crate::contained::contained;
@@ -7,15 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
-use tract_onnx::tract_core::ops::Cost;
 use tract_onnx::tract_core::transform::get_transform;
-
-/// Multiplications that one picture may cost: three times what YOLOv4 takes at 608 pixels, some ten seconds of one core.
-const MOST_MULTIPLICATIONS: u64 = 200_000_000_000;
-/// Elements of one tensor: 512 MiB of f32.
-const MOST_ELEMENTS: u64 = 1 << 27;
-/// Elements of all tensors together; most live only for a moment.
-const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
 
 /// A network that tract has compiled.
 pub struct Network {
@@ -41,7 +36,9 @@ pub fn compile(
 ) -> Result<Network, Unusable> {
     // The chain of reasons: the topmost alone tells nothing.
     let told = |error: TractError| Unusable::Compile(format!("{error:#}"));
-    let model = typed(proto, declared, shape, folder).map_err(told)?;
+    let mut model = parsed(proto, declared, shape, folder).map_err(told)?;
+    check_constants(&mut model)?;
+    let model = typed(model).map_err(told)?;
     check_cost(&model)?;
     let names = output_names(proto);
     let plan = model
@@ -51,12 +48,12 @@ pub fn compile(
     Ok(Network { plan, names, shape })
 }
 
-fn typed(
+fn parsed(
     proto: &ModelProto,
     declared: &Declared,
     shape: [usize; 4],
     folder: Option<&Path>,
-) -> TractResult<TypedModel> {
+) -> TractResult<InferenceModel> {
     // Exporters write shapes of a batch of unknown size beside every layer, which contradict the batch of one.
     let onnx = tract_onnx::onnx().with_ignore_value_info(true);
     let folder = folder.map(|folder| folder.to_string_lossy());
@@ -70,10 +67,13 @@ fn typed(
     } else {
         f32::datum_type()
     };
-    let mut model = parsed
+    parsed
         .model
-        .with_input_fact(0, InferenceFact::dt_shape(element, shape))?
-        .into_typed()?;
+        .with_input_fact(0, InferenceFact::dt_shape(element, shape))
+}
+
+fn typed(model: InferenceModel) -> TractResult<TypedModel> {
+    let mut model = model.into_typed()?;
     // Arithmetic in f16 is emulated: hundreds of times slower, and less exact.
     if let Some(widen) = get_transform("f16_to_f32")? {
         widen.transform(&mut model)?;
@@ -89,45 +89,6 @@ pub const FLOAT32: i32 = 1;
 fn output_names(proto: &ModelProto) -> Vec<String> {
     let outputs = proto.graph.iter().flat_map(|graph| &graph.output);
     outputs.map(|output| output.name.clone()).collect()
-}
-
-/// Refuses a network that asks for more memory or work than a detector needs, before it is run.
-fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
-    let (mut in_all, mut multiplications) = (0_u64, 0_u64);
-    for node in model.nodes() {
-        for output in &node.outputs {
-            let elements = output.fact.shape.volume().as_i64().map(i64::unsigned_abs);
-            let Some(elements) = elements.filter(|&count| count <= MOST_ELEMENTS) else {
-                return Err(Unusable::TooBig(format!(
-                    "its layer {} holds {:?} numbers",
-                    node.name, output.fact.shape
-                )));
-            };
-            in_all = in_all.saturating_add(elements);
-        }
-        let inputs = model.node_input_facts(node.id).unwrap_or_default();
-        let costs = node.op.cost(&inputs).unwrap_or_default();
-        for (_, count) in costs
-            .iter()
-            .filter(|(cost, _)| matches!(cost, Cost::FMA(_)))
-        {
-            let count = count.as_i64().map_or(u64::MAX, i64::unsigned_abs);
-            multiplications = multiplications.saturating_add(count);
-        }
-    }
-    if in_all > MOST_ELEMENTS_IN_ALL {
-        return Err(Unusable::TooBig(format!(
-            "one picture becomes {} billion numbers on its way",
-            in_all / 1_000_000_000
-        )));
-    }
-    if multiplications > MOST_MULTIPLICATIONS {
-        return Err(Unusable::TooBig(format!(
-            "one picture takes {} billion multiplications",
-            multiplications / 1_000_000_000
-        )));
-    }
-    Ok(())
 }
 
 impl Inference for Network {

@@ -417,8 +417,55 @@ def refused():
     g.save("costly", [(out, "output0", (1, 16, 256))], input_shape=(1, 3, 1024, 1024))
 
 
+def hostile():
+    """Files of a few kilobytes that ask for gigabytes, of which nothing is written in them as a size."""
+    one = helper.make_tensor("one", TensorProto.FLOAT, [1], [1.0])
+
+    # A column times a row, of constants: a million times a million.
+    g = Graph()
+    columns = yolov8_columns(g, "images", 3)
+    column, row = (g.add("ConstantOfShape", g.ints(*shape), value=one) for shape in ((1, 1 << 20, 1), (1, 1, 1 << 20)))
+    out = g.add("Add", columns, g.add("ReduceMax", g.add("Mul", column, row), axes=[1, 2], keepdims=1))
+    g.save("outer_product", [(out, "output0", (1, 7, 84))])
+
+    # A size worked out from the picture's.
+    g = Graph()
+    columns = yolov8_columns(g, "images", 3)
+    size = g.add("Mul", g.add("Shape", "images"), g.ints(1, 1, 300, 300))
+    largest = g.add("ReduceMax", g.add("ConstantOfShape", size, value=one), axes=[2, 3], keepdims=0)
+    out = g.add("Add", columns, g.add("ReduceMax", largest, axes=[1], keepdims=1))
+    g.save("worked_out", [(out, "output0", (1, 7, 84))])
+
+    # Constants that are small enough to be kept, each of them.
+    g = Graph()
+    total, size = yolov8_columns(g, "images", 3), g.ints(1, 1 << 10, 1 << 10)
+    for index in range(80):
+        many = g.add("Mul", g.add("ConstantOfShape", size, value=one), g.const(index))
+        total = g.add("Add", total, g.add("ReduceMax", g.add("Sin", many), axes=[1, 2], keepdims=1))
+    g.save("many_constants", [(total, "output0", (1, 7, 84))])
+
+    # A kernel of 255 x 255 over each pixel of a large picture: little work, but all those pixels side by side.
+    g = Graph()
+    grey = g.add("ReduceMean", "images", axes=[1], keepdims=1)
+    kernel = g.add("ConstantOfShape", g.ints(1, 1, 255, 255), value=one)
+    wide = g.add("Conv", grey, kernel, pads=[127, 127, 127, 127])
+    pooled = g.add("Concat", *[g.add("MaxPool", wide, kernel_shape=[64, 64], strides=[64, 64])] * 7, axis=1)
+    g.save("gathering", [(g.add("Reshape", pooled, g.ints(1, 7, -1)), "output0", (1, 7, 256))], input_shape=(1, 3, 1024, 1024))
+
+    # Ten large layers, each read twice: the first waits until the last has been read once.
+    g = Graph()
+    wide = g.add("Conv", "images", g.const(np.ones((32, 3, 1, 1))))
+    layers = [g.add("Sin", g.add("Mul", wide, g.const(index))) for index in range(10)]
+    total = layers[-1]
+    for layer in layers[:-1] + layers:
+        total = g.add("Mul", g.add("Sin", total), layer)
+    pooled = g.add("MaxPool", total, kernel_shape=[64, 64], strides=[64, 64])
+    g.save("held", [(g.add("Reshape", pooled, g.ints(1, 32, -1)), "output0", (1, 32, 256))], input_shape=(1, 3, 1024, 1024))
+
+
 refused()
 found = usable()
+hostile()
 for name, boxes in found.items():
     assert 3 <= len(boxes) <= 200, (name, len(boxes))
     print(name, len(boxes), boxes[0])

@@ -1,0 +1,111 @@
+//! What a graph makes of its own constants, looked at before it is made.
+//!
+//! tract works out while it compiles whatever follows from constants alone, and a file of a few hundred bytes can ask for
+//! terabytes there: one column times one row is enough. The graph is walked in its order, and each layer is asked for the
+//! size of its outputs first, and only then for their numbers.
+
+use super::Unusable;
+use tract_onnx::prelude::{InferenceFact, InferenceModel, OutletId, TractResult};
+use tract_onnx::tract_hir::infer::{Factoid, InferenceOp};
+
+/// Elements of one tensor that follows from constants; the largest grid of a detector has some hundred thousand.
+const MOST_ELEMENTS: u64 = 1 << 24;
+/// Elements of all of them.
+const MOST_ELEMENTS_IN_ALL: u64 = 1 << 26;
+/// Layers that do not tell their output's size beforehand: at most the input's, times its number of axes.
+const UNTOLD: [&str; 2] = ["Compress", "NonZero"];
+
+/// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in it; what stays open here is
+/// for the compilation, and so is what is wrong.
+pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
+    let mut in_all = 0_u64;
+    for node in model.eval_order().unwrap_or_default() {
+        // A source, or a weight that the file holds.
+        if model.node(node).inputs.is_empty() {
+            continue;
+        }
+        let Ok(around) = Around::of(model, node) else {
+            continue;
+        };
+        let name = model.node(node).name.clone();
+        let Ok(mut outputs) = around.sizes(model.node_mut(node).op.as_mut()) else {
+            continue;
+        };
+        if around.known() {
+            let untold = UNTOLD.contains(&&*model.node(node).op.name());
+            in_all = in_all.saturating_add(elements_of(&name, &outputs, untold)?);
+            if in_all > MOST_ELEMENTS_IN_ALL {
+                return Err(Unusable::TooBig(format!(
+                    "up to its layer {name} it makes {in_all} numbers of its constants"
+                )));
+            }
+            let Ok(made) = around.numbers(model.node_mut(node).op.as_mut()) else {
+                continue;
+            };
+            outputs = made;
+        }
+        for (slot, fact) in outputs.into_iter().enumerate() {
+            // A slot that is not there is told by the compilation.
+            model.set_outlet_fact(OutletId::new(node, slot), fact).ok();
+        }
+    }
+    Ok(())
+}
+
+/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be told.
+fn elements_of(name: &str, outputs: &[InferenceFact], untold: bool) -> Result<u64, Unusable> {
+    let mut sum = 0;
+    for fact in outputs {
+        let elements = fact.shape.concretize().map(|sizes| {
+            let sizes = sizes.iter().map(|size| size.to_i64().ok()?.try_into().ok());
+            sizes
+                .into_iter()
+                .try_fold(1_u64, |product, size: Option<u64>| {
+                    product.checked_mul(size?)
+                })
+        });
+        match elements {
+            Some(Some(elements)) if elements <= MOST_ELEMENTS => sum += elements,
+            None if untold => (),
+            _ => {
+                return Err(Unusable::TooBig(format!(
+                    "its layer {name} makes {:?} numbers of constants",
+                    fact.shape
+                )));
+            }
+        }
+    }
+    Ok(sum)
+}
+
+/// What is known of a layer's inputs, its outputs and the tensors that it listens to.
+struct Around([Vec<InferenceFact>; 3]);
+
+impl Around {
+    fn of(model: &InferenceModel, node: usize) -> TractResult<Self> {
+        let (inputs, outputs) = model.node_facts(node)?;
+        let node = model.node(node);
+        let observed = node.op.observe_outlets(model, node)?;
+        let observed = observed.iter().map(|outlet| model.outlet_fact(*outlet));
+        let observed: Vec<&InferenceFact> = observed.collect::<TractResult<_>>()?;
+        let own = |facts: &[&InferenceFact]| facts.iter().map(|&fact| fact.clone()).collect();
+        Ok(Self([own(&inputs), own(&outputs), own(&observed)]))
+    }
+
+    /// Whether all inputs are constants.
+    fn known(&self) -> bool {
+        self.0[0].iter().all(|fact| fact.value.is_concrete())
+    }
+
+    /// The outputs by the rules of the layer, which compute no numbers but those of sizes.
+    fn sizes(&self, op: &mut dyn InferenceOp) -> TractResult<Vec<InferenceFact>> {
+        let [inputs, outputs, observed] = self.0.each_ref().map(|facts| facts.iter().collect());
+        Ok(op.infer_facts(inputs, outputs, observed)?.1.into_vec())
+    }
+
+    /// The outputs with their numbers, where these follow from the inputs.
+    fn numbers(&self, op: &mut dyn InferenceOp) -> TractResult<Vec<InferenceFact>> {
+        let [inputs, outputs, observed] = self.0.each_ref().map(|facts| facts.iter().collect());
+        Ok(op.infer(inputs, outputs, observed)?.1.into_vec())
+    }
+}

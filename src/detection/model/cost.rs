@@ -1,0 +1,118 @@
+//! What one picture costs a compiled network, told from the sizes of its layers before it is run.
+
+use super::Unusable;
+use tract_onnx::prelude::{OutletId, TypedModel, TypedNode};
+use tract_onnx::tract_core::ops::Cost;
+use tract_onnx::tract_core::ops::cnn::{Conv, Deconv};
+
+/// Multiplications that one picture may cost: three times what YOLOv4 takes at 608 pixels, some ten seconds of one core.
+const MOST_MULTIPLICATIONS: u64 = 200_000_000_000;
+/// Elements of one tensor: 512 MiB of f32.
+const MOST_ELEMENTS: u64 = 1 << 27;
+/// Elements of the tensors that are held at one time: 1 GiB of f32. YOLOv4 at 608 pixels holds a twentieth of it.
+const MOST_ELEMENTS_AT_ONCE: u64 = 1 << 28;
+/// Elements of all tensors together, most of which live only for a moment.
+const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
+
+/// Refuses a network that asks for more memory or work than a detector needs.
+pub fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
+    let (mut in_all, mut multiplications) = (0_u64, 0_u64);
+    for node in model.nodes() {
+        in_all = in_all.saturating_add(elements_of(node)?);
+        let work = multiplications_of(model, node);
+        multiplications = multiplications.saturating_add(work);
+        check_gathered(node, work)?;
+    }
+    if in_all > MOST_ELEMENTS_IN_ALL {
+        return Err(Unusable::TooBig(format!(
+            "one picture becomes {} billion numbers on its way",
+            in_all / 1_000_000_000
+        )));
+    }
+    if multiplications > MOST_MULTIPLICATIONS {
+        return Err(Unusable::TooBig(format!(
+            "one picture takes {} billion multiplications",
+            multiplications / 1_000_000_000
+        )));
+    }
+    check_held(model)
+}
+
+/// Elements of a layer's outputs, where none is too large.
+fn elements_of(node: &TypedNode) -> Result<u64, Unusable> {
+    let mut sum = 0;
+    for output in &node.outputs {
+        let elements = output.fact.shape.volume().as_i64().map(i64::unsigned_abs);
+        let Some(elements) = elements.filter(|&count| count <= MOST_ELEMENTS) else {
+            return Err(Unusable::TooBig(format!(
+                "its layer {} holds {:?} numbers",
+                node.name, output.fact.shape
+            )));
+        };
+        sum += elements;
+    }
+    Ok(sum)
+}
+
+fn multiplications_of(model: &TypedModel, node: &TypedNode) -> u64 {
+    let inputs = model.node_input_facts(node.id).unwrap_or_default();
+    let costs = node.op.cost(&inputs).unwrap_or_default();
+    let counts = costs
+        .iter()
+        .filter(|(cost, _)| matches!(cost, Cost::FMA(_)))
+        .map(|(_, count)| count.as_i64().map_or(u64::MAX, i64::unsigned_abs));
+    counts.fold(0, u64::saturating_add)
+}
+
+/// A convolution lays the pixels under its kernel side by side, a transposed one what becomes of them: as many numbers as
+/// multiplications for one channel on the other side.
+fn check_gathered(node: &TypedNode, multiplications: u64) -> Result<(), Unusable> {
+    let shared = match (node.op_as::<Conv>(), node.op_as::<Deconv>()) {
+        (Some(conv), _) => conv.pool_spec.output_channels / conv.group.max(1),
+        (_, Some(conv)) => conv.pool_spec.input_channels / conv.group.max(1),
+        _ => return Ok(()),
+    };
+    let gathered = multiplications / (shared as u64).max(1);
+    if gathered > MOST_ELEMENTS_AT_ONCE {
+        return Err(Unusable::TooBig(format!(
+            "its layer {} gathers {gathered} numbers under its kernel",
+            node.name
+        )));
+    }
+    Ok(())
+}
+
+/// Follows the network in the order of its layers: each output is held until the last layer that reads it has run.
+fn check_held(model: &TypedModel) -> Result<(), Unusable> {
+    let order = model.eval_order().unwrap_or_default();
+    let mut step_of = vec![0; model.nodes().len()];
+    for (step, &node) in order.iter().enumerate() {
+        step_of[node] = step;
+    }
+    let last_read = |outlet: OutletId| {
+        let readers = model.outlet_successors(outlet).iter();
+        readers.map(|reader| step_of[reader.node]).max()
+    };
+    let mut freed = vec![0_u64; order.len()];
+    let mut held = 0_u64;
+    for (step, &node) in order.iter().enumerate() {
+        for slot in 0..model.node(node).outputs.len() {
+            let outlet = OutletId::new(node, slot);
+            let elements = model
+                .outlet_fact(outlet)
+                .ok()
+                .and_then(|fact| fact.shape.volume().as_i64());
+            let elements = elements.unwrap_or(0).unsigned_abs();
+            held = held.saturating_add(elements);
+            freed[last_read(outlet).unwrap_or(order.len() - 1)] += elements;
+        }
+        if held > MOST_ELEMENTS_AT_ONCE {
+            return Err(Unusable::TooBig(format!(
+                "at its layer {} one picture holds {held} numbers at a time",
+                model.node(node).name
+            )));
+        }
+        held -= freed[step];
+    }
+    Ok(())
+}
