@@ -1,11 +1,11 @@
 //! Scales and offsets on surveys whose truth is known, and on the river.
 
+use crate::river::processed;
 use crate::support::real_data;
 use crate::truth::KnownSurvey;
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, ScaleMode, calibrate, flat_spots};
 use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::first_return::{FirstReturns, Pick};
-use bathyscope::formats;
 use bathyscope::geo::LonLat;
 use bathyscope::pipeline::{self, Preset, Products, Settings};
 use bathyscope::progress::Progress;
@@ -236,11 +236,7 @@ fn a_chosen_range_of_pings_is_written_as_a_setting() {
 #[test]
 fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom() {
     let Some(data) = real_data() else { return };
-    let progress = Progress::new();
-    let survey = formats::open(&data.join("humminbird-glen-canyon/Rec00001.DAT"), &progress)
-        .expect("the river");
-    let products =
-        pipeline::run(&survey, &Settings::default(), None, &progress, |_| ()).expect("products");
+    let (survey, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
     assert_eq!(products.navigation.zero_heading, 0);
     // Boulders stand on the first half of the river's bed; the sand after them is smooth.
     let sand = products.cloud.points.iter().zip(products.kept.iter());
@@ -423,11 +419,7 @@ fn a_flat_spots_scale_survives_a_change_of_range() {
 #[test]
 fn the_rivers_best_flat_stretch_lies_on_its_sand() {
     let Some(data) = real_data() else { return };
-    let progress = Progress::new();
-    let survey = formats::open(&data.join("humminbird-glen-canyon/Rec00001.DAT"), &progress)
-        .expect("the river");
-    let products =
-        pipeline::run(&survey, &Settings::default(), None, &progress, |_| ()).expect("products");
+    let (_, products) = processed(&data.join("humminbird-glen-canyon/Rec00001.DAT"));
     for (rank, spot) in products.flat_spots.iter().enumerate() {
         println!("{rank}: {spot:?}");
     }

@@ -8,7 +8,8 @@ use bathyscope::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::path::Path;
 
-fn processed(path: &Path) -> (Survey, Products) {
+/// A log with what the default settings make of it.
+pub fn processed(path: &Path) -> (Survey, Products) {
     let survey = formats::open(path, &Progress::new()).expect("a log that opens");
     let settings = Settings::default();
     let products =

@@ -8,7 +8,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub(crate) type Window = Harness<'static, Shell>;
@@ -341,16 +341,21 @@ fn views_are_maximised_and_arranged() {
     assert!(window.query_by_label("Map").is_some());
 }
 
+/// Opens the path field of the export by its key and types a folder.
+pub fn type_export_folder(window: &mut Window, into: &Path) {
+    press(window, Modifiers::COMMAND, Key::E);
+    window
+        .get_by_role_and_label(Role::TextInput, "Folder to write into")
+        .type_text(&into.to_string_lossy());
+    window.run();
+}
+
 #[test]
 fn products_are_written_where_the_path_field_says() {
     let mut window = demo_window();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
-    press(&mut window, Modifiers::COMMAND, Key::E);
-    window
-        .get_by_role_and_label(Role::TextInput, "Folder to write into")
-        .type_text(&into.to_string_lossy());
-    window.run();
+    type_export_folder(&mut window, &into);
     window.get_by_label("Export").click();
     window.run();
     assert!(into.join("report.json").is_file());

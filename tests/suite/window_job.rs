@@ -2,7 +2,9 @@
 //! is stopped and taken up again.
 
 use crate::support::{demo_log, real_data};
-use crate::window::{Window, app, demo_window, drop_file, empty_window, press, threshold};
+use crate::window::{
+    Window, app, demo_window, drop_file, empty_window, press, threshold, type_export_folder,
+};
 use bathyscope::app::{Action, Command, Mark};
 use bathyscope::pipeline::Preset;
 use egui::accesskit::Role;
@@ -39,11 +41,7 @@ fn the_main_job_is_done_by_keys_alone() {
     assert!(app(&window).settings.calibration.pings.is_some());
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
-    press(&mut window, Modifiers::COMMAND, Key::E);
-    window
-        .get_by_role_and_label(Role::TextInput, "Folder to write into")
-        .type_text(&into.to_string_lossy());
-    window.run();
+    type_export_folder(&mut window, &into);
     press(&mut window, Modifiers::NONE, Key::Enter);
     let report = std::fs::read_to_string(into.join("report.json")).expect("a report");
     assert!(report.contains("0.31"), "the threshold of the settings");
