@@ -5,7 +5,7 @@ use super::status_line::StatusLine;
 use super::{detect, found, input, output};
 use crate::detection::Model;
 use crate::formats;
-use crate::pipeline::{self, MosaicWritten, Preset, Settings};
+use crate::pipeline::{self, MosaicWritten, Preset, Product, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -23,6 +23,9 @@ pub struct ProcessArgs {
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
+    /// The maps to make; all when not given
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
+    products: Vec<Product>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -71,23 +74,46 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         true => None,
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
-    let [survey] = args.surveys.as_slice() else {
-        return each(&args.surveys, &settings, model.as_ref(), &args.output);
+    let wanted = match args.products.as_slice() {
+        [] => &Product::ALL,
+        named => named,
     };
-    process_into(&open(survey)?, &settings, model.as_ref(), &args.output)
+    let [survey] = args.surveys.as_slice() else {
+        return each(
+            &args.surveys,
+            &settings,
+            model.as_ref(),
+            wanted,
+            &args.output,
+        );
+    };
+    process_into(
+        &open(survey)?,
+        &settings,
+        model.as_ref(),
+        wanted,
+        &args.output,
+    )
 }
 
 fn each(
     surveys: &[PathBuf],
     settings: &Settings,
     model: Option<&Model>,
+    wanted: &[Product],
     output: &Path,
 ) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for path in surveys {
         let outcome = open(path).and_then(|survey| {
-            process_into(&survey, settings, model, &folders.next(&survey.name()))
+            process_into(
+                &survey,
+                settings,
+                model,
+                wanted,
+                &folders.next(&survey.name()),
+            )
         });
         if let Err(sentence) = outcome {
             failed += 1;
@@ -130,6 +156,7 @@ pub fn process_into(
     survey: &Survey,
     settings: &Settings,
     model: Option<&Model>,
+    wanted: &[Product],
     folder: &Path,
 ) -> Result<(), String> {
     check_against(survey, settings)?;
@@ -144,7 +171,11 @@ pub fn process_into(
     .map_err(|error| error.to_string())?;
     status.step("writing");
     let mut written = pipeline::write_products(survey, &products, folder, &progress)?;
-    if survey.has_side_scan() {
+    status.step("depths");
+    let depth = pipeline::write_depth(survey, &products, wanted, folder, &progress)?;
+    written.files.extend(depth.files);
+    written.report.warnings.extend(depth.warnings);
+    if survey.has_side_scan() && wanted.contains(&Product::Mosaic) {
         status.step("mosaic");
         match pipeline::write_mosaic(survey, &products, folder, &progress)? {
             MosaicWritten::File(name) => written.files.push(name),

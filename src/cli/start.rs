@@ -5,7 +5,7 @@ use super::folders::Folders;
 use super::process::process_into;
 use super::{output, snapshot, window};
 use crate::app::Origin;
-use crate::pipeline::Settings;
+use crate::pipeline::{Product, Settings};
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,7 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         &survey,
         &Settings::default(),
         Some(&detect::load(None)?),
+        &Product::ALL,
         &folder,
     )?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.

@@ -12,6 +12,7 @@ mod cloud_ply;
 mod dataset;
 mod first_returns;
 pub mod geotiff;
+mod isobaths;
 mod objects;
 mod picture_boxes;
 pub mod points;
@@ -24,6 +25,7 @@ pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
 pub use dataset::{DatasetFolder, Part, PartSummary};
 pub use first_returns::first_returns_csv;
+pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;
 

@@ -68,6 +68,45 @@ impl UtmZone {
         ]
     }
 
+    /// Inverse of [`UtmZone::to_metres`], by the inverse series and Newton's method for the latitude; better than a micrometre
+    /// within the zone.
+    pub fn to_lon_lat(self, [easting_m, northing_m]: [f64; 2]) -> LonLat {
+        let radius_m = SCALE * A_M / (1.0 + N) * (1.0 + N.powi(2) / 4.0 + N.powi(4) / 64.0);
+        let false_northing_m = if self.north {
+            0.0
+        } else {
+            FALSE_NORTHING_SOUTH_M
+        };
+        let east = (easting_m - FALSE_EASTING_M) / radius_m;
+        let north = (northing_m - false_northing_m) / radius_m;
+        let (mut eta, mut xi) = (east, north);
+        for (order, beta) in inverse_series().into_iter().enumerate() {
+            let angle = 2.0 * (order + 1) as f64;
+            xi -= beta * (angle * north).sin() * (angle * east).cosh();
+            eta -= beta * (angle * north).cos() * (angle * east).sinh();
+        }
+        let conformal = xi.sin() / eta.sinh().hypot(xi.cos());
+        LonLat {
+            lon_deg: self.central_meridian_deg() + eta.sinh().atan2(xi.cos()).to_degrees(),
+            lat_deg: geodetic_tangent(conformal).atan().to_degrees(),
+        }
+    }
+
+    /// How many metres of the zone a metre on the ground at a position is (0.9996 on the central meridian).
+    pub fn scale_at(self, position: LonLat) -> f64 {
+        const STEP_DEG: f64 = 1e-4;
+        let to_north = LonLat {
+            lat_deg: position.lat_deg + STEP_DEG,
+            ..position
+        };
+        let [from, to] = [position, to_north].map(|one| self.to_metres(one));
+        // The radius of curvature of the meridian halfway.
+        let sin_lat = (position.lat_deg + 0.5 * STEP_DEG).to_radians().sin();
+        let e2 = F * (2.0 - F);
+        let meridian_m = A_M * (1.0 - e2) / (1.0 - e2 * sin_lat.powi(2)).powf(1.5);
+        (to[0] - from[0]).hypot(to[1] - from[1]) / (meridian_m * STEP_DEG.to_radians())
+    }
+
     /// The zone in the first version of well-known text, as LAS 1.4 wants it.
     pub fn wkt(self) -> String {
         let Self { number, north } = self;
@@ -90,4 +129,110 @@ fn series() -> [f64; 4] {
         61.0 / 240.0 * n3 - 103.0 / 140.0 * n4,
         49_561.0 / 161_280.0 * n4,
     ]
+}
+
+/// The coefficients of Krueger's inverse series.
+fn inverse_series() -> [f64; 4] {
+    let [n2, n3, n4] = [N.powi(2), N.powi(3), N.powi(4)];
+    [
+        N / 2.0 - 2.0 / 3.0 * n2 + 37.0 / 96.0 * n3 - n4 / 360.0,
+        n2 / 48.0 + n3 / 15.0 - 437.0 / 1440.0 * n4,
+        17.0 / 480.0 * n3 - 37.0 / 840.0 * n4,
+        4397.0 / 161_280.0 * n4,
+    ]
+}
+
+/// Tangent of the geodetic latitude from that of the conformal one (Karney 2011, equations 7 to 9 and 19 to 21).
+fn geodetic_tangent(conformal: f64) -> f64 {
+    let e2 = F * (2.0 - F);
+    let e = e2.sqrt();
+    let mut tangent = conformal;
+    // Converges quadratically from a start that is off by 0.3 %.
+    for _ in 0..4 {
+        let secant = tangent.hypot(1.0);
+        let sigma = (e * (e * tangent / secant).atanh()).sinh();
+        let reached = tangent * sigma.hypot(1.0) - sigma * secant;
+        let slope = (1.0 + (1.0 - e2) * tangent.powi(2)) / ((1.0 - e2) * secant);
+        tangent += (conformal - reached) / reached.hypot(1.0) * slope;
+    }
+    tangent
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_and_metres_are_those_of_proj() {
+        // pyproj 3.7.2: transform(lon, lat), and get_factors(lon, lat).meridional_scale.
+        let goldens = [
+            (
+                17,
+                true,
+                -82.11,
+                29.41,
+                392311.9646362,
+                3253923.7680122,
+                0.999743092,
+            ),
+            (
+                12,
+                true,
+                -111.48,
+                36.86,
+                457213.1723420,
+                4079449.4104993,
+                0.999622553,
+            ),
+            (
+                32,
+                true,
+                10.3951,
+                63.4305,
+                569618.6286081,
+                7034313.8490130,
+                0.999659356,
+            ),
+            (
+                56,
+                false,
+                151.2093,
+                -33.8688,
+                334368.6336481,
+                6250948.3453850,
+                0.999938201,
+            ),
+            (
+                31,
+                true,
+                5.9,
+                0.001,
+                822836.1939948,
+                110.6727342,
+                1.000890427,
+            ),
+            (
+                17,
+                true,
+                -84.0,
+                29.0,
+                207728.9289299,
+                3211697.3733454,
+                1.000654271,
+            ),
+        ];
+        for (number, north, lon_deg, lat_deg, east_m, north_m, scale) in goldens {
+            let zone = UtmZone { number, north };
+            let position = LonLat { lon_deg, lat_deg };
+            let found = zone.to_metres(position);
+            assert!(
+                (found[0] - east_m).hypot(found[1] - north_m) < 1e-6,
+                "{found:?}"
+            );
+            let back = zone.to_lon_lat([east_m, north_m]);
+            let off_deg = (back.lon_deg - lon_deg).hypot(back.lat_deg - lat_deg);
+            assert!(off_deg < 1e-11, "{back:?}");
+            assert!((zone.scale_at(position) - scale).abs() < 1e-7);
+        }
+    }
 }

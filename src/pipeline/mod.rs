@@ -3,9 +3,10 @@
 //! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
 //! worker for the window, `outputs` writes the files of `bathyscope process` and `report` the record beside them. `detections`
 //! searches for objects and writes them, `boxes` writes what was decided about boxes, `lessons` as pictures for training,
-//! `mosaic` the side-scan mosaic.
+//! `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it.
 
 mod boxes;
+mod depth;
 mod detections;
 mod engine;
 mod lessons;
@@ -16,6 +17,7 @@ mod report;
 mod settings;
 
 pub use boxes::{BoxesWritten, write_boxes};
+pub use depth::{DepthWritten, Product, write_depth};
 pub use detections::{Proposed, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};

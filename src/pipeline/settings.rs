@@ -1,5 +1,7 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 
+use crate::bathymetry::SurfaceSettings;
+use crate::bathymetry::isobaths::IsobathSettings;
 use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
@@ -40,6 +42,8 @@ impl Preset {
 pub struct Settings {
     /// `projection`.
     pub projection: Projection,
+    /// Height of the water's surface above the level that the depths of the depth map count from, metres: taken off every one.
+    pub water_level_m: f64,
     /// `image.*`.
     pub image: ImageSettings,
     /// `first_return.*`.
@@ -56,6 +60,10 @@ pub struct Settings {
     pub detector: DetectorSettings,
     /// `mosaic.*`.
     pub mosaic: MosaicSettings,
+    /// `surface.*`.
+    pub surface: SurfaceSettings,
+    /// `isobaths.*`.
+    pub isobaths: IsobathSettings,
 }
 
 impl Settings {
@@ -96,16 +104,20 @@ impl Settings {
                 },
                 detector: DetectorSettings::default(),
                 mosaic: MosaicSettings::default(),
+                ..Self::default()
             },
         }
     }
 
-    /// The preset that these settings are, if any; the choices of flat spot, detector and mosaic do not count.
+    /// The preset that these settings are, if any; the choices of flat spot, detector and maps do not count.
     pub fn matching_preset(&self) -> Option<Preset> {
         let mut plain = self.clone();
         plain.calibration.pings = None;
         plain.detector = DetectorSettings::default();
         plain.mosaic = MosaicSettings::default();
+        plain.surface = SurfaceSettings::default();
+        plain.isobaths = IsobathSettings::default();
+        plain.water_level_m = 0.0;
         [Preset::Recommended, Preset::Published]
             .into_iter()
             .find(|&preset| plain == Self::preset(preset))
@@ -188,6 +200,38 @@ impl Settings {
             (
                 self.mosaic.most_turn_deg_s > 0.0,
                 "mosaic.most_turn_deg_s must be above 0",
+            ),
+            (
+                self.water_level_m.is_finite(),
+                "water_level_m must be a number",
+            ),
+            (
+                self.surface
+                    .cell_m
+                    .is_none_or(|cell_m| (0.01..=1000.0).contains(&cell_m)),
+                "surface.cell_m must lie between 0.01 and 1000",
+            ),
+            (
+                (0.1..=10_000.0).contains(&self.surface.max_gap_m),
+                "surface.max_gap_m must lie between 0.1 and 10000",
+            ),
+            (
+                (16..=32_768).contains(&self.surface.max_side),
+                "surface.max_side must lie between 16 and 32768",
+            ),
+            (
+                self.surface.down_scan_weight >= 0.0 && self.surface.side_scan_weight >= 0.0,
+                "surface.down_scan_weight and surface.side_scan_weight must be 0 or more",
+            ),
+            (
+                self.isobaths
+                    .interval_m
+                    .is_none_or(|interval_m| interval_m > 0.0),
+                "isobaths.interval_m must be above 0",
+            ),
+            (
+                self.isobaths.smooth <= 8,
+                "isobaths.smooth must be 8 at most",
             ),
         ];
         rules

@@ -3,6 +3,7 @@
 mod compare;
 mod detect;
 mod evaluate;
+mod products;
 mod refused;
 mod review;
 

@@ -1,0 +1,147 @@
+//! Writes what the depths give: the map and its uncertainty, isobaths and depth areas, storage, and the agreement of side-scan
+//! with soundings. All in the UTM zone of the survey's first fix.
+
+mod plane;
+mod rasters;
+mod residuals;
+
+use super::Products;
+use crate::bathymetry::isobaths::{depth_areas, isobaths, storage};
+use crate::bathymetry::{Surface, surface};
+use crate::export::{self, ExportError};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use plane::Plane;
+use std::path::Path;
+
+/// A group of files that `bathyscope process --products` chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Product {
+    /// depth.tif, uncertainty.tif, distance.tif
+    Depth,
+    /// isobaths.geojson, depth_areas.geojson, storage.csv
+    Isobaths,
+    /// mosaic.tif
+    Mosaic,
+    /// residuals.json
+    Residuals,
+}
+
+impl Product {
+    /// All of them.
+    pub const ALL: [Product; 4] = [
+        Product::Depth,
+        Product::Isobaths,
+        Product::Mosaic,
+        Product::Residuals,
+    ];
+}
+
+/// What was written, and why the rest was not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DepthWritten {
+    /// File names, in the order of writing.
+    pub files: Vec<&'static str>,
+    /// Why something is missing, in sentences.
+    pub warnings: Vec<String>,
+}
+
+/// Writes the wanted products of the depths into a folder that exists; mosaics are left to [`super::write_mosaic`].
+///
+/// The error is one sentence. A cancelled run leaves whole files only.
+pub fn write_depth(
+    survey: &Survey,
+    products: &Products,
+    wanted: &[Product],
+    folder: &Path,
+    progress: &Progress,
+) -> Result<DepthWritten, String> {
+    let mut written = DepthWritten::default();
+    let wants = |product| wanted.contains(&product);
+    let plane = Plane::of(survey, products);
+    if wants(Product::Depth) || wants(Product::Isobaths) {
+        let points = plane.depth_points(products);
+        let made = surface(&points, &products.settings.surface, progress);
+        match made.map_err(|error| error.to_string())? {
+            Some(surface) => {
+                if wants(Product::Depth) {
+                    rasters::write(&surface, &plane, products, folder, progress, &mut written)?;
+                }
+                if wants(Product::Isobaths) {
+                    write_isobaths(&surface, &plane, products, folder, progress, &mut written)?;
+                }
+            }
+            None => written.warnings.push(
+                "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)"
+                    .to_owned(),
+            ),
+        }
+    }
+    if wants(Product::Residuals) {
+        residuals::write(products, &plane, folder, progress, &mut written)?;
+    }
+    Ok(written)
+}
+
+fn write_isobaths(
+    surface: &Surface,
+    plane: &Plane<'_>,
+    products: &Products,
+    folder: &Path,
+    progress: &Progress,
+    written: &mut DepthWritten,
+) -> Result<(), String> {
+    let settings = &products.settings.isobaths;
+    let known = surface.depth_m.iter().filter(|depth| !depth.is_nan());
+    let range_m = known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
+        [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
+    });
+    let levels_m = match settings.levels_m(range_m) {
+        Ok(levels_m) => levels_m,
+        Err(error) => {
+            written.warnings.push(error.to_string());
+            return Ok(());
+        }
+    };
+    let lines = isobaths(surface, &levels_m, progress).map_err(|error| error.to_string())?;
+    let areas = depth_areas(surface, &with_ends(&levels_m, range_m), progress)
+        .map_err(|error| error.to_string())?;
+    let table = storage(surface, &with_ends(&levels_m, range_m));
+    let place = |at| plane.to_lon_lat(at);
+    // A map's square metres are not quite those of the ground.
+    let ground = plane
+        .scale_at(
+            surface
+                .grid
+                .centre(surface.grid.rows / 2, surface.grid.columns / 2),
+        )
+        .powi(-2);
+    let fail = |error: ExportError| error.to_string();
+    export::isobaths_geojson(
+        &folder.join("isobaths.geojson"),
+        &lines,
+        settings.smooth,
+        place,
+    )
+    .map_err(fail)?;
+    export::depth_areas_geojson(&folder.join("depth_areas.geojson"), &areas, ground, place)
+        .map_err(fail)?;
+    export::storage_csv(&folder.join("storage.csv"), &table, ground).map_err(fail)?;
+    written
+        .files
+        .extend(["isobaths.geojson", "depth_areas.geojson", "storage.csv"]);
+    Ok(())
+}
+
+/// The levels, with the shallowest and what is just beyond the deepest depth around them, so that the areas cover all.
+fn with_ends(levels_m: &[f64], [least_m, most_m]: [f64; 2]) -> Vec<f64> {
+    let within = levels_m
+        .iter()
+        .copied()
+        .filter(|level| *level > least_m && *level <= most_m);
+    let beyond_m = most_m.next_up();
+    std::iter::once(least_m)
+        .chain(within)
+        .chain([beyond_m])
+        .collect()
+}

@@ -1,0 +1,80 @@
+//! The cloud in the metres of a map.
+
+use crate::bathymetry::DepthPoint;
+use crate::cloud::{CloudPoint, PointSource};
+use crate::geo::{LonLat, UtmZone};
+use crate::pipeline::Products;
+use crate::survey::{Navigation, Survey, Track};
+
+/// The UTM zone of a survey's first fix.
+pub(super) struct Plane<'a> {
+    pub zone: UtmZone,
+    pub survey: &'a Survey,
+    track: &'a Track,
+    navigation: &'a Navigation,
+}
+
+impl<'a> Plane<'a> {
+    pub fn of(survey: &'a Survey, products: &'a Products) -> Self {
+        Self {
+            zone: UtmZone::of(survey.track.frame.origin()),
+            survey,
+            track: &survey.track,
+            navigation: &products.navigation,
+        }
+    }
+
+    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.zone.to_lon_lat(place)
+    }
+
+    /// Metres of the map in a metre on the ground.
+    pub fn scale_at(&self, place: [f64; 2]) -> f64 {
+        self.zone.scale_at(self.zone.to_lon_lat(place))
+    }
+
+    /// Easting, northing and elevation of the kept points of some sources, metres.
+    pub fn points(&self, products: &Products, sources: &[PointSource]) -> Vec<[f64; 3]> {
+        let chosen = kept(products).filter(|point| sources.contains(&point.source));
+        chosen
+            .map(|point| self.place(point))
+            .filter(is_finite)
+            .collect()
+    }
+
+    /// All kept points as weighted depths below the level that `water_level_m` names.
+    pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
+        let settings = &products.settings;
+        let weight = |source| match source {
+            PointSource::DownScan => settings.surface.down_scan_weight,
+            PointSource::Port | PointSource::Starboard => settings.surface.side_scan_weight,
+        };
+        let weighted = kept(products).map(|point| (self.place(point), weight(point.source)));
+        weighted
+            .filter(|(place, weight)| is_finite(place) && *weight > 0.0)
+            .map(|([east_m, north_m, z_m], weight)| DepthPoint {
+                east_m,
+                north_m,
+                depth_m: -z_m - settings.water_level_m,
+                weight,
+            })
+            .collect()
+    }
+
+    fn place(&self, point: &CloudPoint) -> [f64; 3] {
+        let position = self
+            .navigation
+            .to_lon_lat(self.track, point.east_m, point.north_m);
+        let [east_m, north_m] = self.zone.to_metres(position);
+        [east_m, north_m, point.z_m]
+    }
+}
+
+fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
+    let flagged = products.cloud.points.iter().zip(products.kept.iter());
+    flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
+}
+
+fn is_finite(place: &[f64; 3]) -> bool {
+    place.iter().all(|value| value.is_finite())
+}

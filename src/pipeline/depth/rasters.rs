@@ -1,0 +1,103 @@
+//! The surface as rasters.
+
+use super::DepthWritten;
+use super::plane::Plane;
+use crate::bathymetry::{Grid, Surface};
+use crate::export::geotiff::{Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
+use crate::pipeline::Products;
+use crate::progress::Progress;
+use std::path::Path;
+
+/// Writes `depth.tif`, `uncertainty.tif` and `distance.tif`: metres as f32 on one grid, each with what was and was not
+/// corrected in its description.
+pub(super) fn write(
+    surface: &Surface,
+    plane: &Plane<'_>,
+    products: &Products,
+    folder: &Path,
+    progress: &Progress,
+    written: &mut DepthWritten,
+) -> Result<(), String> {
+    let layers: [(&'static str, &[f32], &str); 3] = [
+        (
+            "depth.tif",
+            &surface.depth_m,
+            "Depth in metres, positive down",
+        ),
+        (
+            "uncertainty.tif",
+            &surface.spread_m,
+            "Standard deviation in metres of the depths that carry a cell",
+        ),
+        (
+            "distance.tif",
+            &surface.distance_m,
+            "Distance in metres from a cell to the nearest depth",
+        ),
+    ];
+    let grid = &surface.grid;
+    let tiles = tiles(grid, &surface.depth_m);
+    let applied = applied(products, grid);
+    for (name, values, what) in layers {
+        let spec = RasterSpec {
+            columns: grid.columns,
+            rows: grid.rows,
+            west_m: grid.west_m,
+            north_m: grid.north_m,
+            cell_m: grid.cell_m,
+            epsg: plane.zone.epsg() as u16,
+            cells: Cells::Metres,
+            description: format!("{what}; {}. {applied}", plane.survey.name()),
+        };
+        let draw = |tile| draw(grid, values, tile);
+        geotiff(&folder.join(name), &spec, &tiles, draw, progress)
+            .map_err(|error| error.to_string())?;
+        written.files.push(name);
+    }
+    Ok(())
+}
+
+/// What was and was not corrected, and how the cells were filled.
+fn applied(products: &Products, grid: &Grid) -> String {
+    let settings = &products.settings;
+    let method = match settings.surface.method {
+        crate::bathymetry::SurfaceMethod::Linear => "linear triangles",
+        crate::bathymetry::SurfaceMethod::Natural => "natural neighbours",
+        crate::bathymetry::SurfaceMethod::InverseDistance => "inverse distance",
+    };
+    format!(
+        "Below the transducer, less a water level of {} m; by {method} in cells of {} m, none farther than {} m from a depth. \
+         Not corrected: draft, tide, sound speed, roll and pitch.",
+        settings.water_level_m, grid.cell_m, settings.surface.max_gap_m
+    )
+}
+
+/// Row and column of the tiles that hold something.
+fn tiles(grid: &Grid, values: &[f32]) -> Vec<[usize; 2]> {
+    let across = grid.columns.div_ceil(RASTER_TILE);
+    let mut holds = vec![false; across * grid.rows.div_ceil(RASTER_TILE)];
+    for (row, cells) in values.chunks_exact(grid.columns).enumerate() {
+        for (column, cells) in cells.chunks(RASTER_TILE).enumerate() {
+            holds[row / RASTER_TILE * across + column] |= cells.iter().any(|value| !value.is_nan());
+        }
+    }
+    let filled = (0..holds.len()).filter(|tile| holds[*tile]);
+    filled.map(|tile| [tile / across, tile % across]).collect()
+}
+
+fn draw(grid: &Grid, values: &[f32], [row, column]: [usize; 2]) -> Vec<u8> {
+    let mut tile = Vec::with_capacity(4 * RASTER_TILE * RASTER_TILE);
+    for row in row * RASTER_TILE..(row + 1) * RASTER_TILE {
+        for column in column * RASTER_TILE..(column + 1) * RASTER_TILE {
+            let inside = row < grid.rows && column < grid.columns;
+            let value = if inside {
+                values[row * grid.columns + column]
+            } else {
+                f32::NAN
+            };
+            let stored = if value.is_nan() { NODATA } else { value };
+            tile.extend(stored.to_le_bytes());
+        }
+    }
+    tile
+}

@@ -1,0 +1,111 @@
+//! `residuals.json`: side-scan points against the soundings of the same log.
+
+use super::DepthWritten;
+use super::plane::Plane;
+use crate::bathymetry::compare::{Comparison, Matching, match_points};
+use crate::cloud::PointSource;
+use crate::export;
+use crate::pipeline::{Products, Settings};
+use crate::progress::{Cancelled, Progress};
+use serde::Serialize;
+use std::io::Write as _;
+use std::path::Path;
+
+/// Farthest sounding that a side-scan point is held against by place, metres.
+const RADIUS_M: f64 = 1.0;
+
+#[derive(Serialize)]
+struct Record<'a> {
+    program: String,
+    sign: &'static str,
+    statement: &'static str,
+    comparisons: Vec<Named>,
+    settings: &'a Settings,
+}
+
+#[derive(Serialize)]
+struct Named {
+    source: &'static str,
+    reference: &'static str,
+    matching: String,
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
+     within one instrument, not accuracy against a reference.";
+
+/// Writes the record: port, starboard and both against the surface of the soundings at their place, and against the nearest
+/// sounding. Nothing where there is no side-scan point or no sounding.
+pub(super) fn write(
+    products: &Products,
+    plane: &Plane<'_>,
+    folder: &Path,
+    progress: &Progress,
+    written: &mut DepthWritten,
+) -> Result<(), String> {
+    let comparisons = comparisons(products, plane, progress).map_err(|error| error.to_string())?;
+    if comparisons.is_empty() {
+        let why = "no residuals: the log has no side-scan points, or none near a sounding";
+        written.warnings.push(why.to_owned());
+        return Ok(());
+    }
+    let record = Record {
+        program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+        sign: SIGN,
+        statement: STATEMENT,
+        comparisons,
+        settings: &products.settings,
+    };
+    export::write_aside(&folder.join("residuals.json"), |mut file| {
+        let text = serde_json::to_vec_pretty(&record)?;
+        file.write_all(&text)?;
+        file.write_all(b"\n")
+    })
+    .map_err(|error| error.to_string())?;
+    written.files.push("residuals.json");
+    Ok(())
+}
+
+fn comparisons(
+    products: &Products,
+    plane: &Plane<'_>,
+    progress: &Progress,
+) -> Result<Vec<Named>, Cancelled> {
+    use PointSource::{DownScan, Port, Starboard};
+    let reference = plane.points(products, &[DownScan]);
+    let max_gap_m = products.settings.surface.max_gap_m;
+    let ways = [
+        (
+            Matching::Surface { max_gap_m },
+            format!("triangulated surface, gap {max_gap_m} m"),
+        ),
+        (
+            Matching::Nearest { radius_m: RADIUS_M },
+            format!("nearest point within {RADIUS_M} m"),
+        ),
+    ];
+    let sides: [(&'static str, &[PointSource]); 3] = [
+        ("side-scan", &[Port, Starboard]),
+        ("port", &[Port]),
+        ("starboard", &[Starboard]),
+    ];
+    let mut found = Vec::new();
+    for (matching, how) in ways {
+        for (source, sources) in sides {
+            let points = plane.points(products, sources);
+            let matches = match_points(&points, &reference, matching, progress)?;
+            if !matches.is_empty() {
+                found.push(Named {
+                    source,
+                    reference: "down-scan",
+                    matching: how.clone(),
+                    // Elevations count from the transducer, near the water's surface.
+                    comparison: Comparison::new(points.len(), &matches, 0.0),
+                });
+            }
+        }
+    }
+    Ok(found)
+}
