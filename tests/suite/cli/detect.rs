@@ -51,7 +51,7 @@ fn objects_of_a_log_become_a_table_and_chips() {
     assert_eq!(map["features"].as_array().map(Vec::len), Some(placed));
     let told = String::from_utf8_lossy(&output.stdout);
     // An object that several lines saw has as many boxes.
-    let objects: BTreeSet<&str> = rows.iter().map(|row| row[19].as_str()).collect();
+    let objects: BTreeSet<&str> = rows.iter().map(|row| row[20].as_str()).collect();
     let objects = objects.iter().filter(|number| !number.is_empty()).count();
     assert!(objects > 0 && told.contains(&format!("found {} box", rows.len())));
     assert!(told.contains(&format!(") on {objects} object")), "{told}");
