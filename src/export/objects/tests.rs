@@ -89,7 +89,7 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     assert!(lines[0].iter().take(8).eq(fields));
     assert_eq!((&lines[0][10], &lines[0][13]), ("-82.11000000", "-3.250"));
     assert_eq!((&lines[0][16], &lines[0][17]), ("", "2.000"), "no shadow");
-    assert!(lines[0][20].starts_with("'=cmd"));
+    assert!(lines[0][21].starts_with("'=cmd"));
     assert_eq!((&lines[1][3], &lines[1][10]), ("", ""));
 }
 
