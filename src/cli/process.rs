@@ -192,6 +192,8 @@ pub fn process_into(
             .extend(["detections.csv", "detections.geojson", "chips"]);
         objects = Some(found::proposed(&boxes, model.names()));
     }
+    // What the later products had to warn of belongs to the record too.
+    pipeline::write_report(&written.report, folder)?;
     drop(status);
     for warning in &written.report.warnings {
         output::tell(format_args!("warning: {warning}"));

@@ -21,7 +21,7 @@ pub use depth::{DepthWritten, Product, write_depth};
 pub use detections::{Proposed, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};
-pub use outputs::{Written, write_products};
+pub use outputs::{Written, write_products, write_report};
 pub use products::{Products, Stage, run};
 pub use report::{Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};

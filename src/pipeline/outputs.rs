@@ -41,7 +41,7 @@ pub fn write_products(
         kept,
         ..
     } = products;
-    let writers: [(&'static str, &Write<'_>); 5] = [
+    let writers: [(&'static str, &Write<'_>); 4] = [
         ("first_returns.csv", &|path| {
             export::first_returns_csv(path, survey, navigation, returns, calibration)
         }),
@@ -52,22 +52,29 @@ pub fn write_products(
             export::cloud_laz(path, survey, navigation, cloud, kept)
         }),
         ("cloud.ply", &|path| export::cloud_ply(path, cloud, kept)),
-        ("report.json", &|path| {
-            export::write_aside(path, |mut file| {
-                let text = serde_json::to_vec_pretty(&report)?;
-                file.write_all(&text)?;
-                file.write_all(b"\n")
-            })
-        }),
     ];
-    progress.start(writers.len() as u64);
+    progress.start(writers.len() as u64 + 1);
     for (name, write) in &writers {
         progress.check().map_err(|error| error.to_string())?;
         write(&folder.join(name)).map_err(|error| error.to_string())?;
         progress.advance(1);
     }
+    progress.check().map_err(|error| error.to_string())?;
+    write_report(&report, folder)?;
+    progress.advance(1);
+    let names = writers.iter().map(|(name, _)| *name);
     Ok(Written {
-        files: writers.iter().map(|(name, _)| *name).collect(),
+        files: names.chain(["report.json"]).collect(),
         report,
     })
+}
+
+/// Writes `report.json`; again once more products, and warnings about them, have come.
+pub fn write_report(report: &Report, folder: &Path) -> Result<(), String> {
+    export::write_aside(&folder.join("report.json"), |mut file| {
+        let text = serde_json::to_vec_pretty(report)?;
+        file.write_all(&text)?;
+        file.write_all(b"\n")
+    })
+    .map_err(|error| error.to_string())
 }
