@@ -10,7 +10,9 @@ mod first_return;
 mod large_log;
 mod map;
 mod memory;
+mod mosaic;
 mod outliers;
+mod resources;
 mod waterfall;
 
 /// Name on the command line and what it runs.
@@ -19,6 +21,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("detector", detector::run),
     ("first_return", first_return::run),
     ("memory", memory::run),
+    ("mosaic", mosaic::run),
     ("outliers", outliers::run),
     ("waterfall", waterfall::run),
     ("map", map::run),

@@ -1,0 +1,54 @@
+//! The mosaic: time beside tracking the same survey, and memory as its cells become smaller.
+
+use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope::first_return;
+use bathyscope::formats;
+use bathyscope::pipeline::{self, MosaicWritten, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
+use std::hint::black_box;
+
+const PINGS_A_LINE: f64 = 3000.0;
+const LINES: u32 = 10;
+const CELLS_M: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
+
+/// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
+pub fn run() {
+    let progress = Progress::new();
+    let mut scene = Scene::with_pings(1);
+    scene.track.lines = LINES;
+    scene.track.spacing_m = 15.0;
+    scene.track.length_m = PINGS_A_LINE * scene.track.speed_mps / scene.track.ping_rate_hz;
+    let simulated = simulate(&scene, 1, &progress).expect("not cancelled");
+    let survey = formats::open_bytes("lines.sl2", simulated.sl2_bytes(), &progress);
+    let survey = survey.expect("a readable log");
+    let mut settings = Settings::default();
+    let mut products =
+        pipeline::run(&survey, &settings, None, &progress, |_| ()).expect("not cancelled");
+
+    let before = processor_s();
+    let returns = first_return::detect(&survey, &settings.image, &settings.first_return, &progress);
+    black_box(returns.expect("not cancelled"));
+    let tracked_s = processor_s() - before;
+    println!(
+        "{} pings tracked: {tracked_s:.2} s of processor",
+        survey.side_scan.len()
+    );
+
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for cell_m in CELLS_M {
+        settings.mosaic.cell_m = cell_m;
+        products.settings = settings.clone();
+        let (before_mb, before) = (peak_from_here_mb(), processor_s());
+        let written = pipeline::write_mosaic(&survey, &products, folder.path(), &progress);
+        assert!(matches!(written, Ok(MosaicWritten::File(_))), "{written:?}");
+        let taken_s = processor_s() - before;
+        let more_mb = peak_mb()
+            .zip(before_mb)
+            .map_or(f64::NAN, |(peak, before)| peak - before);
+        println!(
+            "mosaic at {cell_m:4} m: {taken_s:6.2} s of processor, {:5.1} of tracking; {more_mb:4.0} MB at the peak",
+            taken_s / tracked_s
+        );
+    }
+}
