@@ -1,4 +1,4 @@
-//! The squares that a surface is sampled on.
+//! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
 use std::collections::HashSet;

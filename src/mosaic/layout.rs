@@ -3,6 +3,7 @@
 use super::altitude::altitudes_m;
 use super::course::turn_rates_deg_s;
 use super::{MosaicSettings, TILE_CELLS};
+use crate::bathymetry::Grid;
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, Side, Survey};
@@ -279,21 +280,6 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
                 && near(ping)
         })
         .collect()
-}
-
-/// The cells of a mosaic, north up: row 0 is the northernmost, column 0 the westernmost.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// West edge of the first column, metres in the plane.
-    pub west_m: f64,
-    /// North edge of the first row, metres in the plane.
-    pub north_m: f64,
-    /// Side of a cell, metres.
-    pub cell_m: f64,
-    /// Cells from west to east.
-    pub columns: usize,
-    /// Cells from north to south.
-    pub rows: usize,
 }
 
 /// The strips that touch each tile; tiles without any are not in it.

@@ -19,7 +19,7 @@ mod layout;
 mod paint;
 
 pub use gain::{GainTable, gain_table};
-pub use layout::{Grid, Layout, TileIndex};
+pub use layout::{Layout, TileIndex};
 pub use paint::{TILE_CELLS, Tile, tile};
 
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,8 @@
 //! Draws one tile: each cell takes the mean of the samples that it covers on the ray through its middle.
 
-use super::layout::{Grid, Layout, Ray, TileIndex};
+use super::layout::{Layout, Ray, TileIndex};
 use super::{Gain, GainTable, MosaicSettings, Overlap};
+use crate::bathymetry::Grid;
 use crate::survey::{Side, Survey};
 
 /// Cells along a tile's side.

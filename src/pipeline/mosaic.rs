@@ -1,9 +1,10 @@
 //! Writes the side-scan mosaic.
 
 use super::Products;
+use crate::bathymetry::Grid;
 use crate::export::geotiff::{self, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
 use crate::geo::UtmZone;
-use crate::mosaic::{Grid, Layout, TILE_CELLS, gain_table, tile};
+use crate::mosaic::{Layout, TILE_CELLS, gain_table, tile};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;

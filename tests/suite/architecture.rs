@@ -14,7 +14,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey", "cloud"]),
-    ("mosaic", &["survey", "first_return", "calibration"]),
+    (
+        "mosaic",
+        &["survey", "first_return", "calibration", "bathymetry"],
+    ),
     (
         "detection",
         &["survey", "geo", "first_return", "calibration"],

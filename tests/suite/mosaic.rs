@@ -1,8 +1,9 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
+use bathyscope::bathymetry::Grid;
 use bathyscope::formats;
 use bathyscope::mosaic::{
-    Gain, GainTable, Grid, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
+    Gain, GainTable, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
 };
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
