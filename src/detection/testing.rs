@@ -30,18 +30,22 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()
     };
+    (survey, navigation_of(pings))
+}
+
+/// A boat at 2 m/s, always at the same place of the map: what only counts its way does not mind.
+pub(super) fn navigation_of(pings: usize) -> Navigation {
     let place = PingNav {
         east_m: 0.0,
         north_m: 0.0,
         heading_rad: 0.0,
         speed_mps: 2.0,
     };
-    let navigation = Navigation {
+    Navigation {
         pings: vec![place; pings],
         soundings: Vec::new(),
         projection: Projection::Enu,
         zero_heading: 0,
         moving: pings,
-    };
-    (survey, navigation)
+    }
 }

@@ -248,26 +248,14 @@ fn crossing(corners: &[[f64; 2]; 4], row: f64) -> Option<[f64; 2]> {
     let mut span: Option<[f64; 2]> = None;
     for index in 0..4 {
         let (a, b) = (corners[index], corners[(index + 1) % 4]);
-        if (a[1] - row) * (b[1] - row) > 0.0 {
+        // The ends of an edge along the row belong to its neighbours too.
+        if a[1] == b[1] || (a[1] - row) * (b[1] - row) > 0.0 {
             continue;
         }
-        let share = if a[1] == b[1] {
-            0.0
-        } else {
-            (row - a[1]) / (b[1] - a[1])
-        };
-        for column in [
-            a[0] + (b[0] - a[0]) * share,
-            if a[1] == b[1] {
-                b[0]
-            } else {
-                a[0] + (b[0] - a[0]) * share
-            },
-        ] {
-            span = Some(span.map_or([column; 2], |[low, high]| {
-                [low.min(column), high.max(column)]
-            }));
-        }
+        let column = a[0] + (b[0] - a[0]) * (row - a[1]) / (b[1] - a[1]);
+        span = Some(span.map_or([column; 2], |[low, high]| {
+            [low.min(column), high.max(column)]
+        }));
     }
     span
 }

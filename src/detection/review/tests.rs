@@ -1,7 +1,8 @@
 use super::*;
+use crate::detection::testing::navigation_of;
 use crate::detection::{Detection, Raster};
 use crate::survey::{Encoding, Order};
-use crate::survey::{Navigation, PingNav, Projection, Side, SidePing, SideSpan};
+use crate::survey::{Side, SidePing, SideSpan};
 
 const PINGS: usize = 1000;
 
@@ -53,19 +54,7 @@ fn raster() -> Raster {
             .collect(),
         ..Survey::default()
     };
-    let place = PingNav {
-        east_m: 0.0,
-        north_m: 0.0,
-        heading_rad: 0.0,
-        speed_mps: 2.0,
-    };
-    let navigation = Navigation {
-        pings: vec![place; PINGS],
-        soundings: Vec::new(),
-        projection: Projection::Enu,
-        zero_heading: 0,
-        moving: PINGS,
-    };
+    let navigation = navigation_of(PINGS);
     Raster::new(&survey, &navigation, 0.04)
 }
 
