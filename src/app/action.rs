@@ -68,6 +68,10 @@ actions! {
     LevelsReset, "Reset waterfall levels", None, "Puts automatic level, brightness, contrast and gamma of the waterfall back.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
+    CoordinatesDegrees, "Coordinates: decimal degrees", None, "Writes positions as 36.877100° N 111.516300° W.";
+    CoordinatesMinutes, "Coordinates: degrees and minutes", None, "Writes positions as 36° 52.6260' N 111° 30.9780' W.";
+    CoordinatesSeconds, "Coordinates: degrees, minutes and seconds", None, "Writes positions as 36° 52' 37.56\" N 111° 30' 58.68\" W.";
+    CoordinatesUtm, "Coordinates: UTM metres", None, "Writes positions as UTM 12N 453987.7 E 4081363.2 N, in the zone of the survey's start.";
     Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";
     PreviousPing, "Previous ping", Some("Left"), "Selects the ping before.";
     NextPing, "Next ping", Some("Right"), "Selects the ping after.";

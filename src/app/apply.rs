@@ -6,6 +6,7 @@ use super::{
 };
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
+use crate::geo::CoordinateFormat;
 use crate::pipeline::{Preset, Settings};
 use std::path::PathBuf;
 
@@ -164,6 +165,10 @@ impl App {
                     SideColours::Maritime => SideColours::Paper,
                 }
             }
+            Action::CoordinatesDegrees => self.options.coordinates = CoordinateFormat::Degrees,
+            Action::CoordinatesMinutes => self.options.coordinates = CoordinateFormat::Minutes,
+            Action::CoordinatesSeconds => self.options.coordinates = CoordinateFormat::Seconds,
+            Action::CoordinatesUtm => self.options.coordinates = CoordinateFormat::Utm,
             Action::CalibrateHere => self.calibrate_here(),
             Action::CalibrationReset => {
                 let mut settings = self.settings.clone();

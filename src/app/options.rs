@@ -1,5 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
+use crate::geo::CoordinateFormat;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
@@ -228,6 +229,8 @@ pub struct ViewOptions {
     pub theme: ThemeChoice,
     /// Colours of the two sides.
     pub side_colours: SideColours,
+    /// How positions are written.
+    pub coordinates: CoordinateFormat,
     /// Waterfall.
     pub waterfall: WaterfallOptions,
     /// Map.

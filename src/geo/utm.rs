@@ -36,6 +36,11 @@ impl UtmZone {
         (if self.north { 32_600 } else { 32_700 }) + u32::from(self.number)
     }
 
+    /// Its name: `UTM 12N`.
+    pub fn name(self) -> String {
+        format!("UTM {}{}", self.number, if self.north { 'N' } else { 'S' })
+    }
+
     fn central_meridian_deg(self) -> f64 {
         6.0 * f64::from(self.number) - 183.0
     }

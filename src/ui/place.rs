@@ -2,7 +2,7 @@
 
 use crate::app::{App, Mark};
 use crate::cloud::slant_range_m;
-use crate::geo::LonLat;
+use crate::geo::{LonLat, UtmZone};
 use crate::survey::Side;
 
 /// Slant range of a mark by the calibration in force, metres; by the recorder's scale while there is no result.
@@ -18,6 +18,16 @@ pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
             .range_m(f64::from(sample)),
     };
     range.is_finite().then_some(range)
+}
+
+/// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
+pub fn written(app: &App, at: LonLat) -> String {
+    let start = app
+        .survey
+        .as_ref()
+        .map(|survey| survey.track.frame.origin());
+    let zone = UtmZone::of(start.unwrap_or(at));
+    app.options.coordinates.write(at, zone)
 }
 
 /// WGS84 position of a mark.

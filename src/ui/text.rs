@@ -2,7 +2,6 @@
 
 use crate::calendar;
 use crate::calibration::FlatSpot;
-use crate::geo::LonLat;
 
 /// What stands where there is no value.
 pub const NONE: &str = "–";
@@ -55,18 +54,6 @@ pub fn flat_stretch(spot: &FlatSpot) -> String {
         spot.depth_m,
         100.0 * spot.slope.abs(),
         100.0 * spot.scatter_m,
-    )
-}
-
-/// Decimal degrees with the hemisphere, to about 0.1 m: `36.877100° N 111.516300° W`.
-pub fn place(at: LonLat) -> String {
-    let hemisphere = |value: f64, positive, negative| if value < 0.0 { negative } else { positive };
-    format!(
-        "{:.6}° {} {:.6}° {}",
-        at.lat_deg.abs(),
-        hemisphere(at.lat_deg, "N", "S"),
-        at.lon_deg.abs(),
-        hemisphere(at.lon_deg, "E", "W"),
     )
 }
 
@@ -160,14 +147,5 @@ mod tests {
         assert_eq!(metres(5.0, 5.0), "5 m");
         assert_eq!(metres(2.5, 0.5), "2.5 m");
         assert_eq!(metres(0.25, 0.05), "0.25 m");
-    }
-
-    #[test]
-    fn places_name_their_hemisphere() {
-        let at = LonLat {
-            lon_deg: -111.5163,
-            lat_deg: 36.8771,
-        };
-        assert_eq!(place(at), "36.877100° N 111.516300° W");
     }
 }

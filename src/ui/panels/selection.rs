@@ -41,7 +41,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         ui.label(text::clock(survey.start_unix_s, ping.time_s));
     });
     if let Some(at) = place::lon_lat(context.app, mark) {
-        ui.label(RichText::new(text::place(at)).monospace());
+        ui.label(RichText::new(place::written(context.app, at)).monospace());
     }
     fact(
         ui,

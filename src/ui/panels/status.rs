@@ -41,7 +41,7 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         return;
     };
     if let Some(at) = place::lon_lat(app, mark) {
-        cell(ui, text::place(at));
+        cell(ui, place::written(app, at));
     }
     cell(ui, format!("ping {}", mark.ping));
     if let Some(range) = place::range_m(app, mark) {

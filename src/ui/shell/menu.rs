@@ -2,6 +2,7 @@
 
 use super::toolbar;
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
+use crate::geo::CoordinateFormat;
 use crate::ui::ViewContext;
 use egui::{Button, Ui};
 
@@ -170,6 +171,11 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.map.depth_map, "Depth map");
         ui.checkbox(&mut options.map.track, "Track");
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
+    });
+    ui.menu_button("Coordinates", |ui| {
+        for format in CoordinateFormat::ALL {
+            ui.radio_value(&mut options.coordinates, format, format.name());
+        }
     });
     ui.menu_button("Side colours", |ui| {
         let paper = "paper: starboard red, port blue";

@@ -7,7 +7,7 @@ use crate::app::{Action, Command, Tool};
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
 use crate::ui::views::background::Same;
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use egui::{Button, RichText, TextEdit, Ui};
 
 /// Classes that have a key.
@@ -201,19 +201,19 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         ),
     );
     if let Some(placed) = app.reviewing.placed(one.id) {
-        on_the_ground(ui, &placed.target);
+        on_the_ground(ui, context, &placed.target);
     }
     let model = one.model.as_deref().unwrap_or("drawn by hand");
     fact(ui, "From", "The model that proposed it.", model);
 }
 
 /// Where its object lies and how large it is.
-fn on_the_ground(ui: &mut Ui, target: &Target) {
+fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
     fact(
         ui,
         "Place",
         "The middle of the object on a flat bottom, WGS84.",
-        RichText::new(text::place(target.position)).monospace(),
+        RichText::new(place::written(context.app, target.position)).monospace(),
     );
     fact(
         ui,

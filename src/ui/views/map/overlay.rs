@@ -3,6 +3,7 @@
 use super::layers::{DepthLayer, TrackLayer};
 use super::transform::MapTransform;
 use crate::app::{App, Mark, ViewOptions};
+use crate::geo::LonLat;
 use crate::pipeline::Products;
 use crate::survey::Survey;
 use crate::ui::views::{legend, ticks};
@@ -27,6 +28,13 @@ impl Scene<'_> {
     /// Where a place is on the screen.
     pub fn at(&self, place: [f64; 2]) -> Pos2 {
         self.transform.to_screen(self.rect, place)
+    }
+
+    /// WGS84 position of a place on the screen.
+    pub fn position(&self, at: Pos2) -> LonLat {
+        let [east_m, north_m] = self.transform.to_ground(self.rect, at);
+        let navigation = &self.products.navigation;
+        navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }
 
     fn text_colour(&self) -> Color32 {

@@ -3,10 +3,11 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
-use crate::app::{Command, Mark};
+use crate::app::{App, Command, Mark};
 use crate::calibration::PingRange;
+use crate::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, place, theme};
 use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
@@ -24,8 +25,8 @@ pub struct Pointer {
     pub calibrating: bool,
     /// The hover in the app is ours to take back.
     hovering: bool,
-    /// Ping under the pointer when the menu was opened.
-    menu_ping: Option<usize>,
+    /// Position and ping under the pointer when the menu was opened.
+    menu_at: Option<(LonLat, Option<usize>)>,
     /// The numbered stretch that was clicked.
     offered: Option<usize>,
 }
@@ -79,9 +80,8 @@ impl Pointer {
             self.click(context, scene, at);
         }
         if response.secondary_clicked() {
-            self.menu_ping = response
-                .interact_pointer_pos()
-                .and_then(|at| nearest(scene, at));
+            let at = response.interact_pointer_pos();
+            self.menu_at = at.map(|at| (scene.position(at), nearest(scene, at)));
         }
         self.menu(context, response);
         self.offer(ui, context, scene);
@@ -124,10 +124,20 @@ impl Pointer {
     }
 
     fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
-        let Some(ping) = self.menu_ping else {
+        let Some((position, ping)) = self.menu_at else {
             return;
         };
         response.context_menu(|ui| {
+            let position = place::written(context.app, position);
+            ui.label(&position);
+            if ui.button("Copy position").clicked() {
+                ui.copy_text(position);
+                ui.close();
+            }
+            let Some(ping) = ping else {
+                return;
+            };
+            ui.separator();
             ui.label(format!("ping {ping}"));
             if ui.button("Calibrate here").clicked() {
                 if let Some(pings) = context.app.stretch_around(ping) {
@@ -187,7 +197,7 @@ impl Pointer {
         ping: Option<usize>,
     ) {
         let painter = ui.painter_at(scene.rect);
-        let text = read_out(scene, at, ping);
+        let text = read_out(context.app, scene, at, ping);
         let corner = scene.rect.left_top() + vec2(6.0, 34.0);
         let colour = theme::canvas_text_colour(scene.options);
         let plate = legend::plate(
@@ -233,18 +243,18 @@ fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
     })
 }
 
-fn read_out(scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> String {
+fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
-    let navigation = &scene.products.navigation;
-    let position = navigation.to_lon_lat(&scene.survey.track, east_m, north_m);
     // In one line a narrow map would run under the north arrow, or out of its tile.
     let gap = |needed: f32| match scene.rect.width() < needed {
         true => "\n",
         false => "   ",
     };
-    let place = text::place(position);
-    let between = gap(TWO_PLACES);
-    let mut text = format!("{place}{between}E {east_m:.1} m  N {north_m:.1} m");
+    let mut text = place::written(app, scene.position(at));
+    if app.options.coordinates != CoordinateFormat::Utm {
+        text += gap(TWO_PLACES);
+        text += &format!("E {east_m:.1} m  N {north_m:.1} m");
+    }
     let map = scene.depth.and_then(|depth| depth.map.as_ref());
     if let Some((depth_m, distance_m)) = map.and_then(|(map, _)| map.at(east_m, north_m)) {
         text += gap(ONE_LINE);

@@ -195,7 +195,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     }
     lines += &doubts(app, ping, mark.ping, side);
     if let Some(at) = place::lon_lat(app, mark) {
-        lines += &format!("\n{}", text::place(at));
+        lines += &format!("\n{}", place::written(app, at));
     }
     Some(lines)
 }
