@@ -67,6 +67,9 @@ actions! {
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
     LevelsReset, "Reset waterfall levels", None, "Puts automatic level, brightness, contrast and gamma of the waterfall back.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
+    DepthMapLayer, "Layer: depth map", None, "Shows or hides the interpolated depths on the map.";
+    TrackLayer, "Layer: track", None, "Shows or hides the boat's track on the map.";
+    BoxLayer, "Layer: boxes", None, "Shows or hides the objects on the map.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
     CoordinatesDegrees, "Coordinates: decimal degrees", None, "Writes positions as 36.877100° N 111.516300° W.";
     CoordinatesMinutes, "Coordinates: degrees and minutes", None, "Writes positions as 36° 52.6260' N 111° 30.9780' W.";

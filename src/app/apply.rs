@@ -2,7 +2,8 @@
 
 use super::reviewing::Step;
 use super::{
-    Action, App, Command, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice, Tool,
+    Action, App, Command, MapLayer, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice,
+    Tool,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
@@ -159,6 +160,9 @@ impl App {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.range_lines = !waterfall.range_lines;
             }
+            Action::DepthMapLayer => self.options.map.layers.toggle(MapLayer::DepthMap),
+            Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
+            Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
             Action::SideColours => {
                 self.options.side_colours = match self.options.side_colours {
                     SideColours::Paper => SideColours::Maritime,

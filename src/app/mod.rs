@@ -9,6 +9,7 @@ mod command;
 mod figures;
 mod history;
 mod loader;
+mod map_layers;
 mod options;
 mod preview;
 mod reviewing;
@@ -21,6 +22,7 @@ pub use command::Command;
 pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};
+pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,

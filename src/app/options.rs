@@ -1,5 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
+use super::LayerStack;
 use crate::geo::CoordinateFormat;
 use serde::{Deserialize, Serialize};
 
@@ -168,10 +169,8 @@ impl Default for WaterfallOptions {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct MapOptions {
-    /// Draw the interpolated depth map.
-    pub depth_map: bool,
-    /// Draw the track.
-    pub track: bool,
+    /// What is drawn, in which order.
+    pub layers: LayerStack,
     /// Draw the ranked flat stretches.
     pub flat_spots: bool,
 }
@@ -179,8 +178,7 @@ pub struct MapOptions {
 impl Default for MapOptions {
     fn default() -> Self {
         Self {
-            depth_map: true,
-            track: true,
+            layers: LayerStack::default(),
             flat_spots: true,
         }
     }

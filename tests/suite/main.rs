@@ -17,6 +17,7 @@ mod formats;
 mod garbled;
 mod golden;
 mod handmade;
+mod map_layers;
 mod mosaic;
 mod navigation;
 mod real_window;

@@ -1,6 +1,6 @@
 //! The menu bar. Entries come from the command table.
 
-use super::toolbar;
+use super::{map_layers, toolbar};
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
 use crate::ui::ViewContext;
@@ -168,8 +168,8 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.waterfall.boxes, "Boxes");
     });
     ui.menu_button("Map", |ui| {
-        ui.checkbox(&mut options.map.depth_map, "Depth map");
-        ui.checkbox(&mut options.map.track, "Track");
+        map_layers::control(ui, &mut options.map.layers);
+        ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
     });
     ui.menu_button("Coordinates", |ui| {

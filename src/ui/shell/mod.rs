@@ -5,6 +5,7 @@ mod drop;
 mod help;
 mod keys;
 mod layout;
+mod map_layers;
 mod menu;
 mod palette;
 mod persist;

@@ -1,5 +1,6 @@
 //! The options of a view, at the right end of its title bar.
 
+use super::map_layers;
 use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions, WaterfallOptions};
 use crate::ui::ViewContext;
 use egui::Ui;
@@ -9,7 +10,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 fn room(view: View) -> f32 {
     match view {
         View::Waterfall => 460.0,
-        View::Map => 310.0,
+        View::Map => 220.0,
         View::Cloud => 330.0,
     }
 }
@@ -133,18 +134,10 @@ fn map(ui: &mut Ui, options: &mut ViewOptions) {
         "Flat stretches",
         "The ranked stretches to calibrate on.",
     );
-    switch(
-        ui,
-        &mut shown.track,
-        "Track",
-        "The boat's track, coloured by depth.",
-    );
-    switch(
-        ui,
-        &mut shown.depth_map,
-        "Depth map",
-        "Depths between the soundings, interpolated.",
-    );
+    menu(egui::RichText::new("Layers").small())
+        .ui(ui, |ui| map_layers::control(ui, &mut shown.layers))
+        .0
+        .on_hover_text("What the map shows, in which order, and how strongly.");
 }
 
 fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {

@@ -12,11 +12,12 @@ mod transform;
 
 use super::background::{Background, Same};
 use super::empty;
+use crate::app::MapLayer;
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::{Navigation, Survey};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
-use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use egui::{Painter, Rect, Response, Role, Sense, Ui, WidgetInfo};
 use layers::{DepthLayer, TrackLayer};
 use std::sync::Arc;
 use track_picture::TrackPicture;
@@ -134,7 +135,13 @@ impl MapView {
         self.track.ask(key(), jobs, move |progress| {
             TrackLayer::new(&survey.0, navigation.0, uploader.as_ref(), progress).map(Arc::new)
         });
-        if context.app.options.map.depth_map {
+        if context
+            .app
+            .options
+            .map
+            .layers
+            .is_visible(MapLayer::DepthMap)
+        {
             let (survey, navigation) = key();
             let egui = ui.ctx().clone();
             self.depth.ask(key(), jobs, move |progress| {
@@ -183,18 +190,33 @@ fn paint(
     picture: &mut TrackPicture,
 ) {
     let painter = ui.painter_at(scene.rect);
-    if scene.options.map.depth_map {
-        overlay::depth_map(&painter, scene);
+    for shown in scene.options.map.layers.bottom_up() {
+        if scene.options.map.layers.is_visible(shown.layer) {
+            let mut painter = painter.clone();
+            painter.multiply_opacity(shown.opacity);
+            layer(&painter, context, scene, picture, shown.layer);
+        }
     }
     overlay::grid(&painter, scene);
-    if scene.options.map.track {
-        picture.show(&painter, context.render_state, scene);
-    }
     flat_spots::paint(&painter, scene);
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);
-    objects::paint(&painter, scene, context.app);
     overlay::marks(&painter, scene, context.app);
+}
+
+/// Draws one layer, clipped and faded as the painter is.
+fn layer(
+    painter: &Painter,
+    context: &ViewContext<'_>,
+    scene: &overlay::Scene<'_>,
+    picture: &mut TrackPicture,
+    layer: MapLayer,
+) {
+    match layer {
+        MapLayer::DepthMap => overlay::depth_map(painter, scene),
+        MapLayer::Track => picture.show(painter, context.render_state, scene),
+        MapLayer::Boxes => objects::paint(painter, scene, context.app),
+    }
 }
 
 fn boxes(context: &ViewContext<'_>) -> String {

@@ -1,7 +1,7 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
 use super::overlay::Scene;
-use crate::app::{App, Placed};
+use crate::app::{App, MapLayer, Placed};
 use crate::detection::review::{BoxId, Reviewed, State};
 use crate::ui::theme;
 use crate::ui::views::legend;
@@ -95,6 +95,9 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
 
 /// The box whose mark is under the pointer.
 pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<BoxId> {
+    if !scene.shows(MapLayer::Boxes) {
+        return None;
+    }
     placed(scene, app)
         .map(|(one, _, place)| (one.id, place.distance(at)))
         .filter(|(_, distance)| *distance <= REACH)

@@ -2,7 +2,7 @@
 
 use super::layers::{DepthLayer, TrackLayer};
 use super::transform::MapTransform;
-use crate::app::{App, Mark, ViewOptions};
+use crate::app::{App, MapLayer, Mark, ViewOptions};
 use crate::geo::LonLat;
 use crate::pipeline::Products;
 use crate::survey::Survey;
@@ -35,6 +35,11 @@ impl Scene<'_> {
         let [east_m, north_m] = self.transform.to_ground(self.rect, at);
         let navigation = &self.products.navigation;
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
+    }
+
+    /// Whether a layer is drawn.
+    pub fn shows(&self, layer: MapLayer) -> bool {
+        self.options.map.layers.is_visible(layer)
     }
 
     fn text_colour(&self) -> Color32 {
@@ -115,7 +120,7 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
 /// What the colour scale does not say by itself, a line each.
 fn legend_notes(scene: &Scene<'_>) -> Option<String> {
     let mut notes = Vec::new();
-    if scene.options.map.track {
+    if scene.shows(MapLayer::Track) {
         match scene.track.range_m {
             None => notes.push("grey track:\nno depth".to_owned()),
             Some(_) if scene.lost_soundings > 0 => {
@@ -124,7 +129,7 @@ fn legend_notes(scene: &Scene<'_>) -> Option<String> {
             Some(_) => {}
         }
     }
-    if scene.options.map.depth_map
+    if scene.shows(MapLayer::DepthMap)
         && scene.track.range_m.is_some()
         && legend::has_room(scene.rect)
         && let Some(depth) = scene.depth

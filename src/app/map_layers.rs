@@ -1,0 +1,209 @@
+//! What the map shows, in which order, and how strongly.
+
+use serde::{Deserialize, Serialize};
+
+/// A layer of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapLayer {
+    /// Depths between the soundings, interpolated.
+    DepthMap,
+    /// The boat's track.
+    Track,
+    /// Boxes of objects.
+    Boxes,
+}
+
+impl MapLayer {
+    /// All layers in their order at first, bottom first.
+    pub const ALL: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::Track, MapLayer::Boxes];
+
+    /// Name in menus.
+    pub fn name(self) -> &'static str {
+        match self {
+            MapLayer::DepthMap => "Depth map",
+            MapLayer::Track => "Track",
+            MapLayer::Boxes => "Boxes",
+        }
+    }
+
+    /// What it shows, in a sentence.
+    pub fn hint(self) -> &'static str {
+        match self {
+            MapLayer::DepthMap => "Depths between the soundings, interpolated.",
+            MapLayer::Track => "The boat's track, coloured by depth.",
+            MapLayer::Boxes => "Objects on the bottom, marked by what was decided about them.",
+        }
+    }
+}
+
+/// How a layer is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayerShown {
+    /// The layer.
+    pub layer: MapLayer,
+    /// Whether it is drawn.
+    pub visible: bool,
+    /// 0 (not seen) to 1 (as it is).
+    pub opacity: f32,
+}
+
+impl LayerShown {
+    fn at_first(layer: MapLayer) -> Self {
+        Self {
+            layer,
+            visible: true,
+            opacity: 1.0,
+        }
+    }
+}
+
+/// The layers of the map, each once, bottom first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<LayerShown>", into = "Vec<LayerShown>")]
+pub struct LayerStack {
+    layers: Vec<LayerShown>,
+}
+
+impl Default for LayerStack {
+    fn default() -> Self {
+        Self {
+            layers: MapLayer::ALL.map(LayerShown::at_first).to_vec(),
+        }
+    }
+}
+
+impl From<LayerStack> for Vec<LayerShown> {
+    fn from(stack: LayerStack) -> Self {
+        stack.layers
+    }
+}
+
+impl From<Vec<LayerShown>> for LayerStack {
+    /// Repeated layers are dropped; those that are missing lie where they lie at first: on what they lie on there.
+    fn from(saved: Vec<LayerShown>) -> Self {
+        let mut layers: Vec<LayerShown> = Vec::with_capacity(MapLayer::ALL.len());
+        for shown in saved {
+            if layers.iter().all(|other| other.layer != shown.layer) {
+                let opacity = match shown.opacity.is_finite() {
+                    true => shown.opacity.clamp(0.0, 1.0),
+                    false => 1.0,
+                };
+                layers.push(LayerShown { opacity, ..shown });
+            }
+        }
+        let mut below = 0;
+        for layer in MapLayer::ALL {
+            match layers.iter().position(|shown| shown.layer == layer) {
+                Some(place) => below = place + 1,
+                None => {
+                    layers.insert(below, LayerShown::at_first(layer));
+                    below += 1;
+                }
+            }
+        }
+        Self { layers }
+    }
+}
+
+impl LayerStack {
+    /// The layers, bottom first.
+    pub fn bottom_up(&self) -> impl DoubleEndedIterator<Item = &LayerShown> {
+        self.layers.iter()
+    }
+
+    /// How a layer is shown.
+    pub fn of(&self, layer: MapLayer) -> LayerShown {
+        let found = self.layers.iter().find(|shown| shown.layer == layer);
+        found.copied().unwrap_or(LayerShown::at_first(layer))
+    }
+
+    /// Whether a layer is drawn and can be seen.
+    pub fn is_visible(&self, layer: MapLayer) -> bool {
+        let shown = self.of(layer);
+        shown.visible && shown.opacity > 0.0
+    }
+
+    /// Draws a layer, or leaves it out.
+    pub fn set_visible(&mut self, layer: MapLayer, visible: bool) {
+        self.change(layer, |shown| shown.visible = visible);
+    }
+
+    /// Draws a layer that was left out, or leaves it out.
+    pub fn toggle(&mut self, layer: MapLayer) {
+        self.change(layer, |shown| shown.visible = !shown.visible);
+    }
+
+    /// How strongly a layer is drawn, 0 to 1.
+    pub fn set_opacity(&mut self, layer: MapLayer, opacity: f32) {
+        self.change(layer, |shown| shown.opacity = opacity.clamp(0.0, 1.0));
+    }
+
+    /// Lays a layer over the one above it.
+    pub fn raise(&mut self, layer: MapLayer) {
+        if let Some(place) = self.place(layer)
+            && place + 1 < self.layers.len()
+        {
+            self.layers.swap(place, place + 1);
+        }
+    }
+
+    /// Lays a layer under the one below it.
+    pub fn lower(&mut self, layer: MapLayer) {
+        if let Some(place) = self.place(layer)
+            && place > 0
+        {
+            self.layers.swap(place, place - 1);
+        }
+    }
+
+    fn place(&self, layer: MapLayer) -> Option<usize> {
+        self.layers.iter().position(|shown| shown.layer == layer)
+    }
+
+    fn change(&mut self, layer: MapLayer, change: impl FnOnce(&mut LayerShown)) {
+        if let Some(shown) = self.layers.iter_mut().find(|shown| shown.layer == layer) {
+            change(shown);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order(stack: &LayerStack) -> Vec<MapLayer> {
+        stack.bottom_up().map(|shown| shown.layer).collect()
+    }
+
+    #[test]
+    fn layers_move_past_each_other_and_not_out_of_the_stack() {
+        let mut stack = LayerStack::default();
+        stack.raise(MapLayer::DepthMap);
+        assert_eq!(
+            order(&stack)[..2],
+            [MapLayer::ALL[1], MapLayer::DepthMap],
+            "one up"
+        );
+        stack.lower(MapLayer::DepthMap);
+        stack.lower(MapLayer::DepthMap);
+        assert_eq!(order(&stack), MapLayer::ALL, "and down to the bottom");
+    }
+
+    #[test]
+    fn a_saved_stack_comes_back_and_an_odd_one_is_put_right() {
+        let mut stack = LayerStack::default();
+        stack.raise(MapLayer::DepthMap);
+        stack.set_opacity(MapLayer::Track, 0.25);
+        stack.toggle(MapLayer::Boxes);
+        let text = serde_json::to_string(&stack).unwrap();
+        assert_eq!(serde_json::from_str::<LayerStack>(&text).unwrap(), stack);
+        let odd = r#"[{"layer":"track","visible":false,"opacity":7.0},
+                      {"layer":"track","visible":true,"opacity":1.0}]"#;
+        let stack: LayerStack = serde_json::from_str(odd).unwrap();
+        assert_eq!(order(&stack).len(), MapLayer::ALL.len());
+        let track = stack.of(MapLayer::Track);
+        assert_eq!((track.visible, track.opacity), (false, 1.0));
+        assert_eq!(order(&stack)[0], MapLayer::DepthMap);
+    }
+}

@@ -1,0 +1,66 @@
+//! The layers of the map to choose from, the topmost first: shown or not, how strongly, in which order.
+
+use crate::app::{LayerShown, LayerStack};
+use egui::{Button, Checkbox, RichText, Slider, Ui};
+
+/// Width of a layer's name and of its opacity, points.
+const WIDTHS: [f32; 2] = [118.0, 84.0];
+
+/// A row for each layer.
+pub fn control(ui: &mut Ui, stack: &mut LayerStack) {
+    let rows: Vec<LayerShown> = stack.bottom_up().rev().copied().collect();
+    let last = rows.len().saturating_sub(1);
+    egui::Grid::new("map layers")
+        .num_columns(3)
+        .spacing([8.0, 3.0])
+        .show(ui, |ui| {
+            for (index, shown) in rows.into_iter().enumerate() {
+                visible(ui, stack, shown);
+                opacity(ui, stack, shown);
+                order(ui, stack, shown, [index > 0, index < last]);
+                ui.end_row();
+            }
+        });
+}
+
+fn visible(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
+    let mut visible = shown.visible;
+    ui.set_min_width(WIDTHS[0]);
+    let check = ui.add(Checkbox::new(&mut visible, shown.layer.name()));
+    if check.on_hover_text(shown.layer.hint()).changed() {
+        stack.set_visible(shown.layer, visible);
+    }
+}
+
+fn opacity(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown) {
+    let mut percent = (100.0 * shown.opacity).round();
+    ui.spacing_mut().slider_width = WIDTHS[1];
+    let slider = Slider::new(&mut percent, 0.0..=100.0)
+        .step_by(1.0)
+        .fixed_decimals(0)
+        .suffix(" %");
+    let name = format!("{} opacity", shown.layer.name());
+    let slider = ui.add_enabled(shown.visible, slider);
+    let slider = slider.on_hover_text(&name).accessible_name(name);
+    if slider.changed() {
+        stack.set_opacity(shown.layer, percent / 100.0);
+    }
+}
+
+fn order(ui: &mut Ui, stack: &mut LayerStack, shown: LayerShown, [up, down]: [bool; 2]) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let mut button = |enabled, text: &str, what: &str| {
+            let button = Button::new(RichText::new(text).small());
+            let name = format!("{what} {}", shown.layer.name());
+            let button = ui.add_enabled(enabled, button).accessible_name(&name);
+            button.on_hover_text(name).clicked()
+        };
+        if button(up, "Up", "Raise") {
+            stack.raise(shown.layer);
+        }
+        if button(down, "Down", "Lower") {
+            stack.lower(shown.layer);
+        }
+    });
+}
