@@ -47,9 +47,67 @@ pub fn time_of_day(unix_s: f64) -> String {
     format!("{hours:02}:{minutes:02}:{seconds:02}")
 }
 
+/// Unix seconds of `2021-10-12T00:53:20.5Z`: a date, `T` or a space, hours and minutes, perhaps seconds, and perhaps `Z` or an
+/// offset as `+01:00`; UTC without one. `None` for anything else.
+pub fn unix_from_iso(text: &str) -> Option<f64> {
+    let (date, time) = text.trim().split_once(['T', 't', ' '])?;
+    let mut date = date.splitn(3, '-').map(|part| part.parse::<i64>().ok());
+    let (year, month, day) = (date.next()??, date.next()??, date.next()??);
+    let days = days_from_civil(year, month, day);
+    let exists = (1..=12).contains(&month) && civil_from_unix(days as f64 * 86_400.0).2 == day;
+    let time = time.trim_end_matches(['Z', 'z']);
+    let (time, offset_s) = match time.rfind(['+', '-']) {
+        Some(at) => {
+            let (hours, minutes) = time.get(at + 1..)?.split_once(':')?;
+            let offset_s = 3600.0 * clock(hours, 24.0)? + 60.0 * clock(minutes, 60.0)?;
+            let sign = if time[at..].starts_with('-') {
+                -1.0
+            } else {
+                1.0
+            };
+            (&time[..at], sign * offset_s)
+        }
+        None => (time, 0.0),
+    };
+    let mut parts = time.splitn(3, ':');
+    let hours = clock(parts.next()?, 24.0)?;
+    let minutes = clock(parts.next()?, 60.0)?;
+    let seconds = parts.next().map_or(Some(0.0), |text| clock(text, 61.0))?;
+    exists.then_some(days as f64 * 86_400.0 + 3600.0 * hours + 60.0 * minutes + seconds - offset_s)
+}
+
+/// A number of 0 to below `end`.
+fn clock(text: &str, end: f64) -> Option<f64> {
+    let value = text.parse().ok();
+    value.filter(|value| (0.0..end).contains(value))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_as_they_are_written() {
+        // `date -u -d TEXT +%s`
+        for (text, unix_s) in [
+            ("2021-10-12T00:53:20Z", 1_634_000_000.0),
+            ("2021-10-12 00:53:20.25", 1_634_000_000.25),
+            ("2021-10-12T02:53:20+02:00", 1_634_000_000.0),
+            ("2000-02-29t23:30-01:30", 951_872_400.0),
+        ] {
+            assert_eq!(unix_from_iso(text), Some(unix_s), "{text}");
+        }
+        for text in [
+            "2021-02-29T00:00Z",
+            "2021-13-01T00:00Z",
+            "2021-10-12",
+            "12:00",
+            "2021-10-12T25:00Z",
+            "2021-10-12Tnoon",
+        ] {
+            assert_eq!(unix_from_iso(text), None, "{text}");
+        }
+    }
 
     #[test]
     fn dates_are_those_of_the_system() {

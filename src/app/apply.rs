@@ -109,8 +109,7 @@ impl App {
     }
 
     fn use_preset(&mut self, preset: Preset) {
-        let mut settings = Settings::preset(preset);
-        settings.calibration.pings = self.settings.calibration.pings;
+        let settings = Settings::preset(preset).with_survey_of(&self.settings);
         self.change(settings, "preset", false);
     }
 

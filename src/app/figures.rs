@@ -46,7 +46,12 @@ impl Figures {
             points: points.len(),
             side_scan_points,
             removed: products.cloud.outliers(&products.kept),
-            residuals: residuals(survey, &products.cloud, &products.kept),
+            residuals: residuals(
+                survey,
+                &products.cloud,
+                &products.correction,
+                &products.kept,
+            ),
         })
     }
 }

@@ -4,7 +4,7 @@ use super::figures::Figures;
 use super::loader::Loading;
 use super::preview::Request;
 use super::{Action, App, History, Jobs, Notice, Origin, Outcome, Task};
-use crate::pipeline::{Products, write_products};
+use crate::pipeline::{Products, Settings, write_products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::PathBuf;
@@ -103,7 +103,7 @@ impl App {
         self.hover = None;
         self.visible = 0..0;
         // A flat spot belongs to the survey that it was picked in.
-        self.settings.calibration.pings = None;
+        self.settings = self.settings.with_survey_of(&Settings::default());
         self.history = History::default();
         self.previewer.forget();
         if path.is_some() {

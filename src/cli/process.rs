@@ -3,6 +3,7 @@
 use super::folders::Folders;
 use super::status_line::StatusLine;
 use super::{detect, found, input, output};
+use crate::cloud::Correction;
 use crate::detection::Model;
 use crate::formats;
 use crate::pipeline::{self, MosaicWritten, Preset, Product, Settings};
@@ -62,6 +63,7 @@ impl SettingsArgs {
                 .map_err(|error| error.to_string())?;
         }
         settings.check().map_err(|error| error.to_string())?;
+        settings.water_level.load()?;
         Ok(settings)
     }
 }
@@ -135,6 +137,9 @@ fn open(path: &Path) -> Result<Survey, String> {
 
 /// Refuses settings that ask for what this log does not hold.
 pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
+    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
+        return Err(sentence.to_owned());
+    }
     let count = survey.side_scan.len();
     match settings.calibration.pings {
         Some(pings) if pings.end > count => Err(format!(

@@ -3,7 +3,8 @@
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
 use super::{
-    CloudPoint, CloudSettings, DownScan, Geometry, PointCloud, PointSource, SoundingIndex,
+    CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
+    SoundingIndex,
 };
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
@@ -28,19 +29,21 @@ pub fn slant_range_m(
 /// Builds the cloud.
 ///
 /// Every sounding and every pick of a ping with a heading gives a point. Each point lies on its own beam's side of the
-/// track: starboard is `(h_y, -h_x) / |h|`.
+/// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
 pub fn build(
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
     calibration: &Calibration,
     settings: &CloudSettings,
+    correction: &Correction,
     progress: &Progress,
 ) -> Result<PointCloud, Cancelled> {
     progress.start(3);
-    let mut points = sounding_points(survey, navigation, settings.down_scan);
+    let mut points = sounding_points(survey, navigation, settings.down_scan, correction);
     progress.advance(1);
-    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, calibration, side));
+    let factor = correction.range_factor();
+    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, calibration, side, factor));
     let rises = match settings.geometry {
         Geometry::Slope => rises(survey, &ranges),
         _ => Vec::new(),
@@ -53,7 +56,9 @@ pub fn build(
             (Some(rise), Side::Starboard) => specular_foot(range_m, rise.starboard_rad),
             (None, _) => fixed_foot(settings.geometry, range_m, settings.alpha2_deg),
         };
-        points.extend(side_points(navigation, returns, side, ranges_m, foot));
+        let z_m =
+            |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
+        points.extend(side_points(navigation, returns, side, ranges_m, foot, z_m));
     }
     progress.advance(1);
     Ok(PointCloud {
@@ -62,16 +67,17 @@ pub fn build(
     })
 }
 
-/// Slant range of every pick of a side; NaN without one.
+/// Slant range of every pick of a side, by the true speed of sound; NaN without one.
 fn ranges_m(
     survey: &Survey,
     returns: &FirstReturns,
     calibration: &Calibration,
     side: Side,
+    factor: f64,
 ) -> Vec<f64> {
     let picks = returns.side(side).par_iter().enumerate();
     picks
-        .map(|(ping, pick)| slant_range_m(survey, calibration, ping, side, pick.sample))
+        .map(|(ping, pick)| factor * slant_range_m(survey, calibration, ping, side, pick.sample))
         .collect()
 }
 
@@ -97,6 +103,7 @@ fn sounding_points(
     survey: &Survey,
     navigation: &Navigation,
     down_scan: DownScan,
+    correction: &Correction,
 ) -> Vec<CloudPoint> {
     let soundings = survey
         .soundings
@@ -115,7 +122,7 @@ fn sounding_points(
             sample: f32::NAN,
             east_m: place.east_m,
             north_m: place.north_m,
-            z_m: -f64::from(sounding.depth_m),
+            z_m: -correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)),
         })
         .collect()
 }
@@ -126,6 +133,7 @@ fn side_points<'a>(
     side: Side,
     ranges_m: &'a [f64],
     foot: impl Fn(usize, f64) -> Foot + 'a,
+    z_m: impl Fn(usize, f64) -> f64 + 'a,
 ) -> impl Iterator<Item = CloudPoint> + 'a {
     let source = match side {
         Side::Port => PointSource::Port,
@@ -150,7 +158,7 @@ fn side_points<'a>(
             sample: pick.sample,
             east_m,
             north_m,
-            z_m: -foot.depth_m,
+            z_m: z_m(ping, foot.depth_m),
         })
     })
 }

@@ -1,9 +1,11 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
-//! `build` makes the points, with `geometry` for the published feet and `specular` for the one on a slope; `outliers` is
-//! the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement with recorded depths.
+//! `build` makes the points, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
+//! depths count from; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
+//! with recorded depths.
 
 mod build;
+pub mod correction;
 mod geometry;
 mod keep;
 pub mod outliers;
@@ -11,6 +13,7 @@ mod residuals;
 mod specular;
 
 pub use build::{build, slant_range_m};
+pub use correction::{Correction, DepthSettings};
 pub use geometry::{Foot, beside, fixed_foot};
 pub use keep::keep_points;
 pub use residuals::{Residuals, residuals};
@@ -142,7 +145,7 @@ pub struct CloudPoint {
     pub east_m: f64,
     /// Metres north of the survey's origin.
     pub north_m: f64,
-    /// Elevation, metres, negative below the transducer.
+    /// Elevation, metres: negative below the transducer, or below what [`Correction`] makes depths count from.
     pub z_m: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Statistics of differences, and those of side-scan depths from recorded depths.
 
-use super::{PointCloud, PointSource};
+use super::{Correction, PointCloud, PointSource};
 use crate::statistics::{median, quantile};
 use crate::survey::Survey;
 use serde::Serialize;
@@ -25,18 +25,24 @@ pub struct Residuals {
 }
 
 /// Side-scan depth minus recorded depth at the same ping (positive is deeper), over the kept side-scan points where the
-/// recorder had the bottom; `None` without any.
+/// recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
 ///
 /// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
-pub fn residuals(survey: &Survey, cloud: &PointCloud, kept: &[bool]) -> Option<Residuals> {
+pub fn residuals(
+    survey: &Survey,
+    cloud: &PointCloud,
+    correction: &Correction,
+    kept: &[bool],
+) -> Option<Residuals> {
     let mut differences: Vec<f64> = cloud
         .points
         .iter()
         .zip(kept)
         .filter(|(point, kept)| **kept && point.source != PointSource::DownScan)
         .filter_map(|(point, _)| {
-            let recorded_m = f64::from(survey.locked_depth_m(point.ping as usize));
-            (recorded_m > 0.0).then_some(-point.z_m - recorded_m)
+            let ping = survey.side_scan.get(point.ping as usize)?;
+            let recorded_m = f64::from(ping.locked_depth_m());
+            (recorded_m > 0.0).then(|| -point.z_m - correction.depth_m(ping.time_s, recorded_m))
         })
         .collect();
     Residuals::of(&mut differences)

@@ -2,7 +2,7 @@
 
 use super::Settings;
 use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{self, PointCloud};
+use crate::cloud::{self, Correction, PointCloud};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey, navigate};
@@ -52,7 +52,7 @@ impl Stage {
             Some(Stage::FirstReturn)
         } else if old.calibration != new.calibration {
             Some(Stage::Calibration)
-        } else if old.cloud != new.cloud {
+        } else if old.cloud != new.cloud || old.depth() != new.depth() {
             Some(Stage::Cloud)
         } else if old.outliers != new.outliers {
             Some(Stage::Outliers)
@@ -75,6 +75,8 @@ pub struct Products {
     pub returns: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
+    /// What was done to depths.
+    pub correction: Arc<Correction>,
     /// All points.
     pub cloud: Arc<PointCloud>,
     /// One flag per point: kept by the outlier filter.
@@ -140,12 +142,24 @@ pub fn run(
             (spots, Arc::new(made))
         }
     };
+    let correction = match reuse(Stage::Cloud) {
+        Some(old) => old.correction.clone(),
+        None => Arc::new(Correction::new(settings.depth(), survey)),
+    };
     let cloud = match reuse(Stage::Cloud) {
         Some(old) => old.cloud.clone(),
         None => {
             begin(Stage::Cloud)?;
             let (scale, how) = (&calibration, &settings.cloud);
-            let made = cloud::build(survey, &navigation, &returns, scale, how, progress)?;
+            let made = cloud::build(
+                survey,
+                &navigation,
+                &returns,
+                scale,
+                how,
+                &correction,
+                progress,
+            )?;
             Arc::new(made)
         }
     };
@@ -162,6 +176,7 @@ pub fn run(
         flat_spots,
         returns,
         calibration,
+        correction,
         cloud,
         kept,
     })

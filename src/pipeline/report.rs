@@ -30,7 +30,7 @@ pub struct Report {
     /// Side-scan depth against recorded depth, over the kept points; absent without any.
     pub residuals: Option<Residuals>,
     /// What these depths are, and what was not corrected.
-    pub statement: &'static str,
+    pub statement: String,
     /// Warnings of the reader and of every stage.
     pub warnings: Vec<String>,
 }
@@ -106,9 +106,8 @@ pub struct CalibrationReport {
     pub fit_spread_m: Option<f64>,
 }
 
-const STATEMENT: &str = "Depths are below the transducer, by the recorder's own sound speed. Not corrected: draft, \
-     water level or tide, sound speed, roll and pitch. Positions are the recorder's GPS. Agreement with the recorded \
-     depth is repeatability within one instrument, not accuracy against a reference.";
+const STATEMENT: &str = "Positions are the recorder's GPS. Agreement with the recorded depth is repeatability within one \
+     instrument, not accuracy against a reference. first_returns.csv holds depths and ranges as recorded.";
 
 impl Report {
     /// Collects the report; reads every input byte once for its hash.
@@ -122,6 +121,7 @@ impl Report {
             navigation,
             returns,
             calibration,
+            correction,
             cloud,
             kept,
             ..
@@ -142,7 +142,7 @@ impl Report {
         let outliers_removed = cloud.outliers(kept);
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
-            inputs: hash_inputs(survey, progress)?,
+            inputs: inputs(survey, products, progress)?,
             format: survey.source.format.clone(),
             start_unix_s: survey.start_unix_s,
             preset: settings.matching_preset().map_or("changed", Preset::name),
@@ -162,8 +162,8 @@ impl Report {
                 outliers_removed_share: outliers_removed as f64 / side_scan_points.max(1) as f64,
             },
             calibration: CalibrationReport::new(calibration),
-            residuals: residuals(survey, cloud, kept),
-            statement: STATEMENT,
+            residuals: residuals(survey, cloud, correction, kept),
+            statement: format!("{} {STATEMENT}", correction.statement()),
             warnings: warnings(survey, products),
         })
     }
@@ -250,7 +250,23 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
     read.chain(products.returns.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
+        .chain(products.correction.refused().map(str::to_owned))
         .collect()
+}
+
+/// The log's files, and the readings of the water level where they are in force.
+fn inputs(
+    survey: &Survey,
+    products: &Products,
+    progress: &Progress,
+) -> Result<Vec<Input>, Cancelled> {
+    let mut inputs = hash_inputs(survey, progress)?;
+    inputs.extend(products.correction.gauge().map(|gauge| Input {
+        file: gauge.path.display().to_string(),
+        bytes: gauge.bytes,
+        sha256: gauge.sha256.clone(),
+    }));
+    Ok(inputs)
 }
 
 fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {

@@ -3,7 +3,8 @@
 use crate::bathymetry::SurfaceSettings;
 use crate::bathymetry::isobaths::IsobathSettings;
 use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
-use crate::cloud::{CloudSettings, DownScan, Geometry, OutlierSettings};
+use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
+use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::mosaic::MosaicSettings;
@@ -42,8 +43,15 @@ impl Preset {
 pub struct Settings {
     /// `projection`.
     pub projection: Projection,
-    /// Height of the water's surface above the level that the depths of the depth map count from, metres: taken off every one.
+    /// How deep the transducer hangs below the water's surface, metres: added to every depth.
+    pub draft_m: f64,
+    /// Height of the water's surface above the level that depths count from, metres: taken off every one. With readings, the
+    /// height of their zero.
     pub water_level_m: f64,
+    /// `water_level.*`: readings over time.
+    pub water_level: WaterLevelSettings,
+    /// `sound_speed.*`.
+    pub sound_speed: SoundSpeedSettings,
     /// `image.*`.
     pub image: ImageSettings,
     /// `first_return.*`.
@@ -109,15 +117,34 @@ impl Settings {
         }
     }
 
-    /// The preset that these settings are, if any; the choices of flat spot, detector and maps do not count.
+    /// What is known of water and transducer.
+    pub fn depth(&self) -> DepthSettings {
+        DepthSettings {
+            draft_m: self.draft_m,
+            water_level_m: self.water_level_m,
+            water_level: self.water_level.clone(),
+            sound_speed: self.sound_speed.clone(),
+        }
+    }
+
+    /// These settings, with what holds for one survey only (its flat spot, its water, its transducer) from others.
+    pub fn with_survey_of(&self, other: &Self) -> Self {
+        let mut settings = self.clone();
+        settings.calibration.pings = other.calibration.pings;
+        settings.draft_m = other.draft_m;
+        settings.water_level_m = other.water_level_m;
+        settings.water_level = other.water_level.clone();
+        settings.sound_speed = other.sound_speed.clone();
+        settings
+    }
+
+    /// The preset that these settings are, if any; what holds for one survey, and the choices of detector and maps, do not count.
     pub fn matching_preset(&self) -> Option<Preset> {
-        let mut plain = self.clone();
-        plain.calibration.pings = None;
+        let mut plain = self.with_survey_of(&Self::default());
         plain.detector = DetectorSettings::default();
         plain.mosaic = MosaicSettings::default();
         plain.surface = SurfaceSettings::default();
         plain.isobaths = IsobathSettings::default();
-        plain.water_level_m = 0.0;
         [Preset::Recommended, Preset::Published]
             .into_iter()
             .find(|&preset| plain == Self::preset(preset))
@@ -160,6 +187,8 @@ impl Settings {
 
     /// Refuses values that no stage can work with.
     pub fn check(&self) -> Result<(), SettingsError> {
+        let depth = self.depth().check();
+        depth.map_err(|rule| SettingsError(rule.to_owned()))?;
         let rules = [
             (
                 (0.0..=1.0).contains(&self.first_return.threshold),
@@ -200,10 +229,6 @@ impl Settings {
             (
                 self.mosaic.most_turn_deg_s > 0.0,
                 "mosaic.most_turn_deg_s must be above 0",
-            ),
-            (
-                self.water_level_m.is_finite(),
-                "water_level_m must be a number",
             ),
             (
                 self.surface

@@ -100,6 +100,7 @@ fn products(nav: Vec<PingNav>) -> Products {
             offset_m: 0.0,
             warnings: Vec::new(),
         }),
+        correction: Arc::default(),
         cloud: Arc::new(PointCloud::default()),
         kept: Arc::new(Vec::new()),
     }

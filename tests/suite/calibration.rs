@@ -244,7 +244,8 @@ fn the_rivers_side_scan_agrees_with_its_depths_where_the_recorder_had_the_bottom
         .map(|(point, kept)| *kept && (1700..2300).contains(&point.ping))
         .collect();
     let agreement = |kept: &[bool]| {
-        bathyscope::cloud::residuals(&survey, &products.cloud, kept).expect("residuals")
+        bathyscope::cloud::residuals(&survey, &products.cloud, &products.correction, kept)
+            .expect("residuals")
     };
     let (all, sand) = (agreement(&products.kept), agreement(&sand));
     println!("river: all {all:?}, sand {sand:?}");

@@ -156,6 +156,7 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
             warnings: Vec::new(),
         }),
         flat_spots: Arc::new(spots),
+        correction: Arc::default(),
         cloud: Arc::new(cloud),
         kept: Arc::new(kept),
     }

@@ -42,7 +42,7 @@ impl<'a> Plane<'a> {
             .collect()
     }
 
-    /// All kept points as weighted depths below the level that `water_level_m` names.
+    /// All kept points as weighted depths.
     pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let settings = &products.settings;
         let weight = |source| match source {
@@ -55,7 +55,7 @@ impl<'a> Plane<'a> {
             .map(|([east_m, north_m, z_m], weight)| DepthPoint {
                 east_m,
                 north_m,
-                depth_m: -z_m - settings.water_level_m,
+                depth_m: -z_m,
                 weight,
             })
             .collect()

@@ -66,9 +66,10 @@ fn applied(products: &Products, grid: &Grid) -> String {
         crate::bathymetry::SurfaceMethod::InverseDistance => "inverse distance",
     };
     format!(
-        "Below the transducer, less a water level of {} m; by {method} in cells of {} m, none farther than {} m from a depth. \
-         Not corrected: draft, tide, sound speed, roll and pitch.",
-        settings.water_level_m, grid.cell_m, settings.surface.max_gap_m
+        "{} By {method} in cells of {} m, none farther than {} m from a depth.",
+        products.correction.statement(),
+        grid.cell_m,
+        settings.surface.max_gap_m
     )
 }
 

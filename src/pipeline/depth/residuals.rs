@@ -18,7 +18,7 @@ const RADIUS_M: f64 = 1.0;
 struct Record<'a> {
     program: String,
     sign: &'static str,
-    statement: &'static str,
+    statement: String,
     comparisons: Vec<Named>,
     settings: &'a Settings,
 }
@@ -54,7 +54,7 @@ pub(super) fn write(
     let record = Record {
         program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
         sign: SIGN,
-        statement: STATEMENT,
+        statement: format!("{} {STATEMENT}", products.correction.statement()),
         comparisons,
         settings: &products.settings,
     };
@@ -101,8 +101,11 @@ fn comparisons(
                     source,
                     reference: "down-scan",
                     matching: how.clone(),
-                    // Elevations count from the transducer, near the water's surface.
-                    comparison: Comparison::new(points.len(), &matches, 0.0),
+                    comparison: Comparison::new(
+                        points.len(),
+                        &matches,
+                        products.correction.middle_level_m(),
+                    ),
                 });
             }
         }

@@ -29,9 +29,7 @@ struct Saving<'a> {
 
 /// Writes the window's state into the store.
 pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
-    let mut settings = shell.app.settings.clone();
-    // A flat spot belongs to one survey.
-    settings.calibration.pings = None;
+    let settings = shell.app.settings.with_survey_of(&Settings::default());
     let saving = Saving {
         settings,
         options: &shell.app.options,

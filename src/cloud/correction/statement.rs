@@ -1,0 +1,86 @@
+//! What was and was not corrected, in words for every product.
+
+use super::Correction;
+
+impl Correction {
+    /// What depths count from, what was applied, and what was not.
+    pub fn statement(&self) -> String {
+        let applied = self.applied();
+        let missing = self.missing();
+        let applied = match applied.as_slice() {
+            [] => "Applied: nothing".to_owned(),
+            some => format!("Applied: {}", some.join("; ")),
+        };
+        format!(
+            "Depths are below {}. {applied}. Not corrected: {}.",
+            self.zero(),
+            missing.join(", ")
+        )
+    }
+
+    /// What depths count from.
+    fn zero(&self) -> &'static str {
+        match (self.knows_level(), self.settings.draft_m > 0.0) {
+            (true, _) => "the level that the water level counts from",
+            (false, true) => "the water's surface as it was",
+            (false, false) => "the transducer",
+        }
+    }
+
+    fn knows_level(&self) -> bool {
+        self.settings.water_level_m != 0.0 || self.gauge().is_some()
+    }
+
+    fn applied(&self) -> Vec<String> {
+        let settings = &self.settings;
+        let speed = &settings.sound_speed;
+        let mut applied = Vec::new();
+        if let Some(water_m_s) = speed.water_m_s() {
+            let source = match speed.temperature_c {
+                Some(celsius) => format!(
+                    " (Chen and Millero 1977 at {celsius} C, salinity {}, {} m)",
+                    speed.salinity_psu, speed.depth_m
+                ),
+                None => String::new(),
+            };
+            applied.push(format!(
+                "sound speed {water_m_s:.1} m/s{source} in place of the recorder's {}, ranges and depths times {:.5}",
+                speed.recorder_m_s,
+                self.range_factor()
+            ));
+        }
+        if settings.draft_m > 0.0 {
+            applied.push(format!("draft {} m added", settings.draft_m));
+        }
+        if let Some(gauge) = self.gauge() {
+            let name = gauge.path.file_name().unwrap_or_default().to_string_lossy();
+            let zero = match settings.water_level_m {
+                0.0 => String::new(),
+                zero_m => format!(" and its zero at {zero_m} m"),
+            };
+            applied.push(format!(
+                "water level by the readings of {name}{zero} taken off"
+            ));
+        } else if settings.water_level_m != 0.0 {
+            applied.push(format!(
+                "water level {} m taken off",
+                settings.water_level_m
+            ));
+        }
+        applied
+    }
+
+    fn missing(&self) -> Vec<&'static str> {
+        let settings = &self.settings;
+        let known = [
+            (settings.draft_m > 0.0, "draft"),
+            (self.knows_level(), "water level or tide"),
+            (settings.sound_speed.water_m_s().is_some(), "sound speed"),
+        ];
+        let unknown = known.iter().filter(|(known, _)| !known);
+        unknown
+            .map(|(_, name)| *name)
+            .chain(["roll and pitch"])
+            .collect()
+    }
+}

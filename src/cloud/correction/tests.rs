@@ -1,0 +1,102 @@
+use super::*;
+use crate::survey::Sounding;
+
+fn survey(start_unix_s: Option<f64>) -> Survey {
+    let sounding = |time_s| Sounding {
+        time_s,
+        depth_m: 3.0,
+        locked: true,
+    };
+    Survey {
+        start_unix_s,
+        soundings: vec![sounding(0.0), sounding(1800.0)],
+        ..Survey::default()
+    }
+}
+
+fn readings(text: &str) -> WaterLevelSettings {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gauge.csv");
+    std::fs::write(&path, text).unwrap();
+    let mut settings = WaterLevelSettings {
+        file: Some(path),
+        gauge: None,
+    };
+    settings.load().unwrap();
+    settings
+}
+
+const HOUR: &str = "time,level_m\n2021-10-12T00:53:20Z,1.5\n2021-10-12T01:53:20Z,2.5\n";
+
+#[test]
+fn everything_at_once_is_the_sum_of_its_parts() {
+    let settings = DepthSettings {
+        draft_m: 0.4,
+        water_level_m: 100.0,
+        water_level: readings(HOUR),
+        sound_speed: SoundSpeedSettings {
+            m_s: Some(1485.0),
+            ..SoundSpeedSettings::default()
+        },
+    };
+    let made = Correction::new(settings, &survey(Some(1_634_000_000.0)));
+    assert_eq!(made.refused(), None);
+    // 3 m at 0.99 of the speed, 0.4 m deeper, and the water half an hour later 102 m above the level.
+    let depth_m = made.depth_m(1800.0, 3.0);
+    assert!(
+        (depth_m - (3.0 * 0.99 + 0.4 - 102.0)).abs() < 1e-9,
+        "{depth_m}"
+    );
+    assert!((made.middle_level_m() - 101.75).abs() < 1e-9);
+    let said = made.statement();
+    for words in [
+        "1485.0 m/s",
+        "times 0.99000",
+        "draft 0.4 m",
+        "gauge.csv",
+        "100 m",
+        "Not corrected: roll and pitch.",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn nothing_known_changes_nothing_and_says_so() {
+    let made = Correction::new(DepthSettings::default(), &survey(None));
+    assert_eq!(made.depth_m(7.0, 2.25), 2.25);
+    assert_eq!(
+        made.statement(),
+        "Depths are below the transducer. Applied: nothing. Not corrected: draft, water level or tide, sound speed, roll and pitch."
+    );
+}
+
+#[test]
+fn readings_that_do_not_cover_the_log_are_refused() {
+    let with = |text, start_unix_s| {
+        let settings = DepthSettings {
+            water_level: readings(text),
+            ..DepthSettings::default()
+        };
+        Correction::new(settings, &survey(start_unix_s))
+    };
+    let late = with(HOUR, Some(1_634_002_000.0));
+    let why = late.refused().expect("a reason");
+    assert!(
+        why.contains("01:53:20") && why.contains("01:56:40"),
+        "{why}"
+    );
+    // Nothing is corrected by half.
+    assert_eq!(late.depth_m(0.0, 3.0), 3.0);
+    assert!(
+        late.statement()
+            .contains("Not corrected: draft, water level")
+    );
+    assert!(with(HOUR, Some(1_633_999_999.0)).refused().is_some());
+    assert!(
+        with(HOUR, None)
+            .refused()
+            .expect("a reason")
+            .contains("does not know the time")
+    );
+}
