@@ -168,6 +168,7 @@ impl App {
                     SideColours::Maritime => SideColours::Paper,
                 }
             }
+            Action::Graticule => self.options.map.graticule = !self.options.map.graticule,
             Action::CoordinatesDegrees => self.options.coordinates = CoordinateFormat::Degrees,
             Action::CoordinatesMinutes => self.options.coordinates = CoordinateFormat::Minutes,
             Action::CoordinatesSeconds => self.options.coordinates = CoordinateFormat::Seconds,

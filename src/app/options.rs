@@ -173,6 +173,8 @@ pub struct MapOptions {
     pub layers: LayerStack,
     /// Draw the ranked flat stretches.
     pub flat_spots: bool,
+    /// Draw lines of round coordinates.
+    pub graticule: bool,
 }
 
 impl Default for MapOptions {
@@ -180,6 +182,7 @@ impl Default for MapOptions {
         Self {
             layers: LayerStack::default(),
             flat_spots: true,
+            graticule: true,
         }
     }
 }

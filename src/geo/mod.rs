@@ -1,14 +1,17 @@
 //! WGS84 to metres and back, and units.
 //!
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
-//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position.
+//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position, `graticule` the round lines
+//! between them.
 
 mod coordinates;
+mod graticule;
 mod local_frame;
 mod mercator;
 mod utm;
 
 pub use coordinates::CoordinateFormat;
+pub use graticule::{Axis, Graticule};
 pub use local_frame::LocalFrame;
 pub use mercator::{
     humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,

@@ -115,6 +115,11 @@ impl Projection {
 }
 
 impl Navigation {
+    /// Metres east and north of a WGS84 position in this navigation's plane; inverse of [`Navigation::to_lon_lat`].
+    pub fn to_plane(&self, track: &Track, position: LonLat) -> [f64; 2] {
+        self.projection.place(track, position)
+    }
+
     /// The WGS84 position of a place in this navigation's plane.
     pub fn to_lon_lat(&self, track: &Track, east_m: f64, north_m: f64) -> LonLat {
         match self.projection {

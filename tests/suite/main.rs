@@ -18,6 +18,7 @@ mod garbled;
 mod golden;
 mod handmade;
 mod map_layers;
+mod map_tools;
 mod mosaic;
 mod navigation;
 mod real_window;

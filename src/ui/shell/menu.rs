@@ -171,6 +171,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         map_layers::control(ui, &mut options.map.layers);
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
+        ui.checkbox(&mut options.map.graticule, "Graticule");
     });
     ui.menu_button("Coordinates", |ui| {
         for format in CoordinateFormat::ALL {

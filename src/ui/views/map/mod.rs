@@ -1,6 +1,7 @@
 //! The map view: track, depth map and flat stretches from above.
 
 mod flat_spots;
+mod graticule;
 mod layers;
 mod objects;
 mod overlay;
@@ -197,7 +198,9 @@ fn paint(
             layer(&painter, context, scene, picture, shown.layer);
         }
     }
-    overlay::grid(&painter, scene);
+    if scene.options.map.graticule {
+        graticule::paint(&painter, scene);
+    }
     flat_spots::paint(&painter, scene);
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);

@@ -1,4 +1,4 @@
-//! What lies on and under the track: grid, depth map, scale bar, north arrow, legend, marks.
+//! What lies on and under the track: depth map, scale bar, north arrow, legend, marks.
 
 use super::layers::{DepthLayer, TrackLayer};
 use super::transform::MapTransform;
@@ -42,36 +42,9 @@ impl Scene<'_> {
         self.options.map.layers.is_visible(layer)
     }
 
-    fn text_colour(&self) -> Color32 {
+    /// Colour of words on the map.
+    pub fn text_colour(&self) -> Color32 {
         theme::canvas_text_colour(self.options)
-    }
-}
-
-/// Lines every round number of metres, named along the lower and the left edge.
-pub fn grid(painter: &Painter, scene: &Scene<'_>) {
-    let rect = scene.rect;
-    let [west, south, east, north] = scene.transform.visible(rect);
-    let step = ticks::round_step(60.0 * scene.transform.metres_per_point, 1.0);
-    // Faint over everything: the metres are read across the depth map too.
-    let line = Stroke::new(1.0, scene.text_colour().gamma_multiply(0.13));
-    let faint = scene.text_colour().gamma_multiply(0.7);
-    for east_m in ticks::multiples(west, east, step) {
-        let x = scene.at([east_m, 0.0]).x;
-        painter.vline(x, rect.y_range(), line);
-        let at = pos2(x + 2.0, rect.bottom() - 1.0);
-        let text = format!("{} E", ticks::label(east_m, step));
-        painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), faint);
-    }
-    for north_m in ticks::multiples(south, north, step) {
-        let y = scene.at([0.0, north_m]).y;
-        painter.hline(rect.x_range(), y, line);
-        if rect.bottom() - y < 16.0 {
-            // The lower edge belongs to the metres east.
-            continue;
-        }
-        let at = pos2(rect.left() + 2.0, y - 1.0);
-        let text = format!("{} N", ticks::label(north_m, step));
-        painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), faint);
     }
 }
 
