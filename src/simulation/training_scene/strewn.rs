@@ -92,7 +92,8 @@ fn object(random: &mut Random, depth_m: f64) -> ObjectSettings {
     // Length, width, height, and the strength of the material's echo over that of the ground, dB.
     let (length_m, width_m, height_m, strength_db) = match kind {
         ObjectKind::Rock => {
-            let size = log_between(random, 0.5, 2.0);
+            // Boulders of a glacial river reach four metres (the recorded river shows some).
+            let size = log_between(random, 0.5, 4.0);
             let width = size * random.between(0.65, 1.0);
             (
                 size,
