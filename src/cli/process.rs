@@ -3,10 +3,15 @@
 use super::folders::Folders;
 use super::status_line::StatusLine;
 use super::{detect, found, input, output};
+use crate::bathymetry::Surface;
 use crate::cloud::Correction;
-use crate::detection::Model;
+use crate::detection::{Model, Raster};
 use crate::formats;
-use crate::pipeline::{self, MosaicWritten, Preset, Product, Settings};
+use crate::geo::UtmZone;
+use crate::handover::{self, Handover, Objects};
+use crate::pipeline::{
+    self, MosaicWritten, NamedComparison, Preset, Product, Products, Proposed, Settings, Written,
+};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -178,8 +183,11 @@ pub fn process_into(
     let mut written = pipeline::write_products(survey, &products, folder, &progress)?;
     status.step("depths");
     let depth = pipeline::write_depth(survey, &products, wanted, folder, &progress)?;
-    written.files.extend(depth.files);
-    written.report.warnings.extend(depth.warnings);
+    written.files.extend(&depth.files);
+    written
+        .report
+        .warnings
+        .extend(depth.warnings.iter().cloned());
     if survey.has_side_scan() && wanted.contains(&Product::Mosaic) {
         status.step("mosaic");
         match pipeline::write_mosaic(survey, &products, folder, &progress)? {
@@ -187,7 +195,7 @@ pub fn process_into(
             MosaicWritten::None(why) => written.report.warnings.push(why),
         }
     }
-    let mut objects = None;
+    let mut found = None;
     if let Some(model) = model.filter(|_| survey.has_side_scan()) {
         status.step("objects");
         let how = &settings.detector;
@@ -195,7 +203,18 @@ pub fn process_into(
         written
             .files
             .extend(["detections.csv", "detections.geojson", "chips"]);
-        objects = Some(found::proposed(&boxes, model.names()));
+        found = Some((model, boxes));
+    }
+    if wanted.contains(&Product::Report) {
+        status.step("report");
+        let made = Made {
+            written: &written,
+            surface: depth.surface.as_ref(),
+            comparisons: &depth.comparisons,
+            found: found.as_ref().map(|(model, boxes)| (*model, boxes)),
+        };
+        made.write_page(survey, &products, folder, &progress)?;
+        written.files.push(handover::NAME);
     }
     // What the later products had to warn of belongs to the record too.
     pipeline::write_report(&written.report, folder)?;
@@ -204,7 +223,8 @@ pub fn process_into(
         output::tell(format_args!("warning: {warning}"));
     }
     output::results(written.report.summary())?;
-    if let Some(objects) = objects {
+    if let Some((model, boxes)) = found {
+        let objects = found::proposed(&boxes, model.names());
         output::results(format_args!("proposed by the detector: {objects}"))?;
     }
     output::results(format_args!(
@@ -212,4 +232,44 @@ pub fn process_into(
         written.files.join(", "),
         folder.display()
     ))
+}
+
+/// What the page shows.
+struct Made<'a> {
+    written: &'a Written,
+    surface: Option<&'a Surface>,
+    comparisons: &'a [NamedComparison],
+    found: Option<(&'a Model, &'a Proposed)>,
+}
+
+impl Made<'_> {
+    fn write_page(
+        &self,
+        survey: &Survey,
+        products: &Products,
+        folder: &Path,
+        progress: &Progress,
+    ) -> Result<(), String> {
+        let navigation = &products.navigation;
+        let found = self.found.map(|(model, found)| {
+            let rows = pipeline::proposed_rows(survey, products, model.names(), &found.boxes);
+            (rows, Raster::new(survey, navigation, model.pixel_m()))
+        });
+        let files: Vec<String> = self.written.files.iter().map(ToString::to_string).collect();
+        let page = Handover {
+            survey,
+            products,
+            report: &self.written.report,
+            zone: UtmZone::of(survey.track.frame.origin()),
+            surface: self.surface,
+            comparisons: self.comparisons,
+            objects: found.as_ref().map(|(rows, raster)| Objects {
+                rows,
+                raster,
+                origin: "Proposed by the detector, not reviewed",
+            }),
+            files: &files,
+        };
+        handover::write_page(&page, folder, progress)
+    }
 }

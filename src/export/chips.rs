@@ -1,7 +1,7 @@
 //! A small picture of each object found.
 
 use super::{ChipFolder, ExportError};
-use crate::detection::{Detection, Picture, Raster, Rect, Scored, TILE_PX, level};
+use crate::detection::{Detection, Mark, Picture, Raster, Rect, Scored, TILE_PX, level};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use std::path::Path;
@@ -20,8 +20,7 @@ pub enum ChipError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Makes `0001-rock.png` and so on for `folder`: each box of a survey with its surroundings, range to the right, a pixel the
-/// raster's, levels as a detector sees them. Of a box longer than a tile its beginning is shown.
+/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of a survey.
 pub fn chips(
     folder: &Path,
     survey: &Survey,
@@ -34,15 +33,20 @@ pub fn chips(
     let mut chips = ChipFolder::begin(folder, names)?;
     for found in detections {
         progress.check()?;
-        let (x, y, width, height) = around(&raster.rect_of(&found.mark));
-        let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));
-        let mut tile = raster.tile(survey, found.mark.side, y, x);
-        level(&mut tile.pixels);
-        let chip = Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height);
-        chips.add(found.class, &chip)?;
+        chips.add(found.class, &chip(survey, raster, &found.mark))?;
         progress.advance(1);
     }
     Ok(chips)
+}
+
+/// A box of a survey with its surroundings, range to the right, a pixel the raster's, levels as a detector sees them. Of a box
+/// longer than a tile its beginning is shown.
+pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
+    let (x, y, width, height) = around(&raster.rect_of(mark));
+    let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));
+    let mut tile = raster.tile(survey, mark.side, y, x);
+    level(&mut tile.pixels);
+    Picture::grey(TILE_PX, TILE_PX, tile.pixels).piece(0, 0, width, height)
 }
 
 /// The same for a picture of another program.

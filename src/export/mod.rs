@@ -19,7 +19,7 @@ pub mod points;
 
 pub use aside::{ExportError, write_aside};
 pub use chip_folder::ChipFolder;
-pub use chips::{ChipError, chips, picture_chips};
+pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;

@@ -38,7 +38,7 @@ pub fn write_detections(
     let found = find(survey, navigation, model, settings, progress, |_| ())
         .map_err(|error| error.to_string())?;
     let raster = Raster::new(survey, navigation, model.pixel_m());
-    let rows = rows(survey, products, model.names(), &found);
+    let rows = proposed_rows(survey, products, model.names(), &found);
     let chips = export::chips(folder, survey, &raster, model.names(), &found, progress)
         .map_err(|error| error.to_string())?;
     chips
@@ -63,8 +63,8 @@ fn unplaced_in(rows: &[ObjectRow<'_>]) -> usize {
     rows.iter().filter(|row| row.object.is_none()).count()
 }
 
-/// The rows of the tables; boxes of the same object share its number.
-fn rows<'a>(
+/// The rows of the tables of what was found; boxes of the same object share its number.
+pub fn proposed_rows<'a>(
     survey: &Survey,
     products: &Products,
     names: &'a [String],

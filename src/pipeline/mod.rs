@@ -17,8 +17,8 @@ mod report;
 mod settings;
 
 pub use boxes::{BoxesWritten, write_boxes};
-pub use depth::{DepthWritten, Product, write_depth};
-pub use detections::{Proposed, write_detections};
+pub use depth::{DepthWritten, NamedComparison, Product, write_depth};
+pub use detections::{Proposed, proposed_rows, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};
 pub use outputs::{Written, write_products, write_report};

@@ -49,6 +49,24 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "handover",
+        &[
+            "survey",
+            "geo",
+            "first_return",
+            "calibration",
+            "waterfall",
+            "cloud",
+            "bathymetry",
+            "detection",
+            "mosaic",
+            "export",
+            "pipeline",
+            // For its table of colours: the page and the window show depths alike.
+            "render",
+        ],
+    ),
+    (
         "app",
         &[
             "survey",

@@ -12,6 +12,7 @@ use crate::export::{self, ExportError};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use plane::Plane;
+pub use residuals::NamedComparison;
 use std::path::Path;
 
 /// A group of files that `bathyscope process --products` chooses.
@@ -25,25 +26,32 @@ pub enum Product {
     Mosaic,
     /// residuals.json
     Residuals,
+    /// report.html, which shows what was made
+    Report,
 }
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 4] = [
+    pub const ALL: [Product; 5] = [
         Product::Depth,
         Product::Isobaths,
         Product::Mosaic,
         Product::Residuals,
+        Product::Report,
     ];
 }
 
 /// What was written, and why the rest was not.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthWritten {
     /// File names, in the order of writing.
     pub files: Vec<&'static str>,
     /// Why something is missing, in sentences.
     pub warnings: Vec<String>,
+    /// The depth map in the UTM zone of the survey's first fix, where something wanted shows it and there is one.
+    pub surface: Option<Surface>,
+    /// How side-scan agrees with the soundings, where that was wanted.
+    pub comparisons: Vec<NamedComparison>,
 }
 
 /// Writes the wanted products of the depths into a folder that exists; mosaics are left to [`super::write_mosaic`].
@@ -59,7 +67,7 @@ pub fn write_depth(
     let mut written = DepthWritten::default();
     let wants = |product| wanted.contains(&product);
     let plane = Plane::of(survey, products);
-    if wants(Product::Depth) || wants(Product::Isobaths) {
+    if wants(Product::Depth) || wants(Product::Isobaths) || wants(Product::Report) {
         let points = plane.depth_points(products);
         let made = surface(&points, &products.settings.surface, progress);
         match made.map_err(|error| error.to_string())? {
@@ -70,6 +78,7 @@ pub fn write_depth(
                 if wants(Product::Isobaths) {
                     write_isobaths(&surface, &plane, products, folder, progress, &mut written)?;
                 }
+                written.surface = Some(surface);
             }
             None => written.warnings.push(
                 "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)"
@@ -77,8 +86,13 @@ pub fn write_depth(
             ),
         }
     }
+    if wants(Product::Residuals) || wants(Product::Report) {
+        written.comparisons = residuals::comparisons(products, &plane, progress)
+            .map_err(|error| error.to_string())?;
+    }
     if wants(Product::Residuals) {
-        residuals::write(products, &plane, folder, progress, &mut written)?;
+        let comparisons = written.comparisons.clone();
+        residuals::write(products, &comparisons, folder, &mut written)?;
     }
     Ok(written)
 }

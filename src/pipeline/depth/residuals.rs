@@ -19,33 +19,35 @@ struct Record<'a> {
     program: String,
     sign: &'static str,
     statement: String,
-    comparisons: Vec<Named>,
+    comparisons: &'a [NamedComparison],
     settings: &'a Settings,
 }
 
-#[derive(Serialize)]
-struct Named {
-    source: &'static str,
-    reference: &'static str,
-    matching: String,
+/// How the depths of one source agree with those of another.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NamedComparison {
+    /// What was measured.
+    pub source: &'static str,
+    /// What it is held against.
+    pub reference: &'static str,
+    /// How a point finds its reference, in words.
+    pub matching: String,
+    /// The statistics.
     #[serde(flatten)]
-    comparison: Comparison,
+    pub comparison: Comparison,
 }
 
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
      within one instrument, not accuracy against a reference.";
 
-/// Writes the record: port, starboard and both against the surface of the soundings at their place, and against the nearest
-/// sounding. Nothing where there is no side-scan point or no sounding.
+/// Writes the record of some comparisons; nothing without any.
 pub(super) fn write(
     products: &Products,
-    plane: &Plane<'_>,
+    comparisons: &[NamedComparison],
     folder: &Path,
-    progress: &Progress,
     written: &mut DepthWritten,
 ) -> Result<(), String> {
-    let comparisons = comparisons(products, plane, progress).map_err(|error| error.to_string())?;
     if comparisons.is_empty() {
         let why = "no residuals: the log has no side-scan points, or none near a sounding";
         written.warnings.push(why.to_owned());
@@ -68,11 +70,13 @@ pub(super) fn write(
     Ok(())
 }
 
-fn comparisons(
+/// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding; empty
+/// where there is no side-scan point or no sounding.
+pub(super) fn comparisons(
     products: &Products,
     plane: &Plane<'_>,
     progress: &Progress,
-) -> Result<Vec<Named>, Cancelled> {
+) -> Result<Vec<NamedComparison>, Cancelled> {
     use PointSource::{DownScan, Port, Starboard};
     let reference = plane.points(products, &[DownScan]);
     let max_gap_m = products.settings.surface.max_gap_m;
@@ -97,7 +101,7 @@ fn comparisons(
             let points = plane.points(products, sources);
             let matches = match_points(&points, &reference, matching, progress)?;
             if !matches.is_empty() {
-                found.push(Named {
+                found.push(NamedComparison {
                     source,
                     reference: "down-scan",
                     matching: how.clone(),

@@ -5,6 +5,7 @@ mod detect;
 mod evaluate;
 mod products;
 mod refused;
+mod report_page;
 mod review;
 
 use crate::support;

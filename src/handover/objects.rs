@@ -1,0 +1,141 @@
+//! What lies there: marks on the maps, and a table with a picture of each.
+
+use super::frame::Frame;
+use super::text::{metres, position};
+use super::{Handover, raster};
+use crate::detection::review::State;
+use crate::export::{ObjectRow, chip, xml};
+use crate::progress::{Cancelled, Progress};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// Longest table; the files beside the page list all.
+const MOST_ROWS: usize = 60;
+
+/// Boxes that were not rejected.
+fn shown<'a>(from: &'a Handover<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> {
+    let rows = from
+        .objects
+        .as_ref()
+        .map_or(&[][..], |objects| objects.rows);
+    rows.iter()
+        .filter(|row| row.state != State::Rejected.name())
+}
+
+/// A ring with its number at each object, in the middle of its sightings.
+pub fn marks(from: &Handover<'_>, frame: &Frame) -> String {
+    let mut drawn = String::from(
+        "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
+    );
+    let mut places: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
+    for row in shown(from) {
+        if let (Some(target), Some(object)) = (&row.target, row.object) {
+            let place = from.zone.to_metres(target.position);
+            places.entry(object).or_default().push(place);
+        }
+    }
+    for (object, places) in places {
+        let mean = |axis: usize| {
+            let sum: f64 = places.iter().map(|place| place[axis]).sum();
+            sum / places.len() as f64
+        };
+        let [x, y] = frame.place([mean(0), mean(1)]);
+        // Writing to a string cannot fail.
+        writeln!(
+            drawn,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"none\" stroke=\"#d4006a\" stroke-width=\"1.8\"/><text x=\"{:.1}\" y=\"{:.1}\">{object}</text>",
+            x + 7.0,
+            y + 4.0,
+        )
+        .ok();
+    }
+    drawn + "</g>\n"
+}
+
+/// The section; empty where nobody searched.
+pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cancelled> {
+    let Some(objects) = &from.objects else {
+        return Ok(String::new());
+    };
+    let count = shown(from).count();
+    let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(objects.origin));
+    if count == 0 {
+        return Ok(html + "None was found.</p>\n");
+    }
+    let mut rows: Vec<&ObjectRow<'_>> = shown(from).collect();
+    // Sightings of one object beside each other, the surest first; what has no place in the world last.
+    let order = |row: &&ObjectRow<'_>| (row.object.unwrap_or(usize::MAX), row.id);
+    rows.sort_by(|a, b| {
+        let sure = |row: &ObjectRow<'_>| row.score.unwrap_or(1.0);
+        (order(a).0.cmp(&order(b).0))
+            .then(sure(b).total_cmp(&sure(a)))
+            .then(order(a).1.cmp(&order(b).1))
+    });
+    let distinct = rows.iter().filter_map(|row| row.object).max();
+    let seen = match distinct {
+        Some(distinct) if distinct < count => format!(
+            "{count} boxes on {distinct} objects: one that several lines passed is listed for each of its sightings."
+        ),
+        _ => format!("{count} objects."),
+    };
+    let listed = match count > MOST_ROWS {
+        true => format!(" The first {MOST_ROWS} are listed; the files beside this page hold all."),
+        false => String::new(),
+    };
+    // Writing to a string cannot fail.
+    write!(
+        html,
+        "{seen}{listed} Objects are numbered as on the maps. In a picture the boat is to the left.</p>\n<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th>box</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n"
+    )
+    .ok();
+    for row in rows.into_iter().take(MOST_ROWS) {
+        progress.check()?;
+        html += &line(from, row);
+    }
+    Ok(html + "</table>\n")
+}
+
+fn line(from: &Handover<'_>, row: &ObjectRow<'_>) -> String {
+    let picture = from.objects.as_ref().map_or(String::new(), |objects| {
+        let chip = chip(from.survey, objects.raster, row.mark);
+        format!(
+            "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
+            xml(row.class),
+            row.id,
+            chip.width.min(220),
+            raster::grey(&chip.levels, chip.width, chip.height)
+        )
+    });
+    let at = row.target.as_ref().map_or_else(
+        || {
+            "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td>"
+                .to_owned()
+        },
+        |target| {
+            let sizes = [
+                target.length_m,
+                target.width_m,
+                target.height_m,
+                target.depth_m,
+                target.sigma_m,
+            ];
+            let cells = sizes.map(|size_m| format!("<td>{}</td>", metres(size_m)));
+            format!(
+                "<td class=\"text\">{}</td>{}",
+                position(target.position),
+                cells.concat()
+            )
+        },
+    );
+    format!(
+        "<tr><td>{}</td><td class=\"text\">{picture}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td>{at}<td class=\"text\">{}</td></tr>\n",
+        row.id,
+        xml(row.class),
+        row.score
+            .map_or(String::new(), |score| format!("{score:.2}")),
+        row.state,
+        row.object
+            .map_or(String::new(), |object| object.to_string()),
+        xml(row.note),
+    )
+}

@@ -1,0 +1,72 @@
+//! The page as a whole.
+
+use super::depth_plan::depth_plan;
+use super::mosaic_plan::mosaic_plan;
+use super::strip::strip;
+use super::{Handover, chart, objects, summary, tables};
+use crate::export::xml;
+use crate::progress::{Cancelled, Progress};
+
+const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1b1b1b;margin:0 auto;padding:28px;max-width:1100px}\
+h1{font-size:26px;margin:0 0 6px}h2{font-size:19px;margin:36px 0 8px;border-bottom:1px solid #cccccc;padding-bottom:4px}\
+.lead{font-size:16px;max-width:860px}.figures{display:flex;flex-wrap:wrap;gap:10px;margin:18px 0}\
+.figures div{background:#eef3f7;border-left:4px solid #0b5394;padding:8px 14px;min-width:120px}\
+.figures b{display:block;font-size:18px}.figures span{font-size:12.5px;color:#444444}\
+aside{background:#fff6e0;border-left:4px solid #d98e00;padding:8px 14px;margin:14px 0}aside ul{margin:4px 0;padding-left:20px}\
+figure{margin:10px 0}figcaption{font-size:13px;color:#444444;max-width:900px}svg,img{max-width:100%;height:auto}\
+table{border-collapse:collapse;font-size:13px;margin:8px 0}td,th{border:1px solid #d0d0d0;padding:3px 8px;text-align:right;font-weight:normal}\
+th{background:#f1f1f1}td.text,th.text{text-align:left}pre{font-size:12.5px;background:#f4f4f4;padding:10px;overflow-x:auto}\
+code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
+@media print{body{padding:0;max-width:none}figure,table tr{break-inside:avoid}h2{break-after:avoid}}";
+
+/// The page, whole in itself: no script, no font and no picture from elsewhere.
+pub fn page(from: &Handover<'_>, progress: &Progress) -> Result<String, Cancelled> {
+    let mut html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Survey {}</title><style>{STYLE}</style></head><body>\n",
+        xml(&from.survey.name())
+    );
+    html += &summary::summary(from);
+    html += &tables::warnings(from);
+    html += &figure("Depths", depth_plan(from, progress)?, &depth_caption(from));
+    html += &chart::storage_section(from);
+    html += &figure(
+        "Side-scan mosaic",
+        mosaic_plan(from, progress)?,
+        "Echoes at their place on the ground, evened across the track; shadows stay dark. The line is the way of the boat. \
+         The ground beside the boat is taken as level.",
+    );
+    html += &figure(
+        "The log at a glance",
+        strip(from, progress)?,
+        "All pings from left to right, port above and starboard below, by slant range. The line is the first sonar return, \
+         from which the side-scan depths follow.",
+    );
+    html += &objects::section(from, progress)?;
+    html += &tables::trust(from);
+    html += &tables::method(from);
+    html += &tables::files(from);
+    Ok(html + "</body></html>\n")
+}
+
+fn figure(title: &str, drawn: Option<String>, caption: &str) -> String {
+    drawn.map_or_else(String::new, |drawn| {
+        format!("<h2>{title}</h2>\n<figure>{drawn}<figcaption>{caption}</figcaption></figure>\n")
+    })
+}
+
+fn depth_caption(from: &Handover<'_>) -> String {
+    let Some(surface) = from.surface else {
+        return String::new();
+    };
+    let settings = &from.products.settings;
+    format!(
+        "Cells of {:.2} m, UTM zone {}{} (EPSG:{}), graticule in WGS84. No cell is farther than {} m from a depth, none outside \
+         their hull. {} Numbers on rings are those of the objects below.",
+        surface.grid.cell_m,
+        from.zone.number,
+        if from.zone.north { 'N' } else { 'S' },
+        from.zone.epsg(),
+        settings.surface.max_gap_m,
+        xml(&from.products.correction.statement())
+    )
+}

@@ -1,0 +1,141 @@
+//! What was surveyed and what came out, in a paragraph and a row of figures.
+
+use super::depth_plan::range_m;
+use super::text::{area, count, date, duration, length, metres, position};
+use super::{Handover, text};
+use crate::calendar;
+use crate::export::xml;
+use crate::survey::PingNav;
+use std::fmt::Write as _;
+
+/// A step longer than this is a gap in the log or in the fixes, not a way that was sailed, metres.
+const LONGEST_STEP_M: f64 = 50.0;
+
+/// Title, paragraph and figures.
+pub fn summary(from: &Handover<'_>) -> String {
+    let mut html = format!(
+        "<h1>Survey {}</h1>\n<p class=\"lead\">",
+        xml(&from.survey.name())
+    );
+    html += &sentences(from);
+    html += "</p>\n<div class=\"figures\">\n";
+    for (value, what) in figures(from) {
+        // Writing to a string cannot fail.
+        writeln!(html, "<div><b>{value}</b><span>{what}</span></div>").ok();
+    }
+    html + "</div>\n"
+}
+
+fn sentences(from: &Handover<'_>) -> String {
+    let (survey, counts) = (from.survey, &from.report.counts);
+    let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
+    let when = survey.start_unix_s.map_or(
+        ", at a time that the log does not state".to_owned(),
+        |start_s| {
+            let clock = |time_s: f64| calendar::time_of_day(start_s + time_s)[..5].to_owned();
+            format!(
+                " on {}, {} to {} UTC",
+                date(start_s + begin_s),
+                clock(begin_s),
+                clock(end_s)
+            )
+        },
+    );
+    let mut told = format!(
+        "Recorded{when} ({}), {}.",
+        duration(end_s - begin_s),
+        xml(&survey.source.format)
+    );
+    let place = survey.track.frame.origin();
+    if !survey.track.fixes.is_empty() {
+        write!(told, " The log begins at {}.", position(place)).ok();
+    }
+    write!(
+        told,
+        " {} side-scan pings and {} soundings along {} of track gave {} points, of which {} ({:.1} %) were set aside as outliers.",
+        count(counts.pings),
+        count(counts.soundings),
+        length(sailed_m(from)),
+        count(counts.points),
+        count(counts.outliers_removed),
+        100.0 * counts.outliers_removed_share,
+    )
+    .ok();
+    if counts.soundings_without_bottom > 0 {
+        write!(
+            told,
+            " The recorder had lost the bottom at {} soundings; these were not used.",
+            count(counts.soundings_without_bottom)
+        )
+        .ok();
+    }
+    told
+}
+
+/// A value with its unit, and what it is.
+fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
+    let mut figures = Vec::new();
+    if let Some(surface) = from.surface {
+        let [least_m, most_m] = range_m(surface);
+        let known: Vec<f64> = surface
+            .depth_m
+            .iter()
+            .filter(|depth_m| !depth_m.is_nan())
+            .map(|depth_m| f64::from(*depth_m))
+            .collect();
+        let grid = &surface.grid;
+        let middle = grid.centre(grid.rows / 2, grid.columns / 2);
+        let scale = from.zone.scale_at(from.zone.to_lon_lat(middle));
+        let cell_m2 = (grid.cell_m / scale).powi(2);
+        let sum_m: f64 = known.iter().sum();
+        figures.extend([
+            (format!("{least_m:.2} to {most_m:.2} m"), "depth"),
+            (
+                format!("{:.2} m", sum_m / known.len() as f64),
+                "mean depth of the mapped bottom",
+            ),
+            (area(cell_m2 * known.len() as f64), "mapped"),
+            (volume(cell_m2 * sum_m), "water above the mapped bottom"),
+        ]);
+    }
+    if let Some(residuals) = &from.report.residuals {
+        figures.push((
+            format!(
+                "{} \u{b1} {} m",
+                signed(residuals.median_m),
+                metres(residuals.sd_m)
+            ),
+            "side-scan minus recorded depth, median \u{b1} standard deviation",
+        ));
+    }
+    if let Some(objects) = &from.objects {
+        let found = objects.rows.iter().filter_map(|row| row.object).max();
+        figures.push((text::count(found.unwrap_or(0)), "objects"));
+    }
+    figures
+}
+
+fn signed(value_m: f64) -> String {
+    format!("{value_m:+.2}").replace('-', "\u{2212}")
+}
+
+fn volume(cubic_m: f64) -> String {
+    match cubic_m < 1e6 {
+        true => format!("{} m\u{b3}", count(cubic_m.round() as usize)),
+        false => format!("{:.2} million m\u{b3}", cubic_m / 1e6),
+    }
+}
+
+/// Length of the fitted track.
+fn sailed_m(from: &Handover<'_>) -> f64 {
+    let navigation = &from.products.navigation;
+    let pings = match navigation.pings.is_empty() {
+        true => &navigation.soundings,
+        false => &navigation.pings,
+    };
+    let step = |pair: &[PingNav]| {
+        let metres = (pair[1].east_m - pair[0].east_m).hypot(pair[1].north_m - pair[0].north_m);
+        (metres < LONGEST_STEP_M).then_some(metres)
+    };
+    pings.windows(2).filter_map(step).sum()
+}

@@ -1,0 +1,234 @@
+//! Tables: how far to trust the depths, how they were made, from what, and what else was written.
+
+use super::Handover;
+use super::text::{bytes, count};
+use crate::calibration::ScaleMode;
+use crate::export::xml;
+use crate::pipeline::{Preset, Settings};
+use std::fmt::Write as _;
+
+type Written = Result<(), std::fmt::Error>;
+
+/// Warnings in a box; nothing without any.
+pub fn warnings(from: &Handover<'_>) -> String {
+    let items: String = from
+        .report
+        .warnings
+        .iter()
+        .map(|warning| format!("<li>{}</li>", xml(warning)))
+        .collect();
+    match items.is_empty() {
+        true => String::new(),
+        false => format!("<aside><b>Warnings</b><ul>{items}</ul></aside>\n"),
+    }
+}
+
+/// Agreement of depths, and what it does not say.
+pub fn trust(from: &Handover<'_>) -> String {
+    let mut html = String::from("<h2>How far to trust it</h2>\n");
+    // Writing to a string cannot fail.
+    agreement(from, &mut html).ok();
+    html + &format!("<p>{}</p>\n", xml(&from.report.statement))
+}
+
+fn agreement(from: &Handover<'_>, html: &mut String) -> Written {
+    if from.comparisons.is_empty() {
+        return writeln!(
+            html,
+            "<p>The log holds nothing that its depths could be held against.</p>"
+        );
+    }
+    write!(
+        html,
+        "<p>Measured minus reference elevation, metres: positive is shallower than the reference. The last columns give the share of points within the vertical limit of each order of IHO S-44 (edition 6), of which an order asks for 95 %; agreement within one instrument is no proof of that order.</p>\n<table><tr><th class=\"text\">measured</th><th class=\"text\">reference</th><th class=\"text\">matched by</th><th>n</th><th>mean</th><th>median</th><th>st. dev.</th><th>RMS</th><th>95 %</th>"
+    )?;
+    let orders = from.comparisons.iter().map(|one| &one.comparison.orders);
+    let names: Vec<&str> = orders
+        .max_by_key(|orders| orders.len())
+        .map(|orders| orders.iter().map(|share| share.order.order).collect())
+        .unwrap_or_default();
+    for name in &names {
+        write!(html, "<th>{name}</th>")?;
+    }
+    writeln!(html, "</tr>")?;
+    for one in from.comparisons {
+        let Some(residuals) = &one.comparison.residuals else {
+            continue;
+        };
+        write!(
+            html,
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:+.3}</td><td>{:+.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>",
+            one.source,
+            one.reference,
+            xml(&one.matching),
+            count(residuals.n),
+            residuals.mean_m,
+            residuals.median_m,
+            residuals.sd_m,
+            residuals.rms_m,
+            residuals.p95_m,
+        )?;
+        for share in &one.comparison.orders {
+            write!(html, "<td>{:.0} %</td>", 100.0 * share.share)?;
+        }
+        writeln!(html, "</tr>")?;
+    }
+    writeln!(html, "</table>")
+}
+
+/// Scale, method and settings.
+pub fn method(from: &Handover<'_>) -> String {
+    let mut html = String::from("<h2>How it was made</h2>\n");
+    html += &scale(from);
+    let changed = changes(&from.products.settings);
+    html += &match changed.is_empty() {
+        true => "<p>All settings are those of the recommended preset.</p>\n".to_owned(),
+        false => format!(
+            "<p>Settings that differ from the recommended ones:</p>\n<pre>{}</pre>\n",
+            xml(&changed.join("\n"))
+        ),
+    };
+    let all = toml::to_string(&from.products.settings).unwrap_or_default();
+    html + &format!(
+        "<details><summary>All settings</summary><pre>{}</pre></details>\n",
+        xml(all.trim_end())
+    )
+}
+
+fn scale(from: &Handover<'_>) -> String {
+    let scale = &from.report.calibration;
+    let mut told = match scale.mode {
+        ScaleMode::FlatSpot => {
+            "<p>Slant ranges are scaled at a flat stretch of the bottom".to_owned()
+        }
+        ScaleMode::Header => "<p>Slant ranges are scaled as the log states it".to_owned(),
+    };
+    if let Some(pings) = scale.pings.filter(|_| scale.mode == ScaleMode::FlatSpot) {
+        write!(told, " (pings {} to {})", pings.start, pings.end).ok();
+    }
+    if let (Some(ppd), Some(spread)) = (scale.ppd_px_per_m, scale.ppd_spread_px_per_m) {
+        write!(
+            told,
+            ": {ppd:.2} \u{b1} {spread:.2} samples a metre over {} first returns",
+            count(scale.ppd_picks)
+        )
+        .ok();
+        if let Some(header) = scale.header_px_per_m {
+            write!(told, "; the log's header implies {header:.2}").ok();
+        }
+    }
+    told + ".</p>\n"
+}
+
+/// `key = value` of every setting that is not the recommended one.
+fn changes(settings: &Settings) -> Vec<String> {
+    let flat = |settings: &Settings| {
+        let mut lines = Vec::new();
+        if let Ok(table) = toml::Table::try_from(settings) {
+            flatten("", &table, &mut lines);
+        }
+        lines
+    };
+    let recommended = flat(&Settings::preset(Preset::Recommended));
+    let mut lines = flat(settings);
+    lines.retain(|line| !recommended.contains(line));
+    lines
+}
+
+fn flatten(prefix: &str, table: &toml::Table, lines: &mut Vec<String>) {
+    for (key, value) in table {
+        match value {
+            toml::Value::Table(inner) => flatten(&format!("{prefix}{key}."), inner, lines),
+            _ => lines.push(format!("{prefix}{key} = {value}")),
+        }
+    }
+}
+
+/// Inputs with their fingerprints, and what was written.
+pub fn files(from: &Handover<'_>) -> String {
+    let mut html = String::from(
+        "<h2>Files</h2>\n<table><tr><th class=\"text\">read</th><th>size</th><th class=\"text\">SHA-256</th></tr>\n",
+    );
+    for input in &from.report.inputs {
+        // Writing to a string cannot fail.
+        writeln!(
+            html,
+            "<tr><td class=\"text\">{}</td><td>{}</td><td class=\"text\"><code>{}</code></td></tr>",
+            xml(file_name(&input.file)),
+            bytes(input.bytes as u64),
+            input.sha256
+        )
+        .ok();
+    }
+    html += "</table>\n<table><tr><th class=\"text\">written beside this page</th><th class=\"text\">what it is</th></tr>\n";
+    for name in from.files {
+        writeln!(
+            html,
+            "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>",
+            xml(name),
+            describe(name)
+        )
+        .ok();
+    }
+    html + &format!(
+        "</table>\n<p class=\"made\">Made with {}.</p>\n",
+        xml(&from.report.program)
+    )
+}
+
+/// A page is sent to others: where the log lay on this machine is nobody's business.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// What a product holds, by its name.
+fn describe(name: &str) -> &'static str {
+    match name {
+        "first_returns.csv" => "first sonar return of every ping on both sides",
+        "cloud.csv" => "all points, with those set aside",
+        "cloud.laz" | "cloud.las" => "kept points for GIS and point cloud programs",
+        "cloud.ply" => "kept points for 3D viewers",
+        "cloud.xyz" => "kept points as plain text",
+        "report.json" => "this record for programs: inputs, settings, counts, statistics",
+        "depth.tif" => "depth map, metres",
+        "uncertainty.tif" => "how far the depths that carry a cell disagree, metres",
+        "distance.tif" => "distance to the nearest depth, metres",
+        "isobaths.geojson" | "isobaths.shp" | "isobaths.kml" | "isobaths.kmz" => {
+            "lines of equal depth"
+        }
+        "depth_areas.geojson" => "areas between them",
+        "storage.csv" => "area and volume below each level",
+        "residuals.json" => "agreement of depths, all statistics",
+        "mosaic.tif" => "side-scan mosaic",
+        "detections.csv" | "detections.geojson" | "objects.csv" | "objects.geojson" => {
+            "objects with place and size"
+        }
+        "objects.kml" | "objects.gpx" => "objects for maps and plotters",
+        "chips" => "folder: a picture of each object",
+        "track.gpx" | "track.geojson" | "track.kml" | "track.shp" => "way of the boat",
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_changed_settings_are_listed() {
+        assert!(changes(&Settings::preset(Preset::Recommended)).is_empty());
+        let changed = Settings::default()
+            .with_assignment("first_return.threshold=0.41")
+            .unwrap();
+        assert_eq!(
+            changes(&changed),
+            ["first_return.threshold = 0.4099999964237213"]
+        );
+    }
+
+    #[test]
+    fn a_log_is_named_without_its_folder() {
+        assert_eq!(file_name("a/b/river.DAT"), "river.DAT");
+        assert_eq!(file_name("C:\\logs\\pond.sl2"), "pond.sl2");
+    }
+}
