@@ -1,11 +1,12 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
-//! depth between them, `grid` chooses the cells and `surface` fills them. `isobaths` draws through them,
+//! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference.
 
 pub mod compare;
 mod grid;
+mod hill_shade;
 mod inverse_distance;
 pub mod isobaths;
 mod nodes;
@@ -16,6 +17,7 @@ mod testing;
 mod tin;
 
 pub use grid::{Grid, suited_cell_m};
+pub use hill_shade::{Light, hill_shade};
 pub use nodes::{Node, merge_repeated};
 pub use soundings::{DepthPoint, depth_points, depth_range};
 pub use surface::{Surface, SurfaceMethod, SurfaceSettings, surface};

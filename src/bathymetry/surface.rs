@@ -69,6 +69,14 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Shallowest and deepest known depth, metres; the first above the second where none is known.
+    pub fn range_m(&self) -> [f64; 2] {
+        let known = self.depth_m.iter().filter(|depth| !depth.is_nan());
+        known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
+            [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
+        })
+    }
+
     /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
     pub fn at(&self, east_m: f64, north_m: f64) -> Option<(f32, f32)> {
         let index = self.grid.index_at(east_m, north_m)?;

@@ -17,7 +17,7 @@ mod report;
 mod settings;
 
 pub use boxes::{BoxesWritten, write_boxes};
-pub use depth::{DepthWritten, NamedComparison, Product, write_depth};
+pub use depth::{DepthChart, DepthWritten, NamedComparison, Product, write_depth};
 pub use detections::{Proposed, proposed_rows, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};

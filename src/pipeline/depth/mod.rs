@@ -1,19 +1,22 @@
 //! Writes what the depths give: the map and its uncertainty, isobaths and depth areas, storage, and the agreement of side-scan
 //! with soundings. All in the UTM zone of the survey's first fix.
 
+mod chart;
 mod plane;
 mod rasters;
 mod residuals;
 
 use super::Products;
+use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::{depth_areas, isobaths, storage};
-use crate::bathymetry::{Surface, surface};
 use crate::export::{self, ExportError};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use plane::Plane;
 pub use residuals::NamedComparison;
 use std::path::Path;
+
+pub use chart::DepthChart;
 
 /// A group of files that `bathyscope process --products` chooses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -68,8 +71,7 @@ pub fn write_depth(
     let wants = |product| wanted.contains(&product);
     let plane = Plane::of(survey, products);
     if wants(Product::Depth) || wants(Product::Isobaths) || wants(Product::Report) {
-        let points = plane.depth_points(products);
-        let made = surface(&points, &products.settings.surface, progress);
+        let made = chart::depth_surface(&plane, products, progress);
         match made.map_err(|error| error.to_string())? {
             Some(surface) => {
                 if wants(Product::Depth) {
@@ -106,10 +108,7 @@ fn write_isobaths(
     written: &mut DepthWritten,
 ) -> Result<(), String> {
     let settings = &products.settings.isobaths;
-    let known = surface.depth_m.iter().filter(|depth| !depth.is_nan());
-    let range_m = known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
-        [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
-    });
+    let range_m = surface.range_m();
     let levels_m = match settings.levels_m(range_m) {
         Ok(levels_m) => levels_m,
         Err(error) => {
