@@ -71,9 +71,20 @@ struct Ranges {
     count: u32,
 }
 
-/// All pings in the plane of the map.
+/// Strips in a box that tells whether they need to be looked at.
+const BOXED: usize = 64;
+
+/// West, south, east and north, metres in the plane of the map.
+pub type Bounds = [f64; 4];
+
+/// No ground at all: what every place enlarges.
+const NOWHERE: Bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+
+/// Pings in the plane of the map: all of a survey, or as many as a coarse picture shows.
 #[derive(Clone, Debug)]
 pub struct Layout {
+    /// Which pings of the survey these are.
+    pings: Vec<u32>,
     placed: Vec<Option<Placed>>,
     /// By side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
@@ -82,6 +93,8 @@ pub struct Layout {
     joined: Vec<bool>,
     water_column: bool,
     far_m: f64,
+    /// Around the strips that begin at each run of [`BOXED`] pings.
+    boxes: Vec<Bounds>,
 }
 
 fn slot(side: Side) -> usize {
@@ -122,6 +135,7 @@ impl Layout {
             f64::from(ranges.start_m) + f64::from(ranges.step_m) * f64::from(ranges.count)
         };
         Self {
+            pings: (0..placed.len() as u32).collect(),
             joined: joined(survey, navigation, &placed),
             altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
             water_column: settings.water_column,
@@ -133,7 +147,98 @@ impl Layout {
                 .fold(0.1, f64::max),
             placed,
             ranges,
+            boxes: Vec::new(),
         }
+        .boxed()
+    }
+
+    /// These pings without those that a picture with cells of `apart_m` has no use for: between two that stay, neither the boat
+    /// nor the far ends of its swath move farther than that. The ends of every stretch stay.
+    pub fn thinned(&self, apart_m: f64) -> Self {
+        let mut chosen: Vec<usize> = Vec::new();
+        let mut joined = Vec::new();
+        for ping in 0..self.placed.len() {
+            let goes_on = self.joined[ping];
+            let began = chosen.last().zip(joined.last());
+            let last = began.filter(|(_, joined)| **joined).map(|(last, _)| *last);
+            let is_near = last.is_some_and(|last| self.moved_m(last, ping) < apart_m);
+            if self.placed[ping].is_none() || (is_near && goes_on) {
+                continue;
+            }
+            chosen.push(ping);
+            joined.push(goes_on);
+        }
+        let pick = |ping: &usize| self.pings[*ping];
+        Self {
+            pings: chosen.iter().map(pick).collect(),
+            placed: chosen.iter().map(|&ping| self.placed[ping]).collect(),
+            ranges: [0, 1].map(|side| {
+                let of_side = |&ping: &usize| self.ranges[side].get(ping).copied().flatten();
+                chosen.iter().map(of_side).collect()
+            }),
+            altitudes_m: [0, 1].map(|side| {
+                let of_side = |&ping: &usize| self.altitudes_m[side].get(ping).copied();
+                let known = chosen.iter().map(of_side);
+                known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
+            }),
+            joined,
+            water_column: self.water_column,
+            far_m: self.far_m,
+            boxes: Vec::new(),
+        }
+        .boxed()
+    }
+
+    /// How far the boat and the ends of its swath are from one ping to another, metres.
+    fn moved_m(&self, from: usize, to: usize) -> f64 {
+        let (Some(from), Some(to)) = (self.placed[from], self.placed[to]) else {
+            return f64::INFINITY;
+        };
+        let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        off(from.at, to.at) + self.far_m * off(from.starboard, to.starboard)
+    }
+
+    fn boxed(mut self) -> Self {
+        let mut boxes = vec![NOWHERE; self.placed.len().div_ceil(BOXED)];
+        for (ping, _, strip) in self.strips() {
+            let bounds = &mut boxes[ping / BOXED];
+            *bounds = around(*bounds, &self.corners(&strip));
+        }
+        self.boxes = boxes;
+        self
+    }
+
+    /// Which ping of the survey a ping of this layout is.
+    pub fn ping(&self, index: usize) -> Option<usize> {
+        self.pings.get(index).map(|ping| *ping as usize)
+    }
+
+    /// What all strips cover, with the ground between them; `None` when nothing is shown.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let all = self.boxes.iter().fold(NOWHERE, |all, one| {
+            [
+                all[0].min(one[0]),
+                all[1].min(one[1]),
+                all[2].max(one[2]),
+                all[3].max(one[3]),
+            ]
+        });
+        (all[0] <= all[2]).then_some(all)
+    }
+
+    /// The strips that touch some ground, in the order they were recorded: the ping of this layout they begin at, and the side.
+    pub fn strips_in(&self, ground: Bounds) -> impl Iterator<Item = (usize, Side)> {
+        let boxes = self.boxes.iter().enumerate();
+        let boxes = boxes.filter(move |(_, bounds)| touch(bounds, &ground));
+        boxes.flat_map(move |(index, _)| {
+            let pings = index * BOXED..(index + 1) * BOXED;
+            pings.flat_map(move |ping| {
+                Side::BOTH.into_iter().filter_map(move |side| {
+                    let corners = self.corners(&self.strip(ping, side)?);
+                    touch(&around(NOWHERE, &corners), &ground).then_some((ping, side))
+                })
+            })
+        })
     }
 
     /// Longest slant range, metres.
@@ -195,21 +300,7 @@ impl Layout {
 
     /// The grid that holds every strip, its edges at whole cells; `None` when nothing is shown.
     pub fn grid(&self, cell_m: f64) -> Option<Grid> {
-        let mut bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
-        for (_, _, strip) in self.strips() {
-            for [x, y] in self.corners(&strip) {
-                bounds = [
-                    bounds[0].min(x),
-                    bounds[1].min(y),
-                    bounds[2].max(x),
-                    bounds[3].max(y),
-                ];
-            }
-        }
-        let [west, south, east, north] = bounds;
-        if west > east {
-            return None;
-        }
+        let [west, south, east, north] = self.bounds()?;
         let west_m = (west / cell_m).floor() * cell_m;
         let north_m = (north / cell_m).ceil() * cell_m;
         let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
@@ -244,6 +335,19 @@ impl Layout {
         }
         TileIndex { tiles }
     }
+}
+
+/// `bounds` enlarged to hold some places.
+fn around(bounds: Bounds, places: &[[f64; 2]]) -> Bounds {
+    places
+        .iter()
+        .fold(bounds, |[west, south, east, north], &[x, y]| {
+            [west.min(x), south.min(y), east.max(x), north.max(y)]
+        })
+}
+
+fn touch(one: &Bounds, other: &Bounds) -> bool {
+    one[0] <= other[2] && other[0] <= one[2] && one[1] <= other[3] && other[1] <= one[3]
 }
 
 /// Slant range of the first sample and of each further one, for every ping of a side.

@@ -19,8 +19,8 @@ mod layout;
 mod paint;
 
 pub use gain::{GainTable, gain_table};
-pub use layout::{Layout, TileIndex};
-pub use paint::{TILE_CELLS, Tile, tile};
+pub use layout::{Bounds, Layout, TileIndex};
+pub use paint::{TILE_CELLS, Tile, tile, window};
 
 use serde::{Deserialize, Serialize};
 

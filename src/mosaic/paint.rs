@@ -1,9 +1,11 @@
-//! Draws one tile: each cell takes the mean of the samples that it covers on the ray through its middle.
+//! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::layout::{Layout, Ray, TileIndex};
 use super::{Gain, GainTable, MosaicSettings, Overlap};
 use crate::bathymetry::Grid;
+use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
+use std::convert::Infallible;
 
 /// Cells along a tile's side.
 pub const TILE_CELLS: usize = 256;
@@ -34,23 +36,80 @@ pub fn tile(
     settings: &MosaicSettings,
     [row, column]: [usize; 2],
 ) -> Tile {
-    let mut canvas = Canvas::new(grid, layout.water_column(), settings, row, column);
+    let (first_row, first_column) = (row * TILE_CELLS, column * TILE_CELLS);
+    let window = Grid {
+        west_m: grid.west_m + first_column as f64 * grid.cell_m,
+        north_m: grid.north_m - first_row as f64 * grid.cell_m,
+        cell_m: grid.cell_m,
+        // Cells of the grid inside this tile.
+        columns: grid.columns.saturating_sub(first_column).min(TILE_CELLS),
+        rows: grid.rows.saturating_sub(first_row).min(TILE_CELLS),
+    };
+    let canvas = Canvas::new(window, [TILE_CELLS; 2], layout.water_column(), settings);
+    let strips = index.strips(row, column);
+    let go_on = || Ok::<(), Infallible>(());
+    let Ok(levels) = draw(canvas, survey, layout, strips, gain, settings, go_on);
+    Tile { levels }
+}
+
+/// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
+/// what it shows.
+pub fn window(
+    survey: &Survey,
+    layout: &Layout,
+    grid: &Grid,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
+    let canvas = Canvas::new(
+        *grid,
+        [grid.columns, grid.rows],
+        layout.water_column(),
+        settings,
+    );
+    let ground = [
+        grid.west_m,
+        grid.north_m - grid.rows as f64 * grid.cell_m,
+        grid.west_m + grid.columns as f64 * grid.cell_m,
+        grid.north_m,
+    ];
+    let strips = layout.strips_in(ground);
+    draw(canvas, survey, layout, strips, gain, settings, || {
+        progress.check()
+    })
+}
+
+/// Lays strips over each other. `check` is asked before each whether to go on.
+fn draw<E>(
+    mut canvas: Canvas<'_>,
+    survey: &Survey,
+    layout: &Layout,
+    strips: impl Iterator<Item = (usize, Side)>,
+    gain: &GainTable,
+    settings: &MosaicSettings,
+    check: impl Fn() -> Result<(), E>,
+) -> Result<Vec<u8>, E> {
     let mut echoes =
         [Side::Port, Side::Starboard].map(|side| Echoes::new(side, layout.water_column()));
     let gain = (settings.gain == Gain::Empirical).then_some(gain);
-    for (ping, side) in index.strips(row, column) {
+    for (ping, side) in strips {
+        check()?;
         let echoes = &mut echoes[usize::from(side == Side::Starboard)];
         if let Some(strip) = layout.strip(ping, side) {
             let [here, next] = &strip;
-            let sums = [(ping, here), (ping + 1, next)]
-                .map(|(ping, ray)| (ping % 2, echoes.hear(survey, gain, ping, ray)));
+            let sums = [(ping, here), (ping + 1, next)].map(|(ping, ray)| {
+                let heard = layout.ping(ping);
+                let heard = heard.is_some_and(|heard| echoes.hear(survey, gain, ping, heard, ray));
+                (ping % 2, heard)
+            });
             if sums.iter().all(|(_, heard)| *heard) {
                 let lines = sums.map(|(slot, _)| echoes.kept[slot].1.as_slice());
                 canvas.paint(&layout.corners(&strip), &strip, lines);
             }
         }
     }
-    canvas.finish()
+    Ok(canvas.finish())
 }
 
 /// Levels of the last two pings of a side, summed outward: `sums[n]` is the sum of the first n samples.
@@ -72,17 +131,25 @@ impl Echoes {
         }
     }
 
-    /// Reads a ping into its slot (its number's last bit), unless it is there; false when there is nothing to read.
-    fn hear(&mut self, survey: &Survey, gain: Option<&GainTable>, ping: usize, ray: &Ray) -> bool {
-        let slot = ping % 2;
-        if self.kept[slot].0 == ping {
+    /// Reads a ping into the slot of its place in the layout (the last bit), unless it is there; false when there is nothing to
+    /// read.
+    fn hear(
+        &mut self,
+        survey: &Survey,
+        gain: Option<&GainTable>,
+        place: usize,
+        ping: usize,
+        ray: &Ray,
+    ) -> bool {
+        let slot = place % 2;
+        if self.kept[slot].0 == place {
             return true;
         }
         let Some(samples) = survey.samples(ping, self.side) else {
             return false;
         };
         samples.copy_outward(&mut self.samples);
-        self.kept[slot].0 = ping;
+        self.kept[slot].0 = place;
         let sums = &mut self.kept[slot].1;
         sums.clear();
         sums.push(0.0);
@@ -122,49 +189,42 @@ fn mean(sums: &[f32], from: f64, to: f64) -> Option<f32> {
     Some((at(to) - at(from)) / (to - from) as f32)
 }
 
-/// The cells of one tile while strips are laid over each other.
+/// The cells of a window while strips are laid over each other.
 struct Canvas<'a> {
     settings: &'a MosaicSettings,
     water_column: bool,
-    /// North-west corner.
-    west_m: f64,
-    north_m: f64,
-    cell_m: f64,
-    /// Cells of the grid inside this tile.
-    columns: usize,
-    rows: usize,
+    window: Grid,
+    /// Cells from a row to the next.
+    stride: usize,
     /// Weighted sum of levels, and the weights.
     sums: Vec<[f32; 2]>,
 }
 
 impl<'a> Canvas<'a> {
+    /// For a window in the north-west of as many columns and rows of cells.
     fn new(
-        grid: &Grid,
+        window: Grid,
+        [columns, rows]: [usize; 2],
         water_column: bool,
         settings: &'a MosaicSettings,
-        row: usize,
-        column: usize,
     ) -> Self {
-        let (first_row, first_column) = (row * TILE_CELLS, column * TILE_CELLS);
         Self {
             settings,
             water_column,
-            west_m: grid.west_m + first_column as f64 * grid.cell_m,
-            north_m: grid.north_m - first_row as f64 * grid.cell_m,
-            cell_m: grid.cell_m,
-            columns: grid.columns.saturating_sub(first_column).min(TILE_CELLS),
-            rows: grid.rows.saturating_sub(first_row).min(TILE_CELLS),
-            sums: vec![[0.0; 2]; TILE_CELLS * TILE_CELLS],
+            window,
+            stride: columns,
+            sums: vec![[0.0; 2]; columns * rows],
         }
     }
 
     /// Lays a strip over the cells whose middles lie in it.
     fn paint(&mut self, corners: &[[f64; 2]; 4], strip: &[Ray; 2], lines: [&[f32]; 2]) {
-        // In cells from the tile's north-west corner, rows southward; a cell's middle is at + 0.5.
+        let window = self.window;
+        // In cells from the window's north-west corner, rows southward; a cell's middle is at + 0.5.
         let corners = corners.map(|[x, y]| {
             [
-                (x - self.west_m) / self.cell_m - 0.5,
-                (self.north_m - y) / self.cell_m - 0.5,
+                (x - window.west_m) / window.cell_m - 0.5,
+                (window.north_m - y) / window.cell_m - 0.5,
             ]
         });
         let low = corners
@@ -175,15 +235,14 @@ impl<'a> Canvas<'a> {
             .iter()
             .map(|corner| corner[1])
             .fold(f64::MIN, f64::max);
-        for row in cells(low, high, self.rows) {
+        for row in cells(low, high, window.rows) {
             let Some([from, to]) = crossing(&corners, row as f64) else {
                 continue;
             };
-            for column in cells(from, to, self.columns) {
-                let east_m = self.west_m + (column as f64 + 0.5) * self.cell_m;
-                let north_m = self.north_m - (row as f64 + 0.5) * self.cell_m;
-                if let Some([level, weight]) = self.look(strip, lines, [east_m, north_m]) {
-                    self.lay(row * TILE_CELLS + column, level, weight);
+            for column in cells(from, to, window.columns) {
+                let place = window.centre(row, column);
+                if let Some([level, weight]) = self.look(strip, lines, place) {
+                    self.lay(row * self.stride + column, level, weight);
                 }
             }
         }
@@ -201,8 +260,8 @@ impl<'a> Canvas<'a> {
                 true => ground_m,
                 false => ground_m.max(0.0).hypot(ray.altitude_m),
             };
-            let [from, to] =
-                [-0.5, 0.5].map(|half| ray.sample_at(range_m(ground_m + half * self.cell_m)));
+            let [from, to] = [-0.5, 0.5]
+                .map(|half| ray.sample_at(range_m(ground_m + half * self.window.cell_m)));
             mean(sums, from, to)
         };
         let levels = [heard(&strip[0], lines[0])?, heard(&strip[1], lines[1])?];
@@ -222,7 +281,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn finish(self) -> Tile {
+    fn finish(self) -> Vec<u8> {
         let level = |&[sum, weight]: &[f32; 2]| {
             if weight > 0.0 {
                 (sum / weight).round().clamp(1.0, 255.0) as u8
@@ -230,9 +289,7 @@ impl<'a> Canvas<'a> {
                 0
             }
         };
-        Tile {
-            levels: self.sums.iter().map(level).collect(),
-        }
+        self.sums.iter().map(level).collect()
     }
 }
 

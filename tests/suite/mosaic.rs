@@ -4,6 +4,7 @@ use bathyscope::bathymetry::Grid;
 use bathyscope::formats;
 use bathyscope::mosaic::{
     Gain, GainTable, Layout, MosaicSettings, Overlap, TILE_CELLS, TileIndex, gain_table, tile,
+    window,
 };
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
@@ -257,6 +258,84 @@ fn tiles_meet_without_a_seam() {
         }
     }
     assert!(differing * 1000 < whole.levels.len(), "{differing}");
+}
+
+/// Level of the whole cells of a window over a survey, with a layout thinned to `apart_m` between pings.
+fn seen_through_window(sailed: &Sailed, grid: &Grid, apart_m: f64) -> Vec<u8> {
+    let settings = MosaicSettings::default();
+    let products = &sailed.products;
+    let layout = Layout::new(
+        &sailed.survey,
+        &products.navigation,
+        &products.returns,
+        &products.calibration,
+        &settings,
+        |place| place,
+    );
+    let progress = Progress::new();
+    let gain = gain_table(&sailed.survey, &layout, &progress).expect("nobody cancels");
+    let layout = layout.thinned(apart_m);
+    window(&sailed.survey, &layout, grid, &gain, &settings, &progress).expect("nobody cancels")
+}
+
+#[test]
+fn a_window_shows_what_the_tiles_show() {
+    let sailed = sail(&quiet_line(), 4);
+    let whole = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    let (first_row, first_column) = (whole.grid.rows / 3, whole.grid.columns / 4);
+    let grid = Grid {
+        west_m: whole.grid.west_m + first_column as f64 * whole.grid.cell_m,
+        north_m: whole.grid.north_m - first_row as f64 * whole.grid.cell_m,
+        columns: whole.grid.columns / 2,
+        rows: whole.grid.rows / 3,
+        ..whole.grid
+    };
+    let seen = seen_through_window(&sailed, &grid, 0.0);
+    let mut differing = 0;
+    for row in 0..grid.rows {
+        for column in 0..grid.columns {
+            let there = (row + first_row) * whole.grid.columns + column + first_column;
+            let levels = [seen[row * grid.columns + column], whole.levels[there]];
+            differing += usize::from(levels[0].abs_diff(levels[1]) > 1);
+        }
+    }
+    assert!(
+        differing * 1000 < seen.len(),
+        "{differing} of {}",
+        seen.len()
+    );
+    assert!(seen.iter().filter(|level| **level > 0).count() * 3 > seen.len());
+}
+
+#[test]
+fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
+    let sailed = sail(&quiet_line(), 4);
+    let fine = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
+    // Cells of eight, whose mean level the few pings have to tell.
+    let grid = Grid {
+        cell_m: 8.0 * fine.grid.cell_m,
+        columns: fine.grid.columns / 8,
+        rows: fine.grid.rows / 8,
+        ..fine.grid
+    };
+    let seen = seen_through_window(&sailed, &grid, 0.7 * grid.cell_m);
+    let (mut holes, mut sum, mut count) = (0, 0.0, 0.0);
+    for (cell, level) in seen.iter().enumerate() {
+        let (row, column) = (cell / grid.columns, cell % grid.columns);
+        let under = (0..64).map(|index| {
+            let (y, x) = (8 * row + index / 8, 8 * column + index % 8);
+            fine.levels[y * fine.grid.columns + x]
+        });
+        let known: Vec<f64> = under.filter(|&level| level > 0).map(f64::from).collect();
+        if known.len() < 64 {
+            continue;
+        }
+        holes += usize::from(*level == 0);
+        sum += f64::from(*level) - known.iter().sum::<f64>() / 64.0;
+        count += 1.0;
+    }
+    assert!(count > 100.0 && holes == 0, "{holes} holes in {count}");
+    assert!((sum / count).abs() < 4.0, "brighter by {}", sum / count);
 }
 
 #[test]
