@@ -160,6 +160,9 @@ impl App {
                 waterfall.range_lines = !waterfall.range_lines;
             }
             Action::DepthMapLayer => self.options.map.layers.toggle(MapLayer::DepthMap),
+            Action::HillShadeLayer => self.options.map.layers.toggle(MapLayer::HillShade),
+            Action::MosaicLayer => self.options.map.layers.toggle(MapLayer::Mosaic),
+            Action::IsobathLayer => self.options.map.layers.toggle(MapLayer::Isobaths),
             Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
             Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
             Action::SideColours => {

@@ -3,11 +3,17 @@
 use serde::{Deserialize, Serialize};
 
 /// A layer of the map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum MapLayer {
     /// Depths between the soundings, interpolated.
     DepthMap,
+    /// The depth map lit from the side.
+    HillShade,
+    /// All side-scan echoes at their place on the ground.
+    Mosaic,
+    /// Lines of equal depth.
+    Isobaths,
     /// The boat's track.
     Track,
     /// Boxes of objects.
@@ -16,12 +22,22 @@ pub enum MapLayer {
 
 impl MapLayer {
     /// All layers in their order at first, bottom first.
-    pub const ALL: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::Track, MapLayer::Boxes];
+    pub const ALL: [MapLayer; 6] = [
+        MapLayer::DepthMap,
+        MapLayer::HillShade,
+        MapLayer::Mosaic,
+        MapLayer::Isobaths,
+        MapLayer::Track,
+        MapLayer::Boxes,
+    ];
 
     /// Name in menus.
     pub fn name(self) -> &'static str {
         match self {
             MapLayer::DepthMap => "Depth map",
+            MapLayer::HillShade => "Hill-shade",
+            MapLayer::Mosaic => "Mosaic",
+            MapLayer::Isobaths => "Isobaths",
             MapLayer::Track => "Track",
             MapLayer::Boxes => "Boxes",
         }
@@ -31,6 +47,11 @@ impl MapLayer {
     pub fn hint(self) -> &'static str {
         match self {
             MapLayer::DepthMap => "Depths between the soundings, interpolated.",
+            MapLayer::HillShade => {
+                "The depth map lit from the north-west: small relief stands out over what lies below."
+            }
+            MapLayer::Mosaic => "All side-scan echoes at their place on the ground.",
+            MapLayer::Isobaths => "Lines of equal depth, with their depths.",
             MapLayer::Track => "The boat's track, coloured by depth.",
             MapLayer::Boxes => "Objects on the bottom, marked by what was decided about them.",
         }
@@ -52,7 +73,8 @@ impl LayerShown {
     fn at_first(layer: MapLayer) -> Self {
         Self {
             layer,
-            visible: true,
+            // A mosaic hides the depths that it lies on.
+            visible: layer != MapLayer::Mosaic,
             opacity: 1.0,
         }
     }

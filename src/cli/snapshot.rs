@@ -2,7 +2,7 @@
 
 use super::output;
 use super::process::{SettingsArgs, check_against};
-use crate::app::{Action, App, Command, Jobs, Mark, Origin, ThemeChoice, View};
+use crate::app::{Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View};
 use crate::calibration::PingRange;
 use crate::export::write_aside;
 use crate::pipeline::Settings;
@@ -36,6 +36,9 @@ pub struct SnapshotArgs {
     /// What is known to lie in the survey: boxes are compared with it
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
+    /// Layers of the map to draw, comma-separated; those that are not named are left out
+    #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
+    layers: Option<Vec<MapLayer>>,
     /// Dark or light
     #[arg(long, value_enum, default_value_t = Theme::Dark)]
     theme: Theme,
@@ -95,6 +98,14 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         Theme::Dark => ThemeChoice::Dark,
         Theme::Light => ThemeChoice::Light,
     };
+    if let Some(layers) = args.layers {
+        for layer in MapLayer::ALL {
+            app.options
+                .map
+                .layers
+                .set_visible(layer, layers.contains(&layer));
+        }
+    }
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     calibrate(&mut app, settings)?;
     select(&mut app, args.pings)?;

@@ -49,10 +49,12 @@ pub struct LineDraw {
     pub strokes: [LineUniform; 2],
 }
 
-/// The pipeline for lines, with the uniforms of one view.
+/// The pipeline for lines, with the uniforms of one picture.
 pub struct LineRenderer {
     pipeline: wgpu::RenderPipeline,
-    strokes: [(wgpu::Buffer, wgpu::BindGroup); 2],
+    layout: wgpu::BindGroupLayout,
+    /// Two for each line drawn so far.
+    strokes: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
 }
 
 impl LineRenderer {
@@ -76,27 +78,36 @@ impl LineRenderer {
                 writes_depth: false,
             },
         );
-        let strokes = [0, 1].map(|_| uniform(device, &layout, size_of::<LineUniform>()));
-        Self { pipeline, strokes }
+        Self {
+            pipeline,
+            layout,
+            strokes: Vec::new(),
+        }
     }
 
-    /// Draws the strokes into the target; clears it when the level holds nothing.
+    /// Clears the target and draws the strokes of every line into it, the first line below.
     pub fn draw(
-        &self,
+        &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target: &Target,
-        track: &TrackBuffers,
-        draw: &LineDraw,
+        lines: &[(&TrackBuffers, &LineDraw)],
     ) {
+        while self.strokes.len() < 2 * lines.len() {
+            let stroke = uniform(device, &self.layout, size_of::<LineUniform>());
+            self.strokes.push(stroke);
+        }
         let mut encoder = device.create_command_encoder(&Default::default());
         {
             let mut pass = target.begin(&mut encoder);
-            if let Some(Some(vertices)) = track.levels.get(draw.level) {
+            for ((buffers, draw), uniforms) in lines.iter().zip(self.strokes.chunks_exact(2)) {
+                let Some(Some(vertices)) = buffers.levels.get(draw.level) else {
+                    continue;
+                };
                 pass.set_pipeline(&self.pipeline);
                 pass.set_vertex_buffer(0, vertices.slice(..));
                 pass.set_vertex_buffer(1, vertices.slice(size_of::<Vertex>() as u64..));
-                for ((buffer, group), stroke) in self.strokes.iter().zip(&draw.strokes) {
+                for ((buffer, group), stroke) in uniforms.iter().zip(&draw.strokes) {
                     let size_px = target.size_px().map(|side| side as f32);
                     let stroke = LineUniform { size_px, ..*stroke };
                     queue.write_buffer(buffer, 0, bytemuck::bytes_of(&stroke));

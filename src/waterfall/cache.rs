@@ -1,11 +1,11 @@
 //! Tiles that were drawn lately, bounded by their bytes.
 
-use super::TileKey;
 use std::collections::HashMap;
+use std::hash::Hash;
 
 /// Keeps what was used last, up to a number of bytes; what the current frame used is never dropped.
-pub struct Lru<V> {
-    entries: HashMap<TileKey, Entry<V>>,
+pub struct Lru<K, V> {
+    entries: HashMap<K, Entry<V>>,
     bytes: usize,
     budget: usize,
     frame: u64,
@@ -17,7 +17,7 @@ struct Entry<V> {
     used: u64,
 }
 
-impl<V> Lru<V> {
+impl<K: Copy + Eq + Hash, V> Lru<K, V> {
     /// An empty cache of at most `budget` bytes.
     pub fn new(budget: usize) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl<V> Lru<V> {
     /// Begins a frame: drops what was not used for longest until the budget is kept.
     pub fn begin_frame(&mut self) {
         if self.bytes > self.budget {
-            let mut by_age: Vec<(u64, TileKey)> = self
+            let mut by_age: Vec<(u64, K)> = self
                 .entries
                 .iter()
                 .map(|(key, entry)| (entry.used, *key))
@@ -51,7 +51,7 @@ impl<V> Lru<V> {
     }
 
     /// Adds or replaces a value that takes `bytes`.
-    pub fn insert(&mut self, key: TileKey, value: V, bytes: usize) {
+    pub fn insert(&mut self, key: K, value: V, bytes: usize) {
         let entry = Entry {
             value,
             bytes,
@@ -64,14 +64,14 @@ impl<V> Lru<V> {
     }
 
     /// A value, marked as used in this frame.
-    pub fn use_now(&mut self, key: &TileKey) -> Option<&V> {
+    pub fn use_now(&mut self, key: &K) -> Option<&V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.frame;
         Some(&entry.value)
     }
 
     /// A value, without marking it.
-    pub fn peek(&self, key: &TileKey) -> Option<&V> {
+    pub fn peek(&self, key: &K) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)
     }
 
@@ -85,7 +85,7 @@ impl<V> Lru<V> {
 mod tests {
     use super::*;
     use crate::survey::Side;
-    use crate::waterfall::Level;
+    use crate::waterfall::{Level, TileKey};
 
     fn key(column: u32) -> TileKey {
         TileKey {

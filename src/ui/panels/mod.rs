@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod cloud;
 pub mod first_return;
+pub mod maps;
 pub mod notices;
 pub mod objects;
 pub mod outliers;
@@ -27,5 +28,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     cloud::ui(ui, context);
     outliers::ui(ui, context);
     objects::ui(ui, context);
+    maps::ui(ui, context);
     products::ui(ui, context);
 }

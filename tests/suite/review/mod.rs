@@ -4,6 +4,7 @@ mod exported;
 mod judged;
 mod kept;
 mod mouse;
+mod on_map;
 mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};

@@ -75,7 +75,7 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
 }
 
 /// What a perfect detector would find in the demo: each sighting of each object, with its shadow.
-fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
+pub(super) fn truth(window: &Window) -> (Vec<String>, Vec<Detection>) {
     let simulated = simulate(&Scene::demo(), 1, &Progress::new()).expect("the demo");
     let mut names: Vec<String> = Vec::new();
     let mut found = Vec::new();

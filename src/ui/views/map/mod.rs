@@ -2,29 +2,37 @@
 
 mod flat_spots;
 mod graticule;
+mod isobaths;
 mod layers;
+mod lines;
+mod mosaic;
 mod objects;
 mod overlay;
 mod ping_boxes;
 mod pointer;
+mod relief;
+mod stack;
+mod tiles;
 mod toolbar;
 mod track_picture;
 mod transform;
+mod warp;
 
 use super::background::{Background, Same};
 use super::empty;
-use crate::app::MapLayer;
+use crate::cloud::Correction;
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::{Navigation, Survey};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
-use egui::{Painter, Rect, Response, Role, Sense, Ui, WidgetInfo};
-use layers::{DepthLayer, TrackLayer};
+use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use layers::TrackLayer;
+use stack::Layers;
 use std::sync::Arc;
-use track_picture::TrackPicture;
 use transform::MapTransform;
 
-type Key = (Same<Survey>, Same<Navigation>);
+/// What a track is made of.
+type Key = (Same<Survey>, Same<Navigation>, Arc<Correction>);
 
 /// State of the map view: where it looks, and what was made for it.
 #[derive(Default)]
@@ -34,8 +42,7 @@ pub struct MapView {
     fitted: Option<MapTransform>,
     wish: Option<ViewRequest>,
     track: Background<Key, Arc<TrackLayer>>,
-    depth: Background<Key, DepthLayer>,
-    picture: TrackPicture,
+    layers: Layers,
     pointer: pointer::Pointer,
     seen_survey: u64,
     seen_reveal: u64,
@@ -59,7 +66,7 @@ impl MapView {
 
     /// Whether everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
-        !self.track.is_running() && !self.depth.is_running() && self.wish.is_none()
+        !self.track.is_running() && self.layers.is_settled() && self.wish.is_none()
     }
 
     fn forget_other_survey(&mut self, context: &ViewContext<'_>) {
@@ -67,7 +74,7 @@ impl MapView {
             self.seen_survey = context.app.survey_serial;
             self.transform = None;
             self.track = Background::default();
-            self.depth = Background::default();
+            self.layers.forget();
             self.pointer = pointer::Pointer::default();
         }
     }
@@ -90,7 +97,7 @@ impl MapView {
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
-        self.ask_for_layers(ui, context, &survey, &products);
+        self.ask_for_layers(context, &survey, &products);
         let Some(track) = self.track.result().cloned() else {
             if !self.track.is_running() {
                 empty::say(ui, context, rect, "This log has no positions to map.");
@@ -104,11 +111,12 @@ impl MapView {
             survey: &survey,
             products: &products,
             track: &track,
-            depth: self.depth.result(),
+            depth: self.layers.relief(),
+            isobaths: self.layers.isobaths(&context.app.options.map.layers),
             lost_soundings: context.app.lost_soundings,
             options: &context.app.options,
         };
-        paint(ui, context, &scene, &mut self.picture);
+        paint(ui, context, &scene, &mut self.layers);
         self.pointer.handle(ui, context, &scene, response);
         toolbar::show(
             ui,
@@ -122,33 +130,25 @@ impl MapView {
 
     fn ask_for_layers(
         &mut self,
-        ui: &Ui,
         context: &ViewContext<'_>,
         survey: &Arc<Survey>,
         products: &Products,
     ) {
-        let jobs = context.app.jobs();
-        let key = || (Same(survey.clone()), Same(products.navigation.clone()));
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
-        let (survey, navigation) = key();
-        self.track.ask(key(), jobs, move |progress| {
-            TrackLayer::new(&survey.0, navigation.0, uploader.as_ref(), progress).map(Arc::new)
+        let key = (
+            Same(survey.clone()),
+            Same(products.navigation.clone()),
+            products.correction.clone(),
+        );
+        let (Same(survey_now), Same(navigation), correction) = key.clone();
+        self.track.ask(key, context.app.jobs(), move |progress| {
+            let uploader = uploader.as_ref();
+            let track = TrackLayer::new(&survey_now, navigation, &correction, uploader, progress);
+            track.map(Arc::new)
         });
-        if context
-            .app
-            .options
-            .map
-            .layers
-            .is_visible(MapLayer::DepthMap)
-        {
-            let (survey, navigation) = key();
-            let egui = ui.ctx().clone();
-            self.depth.ask(key(), jobs, move |progress| {
-                DepthLayer::new(&survey.0, &navigation.0, &egui, progress)
-            });
-        }
+        self.layers.ask(context, survey, products);
     }
 
     /// Moves the view as asked by keys, wheel, drag and reveals.
@@ -184,18 +184,13 @@ impl MapView {
     }
 }
 
-fn paint(
-    ui: &Ui,
-    context: &ViewContext<'_>,
-    scene: &overlay::Scene<'_>,
-    picture: &mut TrackPicture,
-) {
+fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers: &mut Layers) {
     let painter = ui.painter_at(scene.rect);
     for shown in scene.options.map.layers.bottom_up() {
         if scene.options.map.layers.is_visible(shown.layer) {
             let mut painter = painter.clone();
             painter.multiply_opacity(shown.opacity);
-            layer(&painter, context, scene, picture, shown.layer);
+            layers.show(&painter, context, scene, shown.layer);
         }
     }
     if scene.options.map.graticule {
@@ -205,20 +200,12 @@ fn paint(
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
-}
-
-/// Draws one layer, clipped and faded as the painter is.
-fn layer(
-    painter: &Painter,
-    context: &ViewContext<'_>,
-    scene: &overlay::Scene<'_>,
-    picture: &mut TrackPicture,
-    layer: MapLayer,
-) {
-    match layer {
-        MapLayer::DepthMap => overlay::depth_map(painter, scene),
-        MapLayer::Track => picture.show(painter, context.render_state, scene),
-        MapLayer::Boxes => objects::paint(painter, scene, context.app),
+    let now_s = ui.input(|input| input.time);
+    if let Some(text) = layers.under_way(now_s) {
+        overlay::under_way(&painter, scene, &text);
+        // A job that has just become worth telling about does not draw a frame by itself.
+        ui.ctx()
+            .request_repaint_after(std::time::Duration::from_millis(200));
     }
 }
 

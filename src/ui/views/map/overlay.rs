@@ -1,6 +1,8 @@
 //! What lies on and under the track: depth map, scale bar, north arrow, legend, marks.
 
-use super::layers::{DepthLayer, TrackLayer};
+use super::isobaths::IsobathLayer;
+use super::layers::TrackLayer;
+use super::relief::Relief;
 use super::transform::MapTransform;
 use crate::app::{App, MapLayer, Mark, ViewOptions};
 use crate::geo::LonLat;
@@ -8,7 +10,7 @@ use crate::pipeline::Products;
 use crate::survey::Survey;
 use crate::ui::views::{legend, ticks};
 use crate::ui::{place, theme};
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use std::sync::Arc;
 
 /// What a frame of the map is made of.
@@ -18,7 +20,10 @@ pub struct Scene<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub track: &'a Arc<TrackLayer>,
-    pub depth: Option<&'a DepthLayer>,
+    /// The depth map, while it is shown and once it is made.
+    pub depth: Option<Arc<Relief>>,
+    /// The isobaths, while they are shown and once they are drawn.
+    pub isobaths: Option<Arc<IsobathLayer>>,
     /// Soundings after the recorder had lost the bottom: they leave the track grey.
     pub lost_soundings: usize,
     pub options: &'a ViewOptions,
@@ -37,6 +42,12 @@ impl Scene<'_> {
         navigation.to_lon_lat(&self.survey.track, east_m, north_m)
     }
 
+    /// Ends of the colour scale of depth, metres.
+    pub fn range_m(&self) -> Option<[f32; 2]> {
+        let of_surface = || Some(self.depth.as_ref()?.made.as_ref()?.range_m);
+        self.track.range_m.or_else(of_surface)
+    }
+
     /// Whether a layer is drawn.
     pub fn shows(&self, layer: MapLayer) -> bool {
         self.options.map.layers.is_visible(layer)
@@ -48,28 +59,12 @@ impl Scene<'_> {
     }
 }
 
-/// The interpolated depths, fading with the distance to a sounding.
-pub fn depth_map(painter: &Painter, scene: &Scene<'_>) {
-    let Some((map, texture)) = scene.depth.and_then(|depth| depth.map.as_ref()) else {
-        return;
-    };
-    let grid = &map.grid;
-    let east_m = grid.west_m + grid.columns as f64 * grid.cell_m;
-    let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
-    let rect = Rect::from_two_pos(
-        scene.at([grid.west_m, grid.north_m]),
-        scene.at([east_m, south_m]),
-    );
-    let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    painter.image(texture.id(), rect, whole, Color32::WHITE);
-}
-
 /// Scale bar, north arrow and legend; returns what they cover.
 pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
     let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
-    if let Some(range_m) = scene.track.range_m {
+    if let Some(range_m) = scene.range_m() {
         let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
         let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
         corner = scale.right_top() - vec2(0.0, 3.0);
@@ -103,16 +98,41 @@ fn legend_notes(scene: &Scene<'_>) -> Option<String> {
         }
     }
     if scene.shows(MapLayer::DepthMap)
-        && scene.track.range_m.is_some()
+        && scene.range_m().is_some()
         && legend::has_room(scene.rect)
-        && let Some(depth) = scene.depth
+        && let Some(depth) = &scene.depth
     {
-        notes.push(match depth.map {
+        notes.push(match depth.made {
             Some(_) => format!("faded:\ninterpolated,\nto {} m away", depth.gap_m),
             None => "no depth\nmap: all on\none line".to_owned(),
         });
     }
+    if scene.shows(MapLayer::Mosaic) && legend::has_room(scene.rect) {
+        notes.push(super::mosaic::note(&scene.products.settings.mosaic));
+    }
+    if legend::has_room(scene.rect)
+        && let Some(isobaths) = &scene.isobaths
+    {
+        notes.push(isobaths.note.clone());
+    }
+    if scene.shows(MapLayer::HillShade)
+        && legend::has_room(scene.rect)
+        && let Some(made) = scene.depth.as_ref().and_then(|depth| depth.made.as_ref())
+    {
+        let light = &made.light;
+        notes.push(format!(
+            "hill-shade:\nrelief x{},\nlight {}°,\n{}° up",
+            light.exaggeration, light.azimuth_deg, light.altitude_deg
+        ));
+    }
     (!notes.is_empty()).then(|| notes.join("\n"))
+}
+
+/// What the map is still being made of.
+pub fn under_way(painter: &Painter, scene: &Scene<'_>, text: &str) {
+    let at = scene.rect.center_bottom() - vec2(0.0, 20.0);
+    let (anchor, colour) = (Align2::CENTER_BOTTOM, scene.text_colour());
+    legend::plate(painter, scene.options, at, anchor, text, colour);
 }
 
 fn north_arrow(painter: &Painter, scene: &Scene<'_>) {

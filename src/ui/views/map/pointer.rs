@@ -255,8 +255,8 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> Stri
         text += gap(TWO_PLACES);
         text += &format!("E {east_m:.1} m  N {north_m:.1} m");
     }
-    let map = scene.depth.and_then(|depth| depth.map.as_ref());
-    if let Some((depth_m, distance_m)) = map.and_then(|(map, _)| map.at(east_m, north_m)) {
+    let depth = scene.depth.as_ref();
+    if let Some((depth_m, distance_m)) = depth.and_then(|depth| depth.at([east_m, north_m])) {
         text += gap(ONE_LINE);
         text += &format!("depth {depth_m:.2} m (interpolated, sounding {distance_m:.1} m away)");
     }

@@ -18,7 +18,7 @@ pub(super) struct Resident {
 
 /// The tiles of one survey that were drawn lately.
 pub(super) struct TileSet {
-    cache: Lru<Resident>,
+    cache: Lru<TileKey, Resident>,
 }
 
 /// One frame: what to draw, and what to ask the worker for.

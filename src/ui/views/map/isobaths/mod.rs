@@ -1,0 +1,266 @@
+//! Isobaths: lines of equal depth with their depths written along them.
+
+mod labels;
+
+pub use labels::{Labels, octave};
+
+use super::lines::{Line, LinePicture, Pen};
+use super::overlay::Scene;
+use super::relief::Made;
+use crate::app::ThemeChoice;
+use crate::bathymetry::isobaths::{IsobathSettings, isobaths, smoothed};
+use crate::progress::Progress;
+use crate::render::{Uploader, Vertex};
+use crate::ui::views::background::Same;
+use crate::ui::views::{legend, ticks};
+use eframe::egui_wgpu::RenderState;
+use egui::epaint::TextShape;
+use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Every so many isobaths one is thick, counted from depth 0.
+const INDEX: f64 = 5.0;
+/// Most segments drawn in a frame, of the thin and of the thick lines.
+const MOST_SEGMENTS: u32 = 20_000;
+
+/// What isobaths are made of.
+#[derive(Clone, PartialEq)]
+pub struct IsobathKey {
+    pub relief: Same<Made>,
+    pub settings: IsobathSettings,
+}
+
+/// A line of equal depth in the plane of the survey.
+pub struct GroundLine {
+    /// Its depth in words.
+    pub text: String,
+    /// Thick, and the first to be labelled.
+    pub is_index: bool,
+    /// East and north of the layer's origin, metres.
+    pub points: Vec<[f32; 2]>,
+}
+
+/// The isobaths of a depth map.
+pub struct IsobathLayer {
+    /// What the lines are relative to, metres.
+    pub origin_m: [f64; 2],
+    /// The lines with their depths.
+    pub lines: Vec<GroundLine>,
+    /// What the legend says of them.
+    pub note: String,
+    thin: Line,
+    thick: Line,
+}
+
+impl IsobathLayer {
+    /// Draws them through a depth map; `None` when cancelled.
+    pub fn new(
+        made: &Made,
+        settings: &IsobathSettings,
+        uploader: Option<&Uploader>,
+        progress: &Progress,
+    ) -> Option<Self> {
+        let surface = &made.chart.surface;
+        let origin_m = made.chart.to_survey(
+            surface
+                .grid
+                .centre(surface.grid.rows / 2, surface.grid.columns / 2),
+        );
+        let (levels_m, note) = match settings.levels_m(surface.range_m()) {
+            Ok(levels_m) => {
+                let note = note(settings, &levels_m);
+                (levels_m, note)
+            }
+            Err(_) => (
+                Vec::new(),
+                "no isobaths:\ninterval is\ntoo small".to_owned(),
+            ),
+        };
+        let drawn = isobaths(surface, &levels_m, progress).ok()?;
+        let step_m = step_m(settings, &levels_m);
+        let decimals = decimals(&levels_m);
+        let lines: Vec<GroundLine> = drawn
+            .par_iter()
+            .map(|line| GroundLine {
+                text: format!("{:.decimals$}", line.depth_m + 0.0),
+                is_index: step_m.is_some_and(|step_m| is_index(line.depth_m, step_m)),
+                points: smoothed(&line.points, settings.smooth)
+                    .into_iter()
+                    .map(|place| {
+                        let [east_m, north_m] = made.chart.to_survey(place);
+                        [
+                            (east_m - origin_m[0]) as f32,
+                            (north_m - origin_m[1]) as f32,
+                        ]
+                    })
+                    .collect(),
+            })
+            .collect();
+        progress.check().ok()?;
+        let [thin, thick] =
+            [false, true].map(|is_index| Line::new(origin_m, vertices(&lines, is_index), uploader));
+        Some(Self {
+            origin_m,
+            lines,
+            note,
+            thin,
+            thick,
+        })
+    }
+}
+
+fn vertices(lines: &[GroundLine], is_index: bool) -> Vec<Vertex> {
+    let chosen = lines.iter().filter(|line| line.is_index == is_index);
+    chosen
+        .flat_map(|line| {
+            let places = line.points.iter().map(|place| Vertex {
+                place: *place,
+                colour: [255; 4],
+            });
+            std::iter::once(Vertex::BREAK).chain(places)
+        })
+        .collect()
+}
+
+/// Metres from one isobath to the next; `None` where their depths were listed.
+fn step_m(settings: &IsobathSettings, levels_m: &[f64]) -> Option<f64> {
+    if !settings.depths_m.is_empty() {
+        return None;
+    }
+    let first_two = levels_m.first().zip(levels_m.get(1));
+    settings
+        .interval_m
+        .or(first_two.map(|(first, second)| second - first))
+}
+
+fn is_index(depth_m: f64, step_m: f64) -> bool {
+    let count = (depth_m / step_m).round();
+    (count / INDEX).fract() == 0.0
+}
+
+/// Digits after the point that tell the levels apart, at most three.
+fn decimals(levels_m: &[f64]) -> usize {
+    let needs = |level_m: &f64| {
+        let fits = |digits: &i32| {
+            let scaled = level_m * 10f64.powi(*digits);
+            (scaled - scaled.round()).abs() < 1e-6
+        };
+        (0..3).find(fits).unwrap_or(3) as usize
+    };
+    levels_m.iter().map(needs).max().unwrap_or(0)
+}
+
+fn note(settings: &IsobathSettings, levels_m: &[f64]) -> String {
+    if levels_m.is_empty() {
+        return "no isobath in\nthese depths".to_owned();
+    }
+    match step_m(settings, levels_m) {
+        Some(step_m) => format!(
+            "isobaths:\nevery {} m,\nthick: {} m",
+            ticks::label(step_m, step_m),
+            ticks::label(INDEX * step_m, step_m)
+        ),
+        None => "isobaths:\nat listed\ndepths".to_owned(),
+    }
+}
+
+/// Light lines in dark casings show on every colour of depth; in the light theme it is the other way round.
+fn pen(theme: ThemeChoice, is_index: bool) -> Pen {
+    let (line, casing) = match theme {
+        ThemeChoice::Dark => (Color32::from_gray(244), Color32::from_black_alpha(120)),
+        ThemeChoice::Light => (Color32::from_gray(24), Color32::from_white_alpha(110)),
+    };
+    let width = if is_index { 1.7 } else { 0.9 };
+    let strength = if is_index { 0.95 } else { 0.7 };
+    Pen {
+        widths: [width + 1.3, width],
+        colours: [Some(casing), Some(line.gamma_multiply(strength))],
+        most_segments: MOST_SEGMENTS,
+    }
+}
+
+/// Draws the lines, and their depths where the labels for about this zoom are there.
+pub fn show(
+    picture: &mut LinePicture<IsobathLayer>,
+    painter: &Painter,
+    state: Option<&RenderState>,
+    scene: &Scene<'_>,
+    layer: &Arc<IsobathLayer>,
+    labels: Option<&Labels>,
+) {
+    let Some(state) = state else {
+        // The track says that there is no GPU.
+        return;
+    };
+    let theme = scene.options.theme;
+    let lines = [
+        (&layer.thin, pen(theme, false)),
+        (&layer.thick, pen(theme, true)),
+    ];
+    picture.show(painter, state, scene, layer, lines);
+    if let Some(labels) = labels.filter(|labels| Arc::ptr_eq(&labels.layer, layer)) {
+        write(painter, scene, layer, labels);
+    }
+}
+
+fn write(painter: &Painter, scene: &Scene<'_>, layer: &IsobathLayer, labels: &Labels) {
+    let frame = scene.rect.expand(30.0);
+    let plate = crate::ui::theme::plate_colour(scene.options).gamma_multiply(0.8);
+    let ink = crate::ui::theme::canvas_text_colour(scene.options);
+    for label in &labels.labels {
+        let [east_m, north_m] = label.place;
+        let place = [
+            layer.origin_m[0] + f64::from(east_m),
+            layer.origin_m[1] + f64::from(north_m),
+        ];
+        let at = scene.at(place);
+        if !frame.contains(at) {
+            continue;
+        }
+        let Some(line) = layer.lines.get(label.line) else {
+            continue;
+        };
+        let galley = painter.layout_no_wrap(line.text.clone(), legend::font(), ink);
+        let half = 0.5 * galley.size() + vec2(2.0, -0.5);
+        let along = Vec2::angled(label.angle_rad);
+        let beside = along.rot90();
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| at + x * half.x * along + y * half.y * beside);
+        painter.add(Shape::convex_polygon(corners.to_vec(), plate, Stroke::NONE));
+        let corner = Align2::CENTER_CENTER.anchor_size(at, galley.size()).min;
+        let text = TextShape::new(corner, galley, ink);
+        painter.add(text.with_angle_and_anchor(label.angle_rad, Align2::CENTER_CENTER));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fifth_isobath_is_thick_counted_from_zero() {
+        let thick: Vec<f64> = (-3..12)
+            .map(|count| 0.2 * f64::from(count))
+            .filter(|depth_m| is_index(*depth_m, 0.2))
+            .collect();
+        assert_eq!(thick, [0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn labels_have_the_decimals_that_tell_them_apart() {
+        assert_eq!(decimals(&[1.0, 2.0]), 0);
+        assert_eq!(decimals(&[1.0, 1.2, 1.4]), 1);
+        assert_eq!(decimals(&[0.25, 0.5]), 2);
+        assert_eq!(decimals(&[1.0 / 3.0]), 3);
+    }
+
+    #[test]
+    fn the_legend_tells_the_interval() {
+        let mut settings = IsobathSettings::default();
+        let levels_m = [2.0, 2.2, 2.4];
+        assert!(note(&settings, &levels_m).contains("every 0.2 m,\nthick: 1.0 m"));
+        settings.depths_m = levels_m.to_vec();
+        assert!(note(&settings, &levels_m).contains("listed"));
+    }
+}

@@ -1,0 +1,142 @@
+//! Long lines on the map, drawn by the GPU and only when something about them changed.
+
+use super::overlay::Scene;
+use crate::render::{LineDraw, LinePyramid, LineRenderer, LineUniform, TrackBuffers, Vertex};
+use crate::ui::views::picture::Picture;
+use eframe::egui_wgpu::RenderState;
+use egui::{Color32, Painter};
+use std::sync::Arc;
+
+/// A line with its levels of detail.
+pub struct Line {
+    /// What the places of `pyramid` are relative to, metres.
+    pub origin_m: [f64; 2],
+    /// The levels.
+    pub pyramid: LinePyramid,
+    /// Them on the GPU.
+    pub buffers: Option<TrackBuffers>,
+}
+
+impl Line {
+    /// Builds the levels of a line and uploads them.
+    pub fn new(
+        origin_m: [f64; 2],
+        vertices: Vec<Vertex>,
+        uploader: Option<&crate::render::Uploader>,
+    ) -> Self {
+        let mut buffers = uploader.map(|_| TrackBuffers::default());
+        let pyramid = LinePyramid::new(vertices, |vertices| {
+            if let Some((uploader, buffers)) = uploader.zip(buffers.as_mut()) {
+                buffers.add(uploader, vertices);
+            }
+        });
+        Self {
+            origin_m,
+            pyramid,
+            buffers,
+        }
+    }
+}
+
+/// How a line is drawn: two strokes, the first below.
+#[derive(Clone, Copy)]
+pub struct Pen {
+    /// Widths of the strokes, points.
+    pub widths: [f32; 2],
+    /// Colours of the strokes; `None` draws the line's own.
+    pub colours: [Option<Color32>; 2],
+    /// Most segments drawn in a frame: beyond, a coarser level is taken.
+    pub most_segments: u32,
+}
+
+/// GPU objects of one picture of lines. `T` owns the lines.
+pub struct LinePicture<T> {
+    picture: Picture,
+    renderer: Option<LineRenderer>,
+    drawn: Option<(Arc<T>, Vec<LineDraw>)>,
+}
+
+impl<T> Default for LinePicture<T> {
+    fn default() -> Self {
+        Self {
+            picture: Picture::default(),
+            renderer: None,
+            drawn: None,
+        }
+    }
+}
+
+impl<T> LinePicture<T> {
+    /// Draws the lines that `of` owns if they, or how they are seen, changed, and shows them; the first line lies below.
+    pub fn show<const N: usize>(
+        &mut self,
+        painter: &Painter,
+        state: &RenderState,
+        scene: &Scene<'_>,
+        of: &Arc<T>,
+        lines: [(&Line, Pen); N],
+    ) {
+        let pixels_per_point = painter.pixels_per_point();
+        let is_new = self.picture.resize(state, scene.rect, pixels_per_point);
+        let draws: Vec<LineDraw> = lines
+            .iter()
+            .map(|(line, pen)| line_draw(pixels_per_point, scene, line, *pen))
+            .collect();
+        let same = self
+            .drawn
+            .as_ref()
+            .is_some_and(|(drawn_of, drawn)| Arc::ptr_eq(drawn_of, of) && *drawn == draws);
+        if (is_new || !same)
+            && let Some(target) = self.picture.target()
+        {
+            let renderer = self
+                .renderer
+                .get_or_insert_with(|| LineRenderer::new(&state.device));
+            let buffers = lines.iter().map(|(line, _)| line.buffers.as_ref());
+            let drawn: Vec<(&TrackBuffers, &LineDraw)> = buffers
+                .zip(&draws)
+                .filter_map(|(buffers, draw)| Some((buffers?, draw)))
+                .collect();
+            renderer.draw(&state.device, &state.queue, target, &drawn);
+            self.drawn = Some((of.clone(), draws));
+        }
+        self.picture.paint(painter, scene.rect);
+    }
+}
+
+fn line_draw(pixels_per_point: f32, scene: &Scene<'_>, line: &Line, pen: Pen) -> LineDraw {
+    let [east_m, north_m] = line.origin_m;
+    let widest = pen.widths[0].max(pen.widths[1]);
+    let margin_m = f64::from(widest) * scene.transform.metres_per_point;
+    let [west, south, east, north] = scene.transform.visible(scene.rect);
+    let view = [
+        (west - east_m - margin_m) as f32,
+        (south - north_m - margin_m) as f32,
+        (east - east_m + margin_m) as f32,
+        (north - north_m + margin_m) as f32,
+    ];
+    let metres_per_px = scene.transform.metres_per_point as f32 / pixels_per_point;
+    let (level, runs) = line.pyramid.choose(metres_per_px, view, pen.most_segments);
+    let px_from_world = scene
+        .transform
+        .pixels(scene.rect, pixels_per_point, line.origin_m);
+    let stroke = |index: usize| {
+        let [r, g, b, a] = pen.colours[index]
+            .unwrap_or(Color32::TRANSPARENT)
+            .to_srgba_unmultiplied()
+            .map(|byte| f32::from(byte) / 255.0);
+        LineUniform {
+            px_from_world,
+            size_px: [0.0; 2],
+            half_width_px: 0.5 * pen.widths[index] * pixels_per_point,
+            plain: f32::from(u8::from(pen.colours[index].is_some())),
+            // Gamma-encoded, as the target is.
+            colour: [r, g, b, a],
+        }
+    };
+    LineDraw {
+        level,
+        runs,
+        strokes: [stroke(0), stroke(1)],
+    }
+}

@@ -1,0 +1,170 @@
+//! Where the tiles of a map lie: squares of 256 texels whose side is a power of two in metres.
+
+use crate::ui::views::map::transform::GroundBounds;
+
+/// Texels along a tile's side.
+pub const TEXELS: usize = 256;
+/// Texels around a tile that belong to its neighbours: with them a smooth picture has no seams.
+pub const BORDER: usize = 1;
+/// Texels along the side of a tile's picture.
+pub const SIDE: usize = TEXELS + 2 * BORDER;
+/// Finest and coarsest level.
+const LEVELS: [i8; 2] = [-8, 24];
+
+/// A tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TileKey {
+    /// A texel's side is 2 to this, metres.
+    pub level: i8,
+    /// Counted eastwards from the survey's origin.
+    pub column: i32,
+    /// Counted northwards from the survey's origin.
+    pub row: i32,
+}
+
+impl TileKey {
+    /// Side of a texel, metres.
+    pub fn texel_m(self) -> f64 {
+        2f64.powi(i32::from(self.level))
+    }
+
+    /// West, south, east, north of the tile without its border, metres.
+    pub fn bounds(self) -> GroundBounds {
+        let side_m = TEXELS as f64 * self.texel_m();
+        let edge = |count: i32| f64::from(count) * side_m;
+        [
+            edge(self.column),
+            edge(self.row),
+            edge(self.column + 1),
+            edge(self.row + 1),
+        ]
+    }
+
+    /// West and north edge of the picture with its border, metres.
+    pub fn corner(self) -> [f64; 2] {
+        let [west, _, _, north] = self.bounds();
+        let border_m = BORDER as f64 * self.texel_m();
+        [west - border_m, north + border_m]
+    }
+
+    /// The tile of twice the size that this one is a quarter of.
+    pub fn parent(self) -> Self {
+        Self {
+            level: self.level + 1,
+            column: self.column.div_euclid(2),
+            row: self.row.div_euclid(2),
+        }
+    }
+
+    /// Which part of the picture of `self` or of one of its forebears shows this tile: left, top, right and bottom as shares.
+    pub fn part_of(self, forebear: TileKey) -> [f32; 4] {
+        let up = u32::from((forebear.level - self.level).max(0).unsigned_abs());
+        let count = f64::from(2u32.pow(up.min(30)));
+        let east = f64::from(self.column) - f64::from(forebear.column) * count;
+        let north = f64::from(self.row) - f64::from(forebear.row) * count;
+        let share =
+            |tiles: f64| ((BORDER as f64 + TEXELS as f64 * tiles / count) / SIDE as f64) as f32;
+        [
+            share(east),
+            share(count - north - 1.0),
+            share(east + 1.0),
+            share(count - north),
+        ]
+    }
+}
+
+/// The level whose texels come nearest to a pixel.
+pub fn level_for(metres_per_pixel: f64) -> i8 {
+    let level = metres_per_pixel.log2().round();
+    level.clamp(f64::from(LEVELS[0]), f64::from(LEVELS[1])) as i8
+}
+
+/// The finest level at which at most two by two tiles hold all of `bounds`.
+pub fn overview_level(bounds: GroundBounds) -> i8 {
+    let [west, south, east, north] = bounds;
+    let extent_m = (east - west).max(north - south).max(1e-3);
+    let level = (extent_m / TEXELS as f64).log2().ceil();
+    level.clamp(f64::from(LEVELS[0]), f64::from(LEVELS[1])) as i8
+}
+
+/// The tiles of a level that touch both bounds, those nearest to the middle of the first first.
+pub fn tiles(level: i8, view: GroundBounds, all: GroundBounds) -> Vec<TileKey> {
+    let side_m = TEXELS as f64 * 2f64.powi(i32::from(level));
+    let both: [f64; 4] = std::array::from_fn(|edge| match edge < 2 {
+        true => view[edge].max(all[edge]),
+        false => view[edge].min(all[edge]),
+    });
+    let [west, south, east, north] = both;
+    // Also false where something is no number.
+    if !(west < east && south < north) {
+        return Vec::new();
+    }
+    let span = |from: f64, to: f64| {
+        (from / side_m).floor() as i32..=((to / side_m).ceil() as i32).saturating_sub(1)
+    };
+    let mut found: Vec<TileKey> = span(south, north)
+        .flat_map(|row| span(west, east).map(move |column| TileKey { level, column, row }))
+        .collect();
+    let middle = [0.5 * (view[0] + view[2]), 0.5 * (view[1] + view[3])];
+    let off = |key: &TileKey| {
+        let [west, south, east, north] = key.bounds();
+        (0.5 * (west + east) - middle[0]).hypot(0.5 * (south + north) - middle[1])
+    };
+    found.sort_by(|a, b| off(a).total_cmp(&off(b)));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_what_is_seen_of_what_there_is() {
+        let all = [-300.0, -40.0, 500.0, 90.0];
+        let view = [-100.0, -1000.0, 130.0, 20.0];
+        let keys = tiles(-2, view, all);
+        // 64 m a side: columns -2 to 2, rows -1 and 0.
+        assert_eq!(keys.len(), 10);
+        for place in [[-99.0, -39.0], [129.0, 19.0], [0.0, 0.0]] {
+            let covered = keys.iter().any(|key| {
+                let [west, south, east, north] = key.bounds();
+                (west..=east).contains(&place[0]) && (south..=north).contains(&place[1])
+            });
+            assert!(covered, "{place:?}");
+        }
+        assert!(tiles(-2, [600.0, 0.0, 700.0, 1.0], all).is_empty());
+        assert!(tiles(overview_level(all), all, all).len() <= 4);
+    }
+
+    #[test]
+    fn a_texel_is_about_a_pixel() {
+        assert_eq!(level_for(0.25), -2);
+        assert_eq!(level_for(0.3), -2);
+        assert_eq!(level_for(0.4), -1);
+        assert_eq!(level_for(1e12), LEVELS[1]);
+    }
+
+    #[test]
+    fn a_forebear_s_picture_shows_the_tile_where_it_lies() {
+        let key = TileKey {
+            level: 0,
+            column: -3,
+            row: 5,
+        };
+        let share = |texels: f64| ((1.0 + texels) / SIDE as f64) as f32;
+        assert_eq!(
+            key.part_of(key),
+            [share(0.0), share(0.0), share(256.0), share(256.0)]
+        );
+        // Column -3 is the eastern half of -2, row 5 the northern half of 2.
+        assert_eq!(
+            key.part_of(key.parent()),
+            [share(128.0), share(0.0), share(256.0), share(128.0)]
+        );
+        // Column -2 is the western half of -1, row 2 the southern half of 1.
+        assert_eq!(
+            key.part_of(key.parent().parent()),
+            [share(64.0), share(128.0), share(128.0), share(192.0)]
+        );
+    }
+}

@@ -1,0 +1,235 @@
+//! A layer of the map that is painted in tiles, off the window's thread: what is in view, as finely as the screen shows it.
+//!
+//! The work grows with what is on the screen, the memory is bounded, and until a tile is there a coarser one stands in for it,
+//! or what it looked like before its settings were changed.
+
+mod key;
+
+pub use key::{SIDE, TileKey};
+
+use super::transform::{GroundBounds, MapTransform};
+use crate::app::{Jobs, Outcome, Task};
+use crate::progress::Progress;
+use crate::waterfall::Lru;
+use egui::{Color32, ColorImage, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions};
+use std::sync::Arc;
+
+/// Bytes of textures that a layer keeps besides what is on the screen.
+const BUDGET: usize = 48 << 20;
+/// Tiles painted at once.
+const WORKERS: usize = 2;
+/// Bytes of an entry without a picture.
+const EMPTY: usize = 64;
+
+/// What paints the tiles of a layer.
+pub trait TileSource: Send + Sync {
+    /// West, south, east and north of all that there is, metres.
+    fn bounds(&self) -> GroundBounds;
+
+    /// The finest level worth painting: finer ones show nothing more.
+    fn finest(&self) -> i8;
+
+    /// [`SIDE`] rows of as many colours, from the north-west corner of the tile with its border; `None` where there is nothing
+    /// or when cancelled.
+    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>>;
+}
+
+/// A tile as it was last painted; without a texture where there is nothing.
+struct Resident {
+    texture: Option<TextureHandle>,
+    generation: u64,
+}
+
+struct Running {
+    key: TileKey,
+    generation: u64,
+    task: Task<Option<ColorImage>>,
+}
+
+/// The tiles of a layer, and the work under way.
+pub struct TileLayer {
+    name: &'static str,
+    source: Option<Arc<dyn TileSource>>,
+    /// Grows with every new source.
+    generation: u64,
+    cache: Lru<TileKey, Resident>,
+    running: Vec<Running>,
+    /// Tiles in view that are as they are to be, and all of them.
+    ready: [usize; 2],
+}
+
+impl TileLayer {
+    /// An empty layer.
+    pub fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            source: None,
+            generation: 0,
+            cache: Lru::new(BUDGET),
+            running: Vec::new(),
+            ready: [0; 2],
+        }
+    }
+
+    /// Paints by `source` from now on; the tiles of another stay on the screen until theirs are there. `None` empties the layer.
+    pub fn set_source(&mut self, source: Option<Arc<dyn TileSource>>) {
+        let same = match (&self.source, &source) {
+            (Some(old), Some(new)) => std::ptr::addr_eq(Arc::as_ptr(old), Arc::as_ptr(new)),
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            self.generation += 1;
+            self.running.clear();
+            if source.is_none() {
+                self.cache = Lru::new(BUDGET);
+            }
+            self.source = source;
+        }
+    }
+
+    /// Stops painting: the layer is not shown.
+    pub fn rest(&mut self) {
+        self.running.clear();
+        self.ready = [0; 2];
+    }
+
+    /// Whether every tile in view is as it is to be.
+    pub fn is_settled(&self) -> bool {
+        self.running.is_empty() && self.ready[0] == self.ready[1]
+    }
+
+    /// Tiles in view that are still to come, and all in view.
+    pub fn missing(&self) -> [usize; 2] {
+        [self.ready[1] - self.ready[0], self.ready[1]]
+    }
+
+    /// Draws what is there of the view, and has the rest painted.
+    pub fn show(&mut self, painter: &Painter, rect: Rect, transform: MapTransform, jobs: &Jobs) {
+        let Some(source) = self.source.clone() else {
+            self.rest();
+            return;
+        };
+        self.cache.begin_frame();
+        self.collect(painter.ctx());
+        let (all, view) = (source.bounds(), transform.visible(rect));
+        let pixel_m = transform.metres_per_point / f64::from(painter.pixels_per_point());
+        let level = key::level_for(pixel_m).max(source.finest());
+        let seen = key::tiles(level, view, all);
+        let overview = key::overview_level(all);
+        let mut wanted = Vec::new();
+        if overview > level {
+            // Something to show at once, wherever the view moves next.
+            wanted.extend(key::tiles(overview, view, all));
+        }
+        wanted.extend(&seen);
+        wanted.retain(|key| !self.is_fresh(*key));
+        self.order(&source, wanted, painter.ctx(), jobs);
+        let at = |east_m: f64, north_m: f64| transform.to_screen(rect, [east_m, north_m]);
+        for key in &seen {
+            self.draw(painter, *key, overview.max(level), at);
+        }
+        let ready = seen.iter().filter(|key| self.is_fresh(**key)).count();
+        self.ready = [ready, seen.len()];
+    }
+
+    fn is_fresh(&self, key: TileKey) -> bool {
+        let resident = self.cache.peek(&key);
+        resident.is_some_and(|resident| resident.generation == self.generation)
+    }
+
+    /// Takes the tiles that are ready. What failed or was given up is as good as empty: asking again would not change that.
+    fn collect(&mut self, context: &egui::Context) {
+        let mut index = 0;
+        while index < self.running.len() {
+            let painted = match self.running[index].task.poll() {
+                Outcome::Pending => {
+                    index += 1;
+                    continue;
+                }
+                Outcome::Done(painted) => painted,
+                Outcome::Failed => None,
+            };
+            let done = self.running.swap_remove(index);
+            self.keep(context, &done, painted);
+        }
+    }
+
+    fn keep(&mut self, context: &egui::Context, done: &Running, painted: Option<ColorImage>) {
+        let texture =
+            painted.map(|image| context.load_texture(self.name, image, TextureOptions::LINEAR));
+        let bytes = match texture {
+            Some(_) => SIDE * SIDE * size_of::<Color32>(),
+            None => EMPTY,
+        };
+        let resident = Resident {
+            texture,
+            generation: done.generation,
+        };
+        self.cache.insert(done.key, resident, bytes);
+    }
+
+    /// Has the first of the wanted tiles painted; gives up those that are not wanted any more.
+    fn order(
+        &mut self,
+        source: &Arc<dyn TileSource>,
+        wanted: Vec<TileKey>,
+        context: &egui::Context,
+        jobs: &Jobs,
+    ) {
+        self.running.retain(|running| wanted.contains(&running.key));
+        for key in wanted {
+            if self.running.len() >= WORKERS {
+                break;
+            }
+            if self.running.iter().any(|running| running.key == key) {
+                continue;
+            }
+            let source = source.clone();
+            let task = Task::start(jobs, move |progress| {
+                let colours = source.paint(key, progress)?;
+                (colours.len() == SIDE * SIDE).then(|| ColorImage::new([SIDE, SIDE], colours))
+            });
+            self.running.push(Running {
+                key,
+                generation: self.generation,
+                task,
+            });
+            // Work inside the call is done by now.
+            self.collect(context);
+        }
+    }
+
+    /// The tile itself, of any generation, or else the nearest of the coarser ones that cover it.
+    fn draw(
+        &mut self,
+        painter: &Painter,
+        key: TileKey,
+        coarsest: i8,
+        at: impl Fn(f64, f64) -> Pos2,
+    ) {
+        let mut shown = key;
+        while self.cache.peek(&shown).is_none() {
+            if shown.level >= coarsest {
+                return;
+            }
+            shown = shown.parent();
+        }
+        let Some(texture) = self
+            .cache
+            .use_now(&shown)
+            .and_then(|tile| tile.texture.as_ref())
+        else {
+            return;
+        };
+        let [west, south, east, north] = key.bounds();
+        let [left, top, right, bottom] = key.part_of(shown);
+        let mut mesh = Mesh::with_texture(texture.id());
+        mesh.add_rect_with_uv(
+            Rect::from_min_max(at(west, north), at(east, south)),
+            Rect::from_min_max(Pos2::new(left, top), Pos2::new(right, bottom)),
+            Color32::WHITE,
+        );
+        painter.add(Shape::mesh(mesh));
+    }
+}

@@ -1,0 +1,30 @@
+//! Boxes on the map, over the mosaic that they were found in.
+
+use super::search::truth;
+use super::*;
+use bathyscope::app::{MapLayer, View};
+use bathyscope::ui::Alone;
+
+#[test]
+fn the_mosaic_with_boxes_looks_as_it_did() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = drawn_window([700.0, 500.0]);
+    window.state_mut().show_alone(Alone::View(View::Map));
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    let (names, found) = truth(&window);
+    let review = Review::new(identity(&window), names.clone());
+    let review = review.adopt("truth of the demo", &names, &found, &raster(&window));
+    let path = folder.path().join("demo.review.json");
+    fs::write(&path, review.to_json()).expect("a file");
+    let app = app_mut(&mut window);
+    app.apply(Command::OpenReview(path));
+    app.options.map.flat_spots = false;
+    let layers = &mut app.options.map.layers;
+    layers.set_visible(MapLayer::Mosaic, true);
+    layers.set_visible(MapLayer::HillShade, false);
+    layers.set_opacity(MapLayer::Track, 0.5);
+    settle(&mut window);
+    window.get_by_label_contains("boxes");
+    window.snapshot("map_mosaic");
+}
