@@ -61,7 +61,7 @@ fn depth_caption(from: &Handover<'_>) -> String {
     let settings = &from.products.settings;
     format!(
         "Cells of {:.2} m, UTM zone {}{} (EPSG:{}), graticule in WGS84. No cell is farther than {} m from a depth, none outside \
-         their hull. {} Numbers on rings are those of the objects below.",
+         their hull. {}",
         surface.grid.cell_m,
         from.zone.number,
         if from.zone.north { 'N' } else { 'S' },

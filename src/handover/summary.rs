@@ -116,7 +116,9 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
 }
 
 fn signed(value_m: f64) -> String {
-    format!("{value_m:+.2}").replace('-', "\u{2212}")
+    // Rounded first: no minus stands before a zero.
+    let rounded_m = (value_m * 100.0).round() / 100.0 + 0.0;
+    format!("{rounded_m:+.2}").replace('-', "\u{2212}")
 }
 
 fn volume(cubic_m: f64) -> String {

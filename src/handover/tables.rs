@@ -97,27 +97,34 @@ pub fn method(from: &Handover<'_>) -> String {
 
 fn scale(from: &Handover<'_>) -> String {
     let scale = &from.report.calibration;
-    let mut told = match scale.mode {
-        ScaleMode::FlatSpot => {
-            "<p>Slant ranges are scaled at a flat stretch of the bottom".to_owned()
-        }
-        ScaleMode::Header => "<p>Slant ranges are scaled as the log states it".to_owned(),
+    let flat_spot = match (scale.ppd_px_per_m, scale.ppd_spread_px_per_m) {
+        (Some(ppd), Some(spread)) => Some(format!(
+            "{ppd:.2} \u{b1} {spread:.2} samples a metre over {} first returns{}",
+            count(scale.ppd_picks),
+            (scale.pings).map_or(String::new(), |pings| format!(
+                " of pings {} to {}",
+                pings.start, pings.end
+            ))
+        )),
+        _ => None,
     };
-    if let Some(pings) = scale.pings.filter(|_| scale.mode == ScaleMode::FlatSpot) {
-        write!(told, " (pings {} to {})", pings.start, pings.end).ok();
-    }
-    if let (Some(ppd), Some(spread)) = (scale.ppd_px_per_m, scale.ppd_spread_px_per_m) {
-        write!(
-            told,
-            ": {ppd:.2} \u{b1} {spread:.2} samples a metre over {} first returns",
-            count(scale.ppd_picks)
-        )
-        .ok();
-        if let Some(header) = scale.header_px_per_m {
-            write!(told, "; the log's header implies {header:.2}").ok();
+    let header = scale
+        .header_px_per_m
+        .map(|header| format!("{header:.2} samples a metre"));
+    let told = match (scale.mode, flat_spot, header) {
+        (ScaleMode::FlatSpot, Some(flat_spot), Some(header)) => {
+            format!("at a flat stretch of the bottom: {flat_spot}. The log itself states {header}")
         }
-    }
-    told + ".</p>\n"
+        (ScaleMode::FlatSpot, Some(flat_spot), None) => {
+            format!("at a flat stretch of the bottom: {flat_spot}")
+        }
+        (_, Some(flat_spot), Some(header)) => format!(
+            "as the log states it, {header}. A flat stretch of the bottom gives {flat_spot}"
+        ),
+        (_, _, Some(header)) => format!("as the log states it, {header}"),
+        _ => "as the log states it".to_owned(),
+    };
+    format!("<p>Slant ranges are scaled {told}.</p>\n")
 }
 
 /// `key = value` of every setting that is not the recommended one.
