@@ -1,7 +1,6 @@
 //! The water below each level: two curves over the depth, and their table.
 
 use super::Handover;
-use super::depth_plan::range_m;
 use super::text::{count, ticks};
 use crate::bathymetry::isobaths::{Storage, storage};
 use std::fmt::Write as _;
@@ -20,7 +19,7 @@ pub fn storage_section(from: &Handover<'_>) -> String {
     let Some(surface) = from.surface else {
         return String::new();
     };
-    let [least_m, most_m] = range_m(surface).map(f64::from);
+    let [least_m, most_m] = surface.range_m();
     let grid = &surface.grid;
     let middle = grid.centre(grid.rows / 2, grid.columns / 2);
     // A map's square metres are not quite those of the ground.

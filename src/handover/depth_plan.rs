@@ -3,8 +3,8 @@
 use super::frame::{Bounds, Frame};
 use super::text::ticks;
 use super::{Handover, raster};
-use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::{Isobath, isobaths};
+use crate::bathymetry::{Light, Surface, hill_shade};
 use crate::progress::{Cancelled, Progress};
 use crate::render::{depth_colour, depth_share};
 use std::fmt::Write as _;
@@ -24,14 +24,19 @@ pub fn depth_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<Str
     let Some(frame) = Frame::around(bounds(surface), from.zone) else {
         return Ok(None);
     };
-    let range_m = range_m(surface);
+    let range_m = surface.range_m().map(|depth_m| depth_m as f32);
     let settings = &from.products.settings.isobaths;
     // Too many levels were refused with a warning when the isobaths were written.
-    let levels_m = settings
-        .levels_m(range_m.map(f64::from))
-        .unwrap_or_default();
+    let levels_m = settings.levels_m(surface.range_m()).unwrap_or_default();
     let lines = isobaths(surface, &levels_m, progress)?;
-    let under = picture(surface, range_m, &frame);
+    let light = Light::suited(surface);
+    let lit = Lit {
+        surface,
+        range_m,
+        level_ground: f32::from(light.level_ground()),
+        shade: hill_shade(surface, &light, progress)?,
+    };
+    let under = lit.picture(&frame);
     let over = isobath_lines(&lines, &frame) + &super::objects::marks(from, &frame);
     let name = "Depth map with isobaths, track and objects";
     let under = under + &super::mosaic_plan::track(from, &frame, "#000000", 0.35);
@@ -53,59 +58,78 @@ fn bounds(surface: &Surface) -> Bounds {
     ]
 }
 
-/// Least and greatest depth.
-pub fn range_m(surface: &Surface) -> [f32; 2] {
-    let known = surface.depth_m.iter().filter(|depth| !depth.is_nan());
-    known.fold([f32::MAX, f32::MIN], |[least, most], depth| {
-        [least.min(*depth), most.max(*depth)]
-    })
+/// The depths with their hill-shade.
+struct Lit<'a> {
+    surface: &'a Surface,
+    range_m: [f32; 2],
+    /// Brightness of every cell, 0 where it is not known.
+    shade: Vec<u8>,
+    level_ground: f32,
 }
 
-/// The depths as a picture, cells joined where there are more than can be seen.
-fn picture(surface: &Surface, range_m: [f32; 2], frame: &Frame) -> String {
-    let grid = &surface.grid;
-    let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
-    let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
-    let mut pixels = Vec::with_capacity(4 * columns * rows);
-    for row in 0..rows {
-        for column in 0..columns {
-            let depth_m = mean_m(surface, [row * joined, column * joined], joined);
-            pixels.extend(match depth_m.is_nan() {
-                true => [0; 4],
-                false => {
-                    let [r, g, b] = depth_colour(depth_share(depth_m, range_m));
-                    [r, g, b, 255]
+impl Lit<'_> {
+    /// The depths as a picture, cells joined where there are more than can be seen.
+    fn picture(&self, frame: &Frame) -> String {
+        let grid = &self.surface.grid;
+        let joined = grid.columns.max(grid.rows).div_ceil(MOST_CELLS).max(1);
+        let (columns, rows) = (grid.columns.div_ceil(joined), grid.rows.div_ceil(joined));
+        let mut pixels = Vec::with_capacity(4 * columns * rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                pixels.extend(self.pixel([row * joined, column * joined], joined));
+            }
+        }
+        let scale = grid.cell_m * joined as f64 * frame.px_per_m();
+        let [x, y] = frame.place([grid.west_m, grid.north_m]);
+        format!(
+            "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+            columns as f64 * scale,
+            rows as f64 * scale,
+            raster::rgba(&pixels, columns, rows)
+        )
+    }
+
+    /// Colour of the mean depth of some cells, lit by their mean shade; clear where none is known.
+    fn pixel(&self, [row, column]: [usize; 2], side: usize) -> [u8; 4] {
+        let grid = &self.surface.grid;
+        let (mut depths, mut shades) = (Mean::default(), Mean::default());
+        for row in row..(row + side).min(grid.rows) {
+            let first = row * grid.columns;
+            for cell in first + column..first + (column + side).min(grid.columns) {
+                let depth_m = self.surface.depth_m[cell];
+                if !depth_m.is_nan() {
+                    depths.add(depth_m);
                 }
-            });
+                if self.shade[cell] > 0 {
+                    shades.add(f32::from(self.shade[cell]));
+                }
+            }
         }
+        let Some(depth_m) = depths.mean() else {
+            return [0; 4];
+        };
+        // Level ground keeps its colour.
+        let light = shades.mean().unwrap_or(self.level_ground) / self.level_ground;
+        let [r, g, b] = depth_colour(depth_share(depth_m, self.range_m))
+            .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8);
+        [r, g, b, 255]
     }
-    let side_m = grid.cell_m * joined as f64;
-    let [x, y] = frame.place([grid.west_m, grid.north_m]);
-    let scale = side_m * frame.px_per_m();
-    format!(
-        "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{:.2}\" height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
-        columns as f64 * scale,
-        rows as f64 * scale,
-        raster::rgba(&pixels, columns, rows)
-    )
 }
 
-/// Mean of the known depths of some cells; NaN without one.
-fn mean_m(surface: &Surface, [row, column]: [usize; 2], side: usize) -> f32 {
-    let grid = &surface.grid;
-    let rows = row..(row + side).min(grid.rows);
-    let (mut sum_m, mut count) = (0.0, 0);
-    for row in rows {
-        let first = row * grid.columns;
-        let cells = &surface.depth_m[first + column..first + (column + side).min(grid.columns)];
-        for depth_m in cells.iter().filter(|depth_m| !depth_m.is_nan()) {
-            sum_m += depth_m;
-            count += 1;
-        }
+#[derive(Default)]
+struct Mean {
+    sum: f32,
+    count: u32,
+}
+
+impl Mean {
+    fn add(&mut self, value: f32) {
+        self.sum += value;
+        self.count += 1;
     }
-    match count {
-        0 => f32::NAN,
-        _ => sum_m / count as f32,
+
+    fn mean(&self) -> Option<f32> {
+        (self.count > 0).then(|| self.sum / self.count as f32)
     }
 }
 

@@ -4,6 +4,7 @@ use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
 use super::{Handover, chart, objects, summary, tables};
+use crate::bathymetry::Light;
 use crate::export::xml;
 use crate::progress::{Cancelled, Progress};
 
@@ -61,12 +62,13 @@ fn depth_caption(from: &Handover<'_>) -> String {
     let settings = &from.products.settings;
     format!(
         "Cells of {:.2} m, UTM zone {}{} (EPSG:{}), graticule in WGS84. No cell is farther than {} m from a depth, none outside \
-         their hull. {}",
+         their hull. The relief is lit from the north-west, {} times as high as it is. {}",
         surface.grid.cell_m,
         from.zone.number,
         if from.zone.north { 'N' } else { 'S' },
         from.zone.epsg(),
         settings.surface.max_gap_m,
+        Light::suited(surface).exaggeration,
         xml(&from.products.correction.statement())
     )
 }

@@ -1,6 +1,5 @@
 //! What was surveyed and what came out, in a paragraph and a row of figures.
 
-use super::depth_plan::range_m;
 use super::text::{area, count, date, duration, length, metres, position};
 use super::{Handover, text};
 use crate::calendar;
@@ -76,7 +75,7 @@ fn sentences(from: &Handover<'_>) -> String {
 fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
     let mut figures = Vec::new();
     if let Some(surface) = from.surface {
-        let [least_m, most_m] = range_m(surface);
+        let [least_m, most_m] = surface.range_m();
         let known: Vec<f64> = surface
             .depth_m
             .iter()
