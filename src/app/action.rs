@@ -103,7 +103,16 @@ actions! {
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
-    LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box.";
+    LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, removes the measurement, or deselects the box.";
+    MeasureDistance, "Measure distance", Some("D"), "Click corners on the map: the length of the line on the ground.";
+    MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map: area and perimeter on the ground.";
+    DepthProfile, "Depth profile along a line", Some("P"), "Click corners on the map: the depths of the map along the line.";
+    SetCorner, "Set a corner", Some("X"), "With a measuring tool in hand: a corner at the pointer, or at the cross that the arrow keys move.";
+    TakeCornerBack, "Take the last corner back", Some("Backspace"), "Removes the corner that was set last.";
+    EndFigure, "End the measurement", Some("Enter"), "Closes the line or the area; the next corner begins another one.";
+    RemoveFigure, "Remove the measurement", None, "Takes what was measured off the map.";
+    SaveProfile, "Save the depth profile…", None, "Writes distance, position and depth along the line as CSV.";
+    CopyProfile, "Copy the depth profile", None, "Copies distance, position and depth along the line as CSV.";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
     CalibrationReset, "Calibrate at the flattest stretch", None, "Forgets the stretch that was picked by hand.";
     OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";

@@ -2,8 +2,8 @@
 
 use super::reviewing::Step;
 use super::{
-    Action, App, Command, MapLayer, Mark, Orientation, Origin, Reveal, SideColours, ThemeChoice,
-    Tool,
+    Action, App, Command, FigureKind, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
+    ThemeChoice, Tool,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
@@ -35,6 +35,8 @@ impl App {
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
+            Command::Measure(wish) => self.measure(wish),
+            Command::SaveProfile(path) => self.save_profile(path),
             Command::Tell(text) => self.tell(text, true),
             Command::Dismiss(index) => {
                 if index < self.notices.len() {
@@ -211,7 +213,14 @@ impl App {
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
+            Action::LeaveTool if self.leave_measuring() => {}
             Action::LeaveTool => self.leave_tool(),
+            Action::MeasureDistance => self.take_measuring_tool(FigureKind::Distance),
+            Action::MeasureArea => self.take_measuring_tool(FigureKind::Area),
+            Action::DepthProfile => self.take_measuring_tool(FigureKind::Profile),
+            Action::TakeCornerBack => self.take_corner_back(),
+            Action::EndFigure => self.end_figure(),
+            Action::RemoveFigure => self.remove_figure(),
             Action::TakeUpUnsaved => self.take_up_unsaved(),
             Action::ForgetTruth => self.forget_truth(),
             Action::NextMistake => self.step_mistake(1),

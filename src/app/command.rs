@@ -1,6 +1,6 @@
 //! Everything the window can ask for.
 
-use super::{Action, LayoutPreset, Mark, MistakeSort, Nudge, View, ViewOptions};
+use super::{Action, LayoutPreset, Mark, Measure, MistakeSort, Nudge, View, ViewOptions};
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
@@ -76,6 +76,10 @@ pub enum Command {
     SaveReview(PathBuf),
     /// Write reviewed boxes and objects into a folder.
     ExportBoxes(PathBuf),
+    /// Draw on the map, or take the depths along what is drawn.
+    Measure(Measure),
+    /// Write the depth profile into a file.
+    SaveProfile(PathBuf),
     /// Tell the analyst a sentence.
     Tell(String),
     /// Forget a notice.

@@ -10,6 +10,7 @@ mod figures;
 mod history;
 mod loader;
 mod map_layers;
+mod measuring;
 mod options;
 mod preview;
 mod reviewing;
@@ -23,6 +24,7 @@ pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
+pub use measuring::{Figure, FigureKind, Measure, Measuring};
 pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,

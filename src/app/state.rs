@@ -1,6 +1,7 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
 use super::loader::Loading;
+use super::measuring::Measuring;
 use super::preview::Previewer;
 use super::reviewing::{Reviewing, Step};
 use super::work::Exporting;
@@ -101,6 +102,8 @@ pub struct App {
     pub notices: Vec<Notice>,
     /// Counts and residuals of `products`; those of the last products until the new ones are counted.
     pub figures: Option<Figures>,
+    /// What is drawn on the map to measure.
+    pub measuring: Measuring,
     /// The boxes and what is decided about them.
     pub reviewing: Reviewing,
     pub(super) history: History<Step>,
@@ -135,6 +138,7 @@ impl App {
             recent: Vec::new(),
             notices: Vec::new(),
             figures: None,
+            measuring: Measuring::default(),
             reviewing: Reviewing::default(),
             history: History::default(),
             engine,

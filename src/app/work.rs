@@ -2,6 +2,7 @@
 
 use super::figures::Figures;
 use super::loader::Loading;
+use super::measuring::Measuring;
 use super::preview::Request;
 use super::{Action, App, History, Jobs, Notice, Origin, Outcome, Task};
 use crate::pipeline::{Products, Settings, write_products};
@@ -104,6 +105,7 @@ impl App {
         self.visible = 0..0;
         // A flat spot belongs to the survey that it was picked in.
         self.settings = self.settings.with_survey_of(&Settings::default());
+        self.measuring = Measuring::default();
         self.history = History::default();
         self.previewer.forget();
         if path.is_some() {

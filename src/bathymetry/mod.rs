@@ -2,7 +2,7 @@
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` holds points against a reference.
+//! `compare` holds points against a reference, `transect` looks at them along a line.
 
 pub mod compare;
 mod grid;
@@ -15,6 +15,7 @@ mod surface;
 #[cfg(test)]
 mod testing;
 mod tin;
+mod transect;
 
 pub use grid::{Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
@@ -22,3 +23,4 @@ pub use nodes::{Node, merge_repeated};
 pub use soundings::{DepthPoint, depth_points, depth_range};
 pub use surface::{Surface, SurfaceMethod, SurfaceSettings, surface};
 pub use tin::{Between, Tin, TinSampler};
+pub use transect::{Corner, Station, transect};

@@ -16,6 +16,7 @@ mod isobaths;
 mod objects;
 mod picture_boxes;
 pub mod points;
+mod profile_csv;
 
 pub use aside::{ExportError, write_aside};
 pub use chip_folder::ChipFolder;
@@ -28,6 +29,7 @@ pub use first_returns::first_returns_csv;
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;
+pub use profile_csv::{profile_csv, write_profile_csv};
 
 use crate::cloud::PointSource;
 

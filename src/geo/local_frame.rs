@@ -3,11 +3,11 @@
 use super::LonLat;
 
 /// Equatorial radius of WGS84, metres.
-const A_M: f64 = 6_378_137.0;
+pub(super) const A_M: f64 = 6_378_137.0;
 /// Flattening of WGS84.
 const F: f64 = 1.0 / 298.257_223_563;
 /// First eccentricity squared of WGS84.
-const E2: f64 = F * (2.0 - F);
+pub(super) const E2: f64 = F * (2.0 - F);
 
 /// A local east-north frame tangent to the WGS84 ellipsoid at an origin (height 0).
 ///
@@ -79,7 +79,8 @@ impl LocalFrame {
     }
 }
 
-fn earth_centred(position: LonLat) -> [f64; 3] {
+/// Metres from the centre of the Earth of a position on the ellipsoid.
+pub(super) fn earth_centred(position: LonLat) -> [f64; 3] {
     let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
     let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
     let normal_m = A_M / (1.0 - E2 * sin_lat * sin_lat).sqrt();

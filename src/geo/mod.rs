@@ -2,15 +2,17 @@
 //!
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
 //! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position, `graticule` the round lines
-//! between them.
+//! between them, `geodesic` the lengths and areas of what is drawn.
 
 mod coordinates;
+mod geodesic;
 mod graticule;
 mod local_frame;
 mod mercator;
 mod utm;
 
 pub use coordinates::CoordinateFormat;
+pub use geodesic::{area_m2, course_rad, distance_m};
 pub use graticule::{Axis, Graticule};
 pub use local_frame::LocalFrame;
 pub use mercator::{

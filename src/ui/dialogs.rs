@@ -19,6 +19,7 @@ enum Purpose {
     SaveReview,
     ExportBoxesInto,
     OpenModel,
+    SaveProfile,
 }
 
 /// What a system dialog came back with.
@@ -51,7 +52,8 @@ struct Field {
 
 impl Field {
     fn new(purpose: Purpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
-        let proposed = proposed.filter(|_| purpose == Purpose::SaveReview);
+        let is_named = matches!(purpose, Purpose::SaveReview | Purpose::SaveProfile);
+        let proposed = proposed.filter(|_| is_named);
         Some(Self {
             purpose,
             path: proposed.map_or_else(String::new, |path| path.display().to_string()),
@@ -90,6 +92,12 @@ impl Dialogs {
     /// Asks for the folder that reviewed boxes go into.
     pub fn pick_box_folder(&mut self, jobs: &Jobs) {
         self.ask(Purpose::ExportBoxesInto, jobs);
+    }
+
+    /// Asks for the file that the depth profile is written into.
+    pub fn name_profile(&mut self, proposed: PathBuf, jobs: &Jobs) {
+        self.proposed = Some(proposed);
+        self.ask(Purpose::SaveProfile, jobs);
     }
 
     /// Asks for a detector.
@@ -168,6 +176,7 @@ impl Dialogs {
             ),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
+            Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
@@ -210,6 +219,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::SaveReview => Command::SaveReview(path),
         Purpose::ExportBoxesInto => Command::ExportBoxes(path),
         Purpose::OpenModel => Command::UseModel(path),
+        Purpose::SaveProfile => Command::SaveProfile(path),
     }
 }
 
@@ -244,8 +254,12 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
             .set_title("Open what is known to lie in the log")
             .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
-        Purpose::SaveReview => {
-            let mut dialog = rfd::FileDialog::new().set_title("Save the review of boxes");
+        Purpose::SaveReview | Purpose::SaveProfile => {
+            let title = match purpose {
+                Purpose::SaveProfile => "Save the depth profile",
+                _ => "Save the review of boxes",
+            };
+            let mut dialog = rfd::FileDialog::new().set_title(title);
             if let Some(path) = &proposed {
                 let name = path.file_name().unwrap_or_default();
                 dialog = dialog.set_file_name(name.to_string_lossy());

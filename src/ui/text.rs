@@ -28,6 +28,27 @@ pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
     }
 }
 
+/// A length on the ground: metres, from a kilometre on kilometres.
+pub fn length(value_m: f64) -> String {
+    match value_m {
+        _ if !value_m.is_finite() => NONE.to_owned(),
+        ..100.0 => format!("{value_m:.2} m"),
+        100.0..1000.0 => format!("{value_m:.1} m"),
+        _ => format!("{:.3} km", value_m / 1000.0),
+    }
+}
+
+/// An area on the ground: square metres, from a tenth of a square kilometre on hectares, from ten on square kilometres.
+pub fn area(value_m2: f64) -> String {
+    match value_m2 {
+        _ if !value_m2.is_finite() => NONE.to_owned(),
+        ..1000.0 => format!("{value_m2:.1} m²"),
+        1000.0..1e5 => format!("{} m²", count(value_m2.round() as usize)),
+        1e5..1e7 => format!("{:.2} ha", value_m2 / 1e4),
+        _ => format!("{:.3} km²", value_m2 / 1e6),
+    }
+}
+
 /// A difference in centimetres below one metre, else in metres.
 pub fn difference(value_m: f64) -> String {
     if value_m.abs() < 1.0 {
@@ -121,6 +142,17 @@ mod tests {
         assert_eq!(count(999), "999");
         assert_eq!(count(1_000), "1 000");
         assert_eq!(count(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn lengths_and_areas_change_their_unit_where_they_grow_long() {
+        let lengths = [12.345, 99.994, 123.45, 999.94, 1234.5, f64::NAN].map(length);
+        assert_eq!(
+            lengths,
+            ["12.35 m", "99.99 m", "123.5 m", "999.9 m", "1.234 km", NONE]
+        );
+        let areas = [12.34, 12_345.6, 123_456.0, 2.5e7].map(area);
+        assert_eq!(areas, ["12.3 m²", "12 346 m²", "12.35 ha", "25.000 km²"]);
     }
 
     #[test]

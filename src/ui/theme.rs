@@ -289,6 +289,11 @@ pub fn picture_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
+/// What is drawn on the map to measure, set off by a casing.
+pub fn measure_colour() -> Color32 {
+    Color32::from_rgb(255, 150, 50)
+}
+
 /// Curves, axes and numbers of the profile.
 pub fn plot_ink(options: &ViewOptions) -> Color32 {
     match options.theme {

@@ -1,10 +1,11 @@
 //! The tools of the map, driven by keys and mouse.
 
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, Command, Mark, View};
-use bathyscope::geo::CoordinateFormat;
+use bathyscope::app::{Action, Command, Mark, Measure, View};
+use bathyscope::geo::{CoordinateFormat, LonLat};
 use bathyscope::ui::Alone;
-use egui::{Key, Modifiers};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, pos2};
 use egui_kittest::kittest::Queryable as _;
 
 /// Runs a command by its name.
@@ -68,4 +69,206 @@ fn the_graticule_follows_the_coordinates() {
     let off = Command::Do(Action::Graticule);
     window.state_mut().app.apply(off);
     assert!(!app(&window).options.map.graticule);
+}
+
+/// A click with the main button.
+fn click(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.run();
+    for pressed in [true, false] {
+        window.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+    }
+    window.run();
+    // What a click wishes is carried out after its frame.
+    window.step();
+}
+
+fn corners(window: &Window) -> Vec<LonLat> {
+    let figure = app(window).measuring.figure.as_ref();
+    figure.map_or_else(Vec::new, |figure| figure.corners.clone())
+}
+
+#[test]
+fn a_distance_is_measured_by_mouse_and_taken_back() {
+    let mut window = map_window();
+    press(&mut window, Modifiers::NONE, Key::D);
+    assert!(
+        window
+            .query_by_label_contains("Measure distance: click")
+            .is_some()
+    );
+    click(&mut window, pos2(200.0, 400.0));
+    click(&mut window, pos2(300.0, 400.0));
+    click(&mut window, pos2(300.0, 300.0));
+    let found = corners(&window);
+    let survey = app(&window).survey.clone().unwrap();
+    let places: Vec<[f64; 2]> = found
+        .iter()
+        .map(|at| survey.track.frame.to_enu(*at))
+        .collect();
+    let legs: Vec<f64> = places
+        .windows(2)
+        .map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1]))
+        .collect();
+    assert!(
+        (legs[0] - legs[1]).abs() < 1e-3 * legs[0],
+        "a hundred points each: {legs:?}"
+    );
+    assert!(
+        places[1][0] > places[0][0] && places[2][1] > places[1][1],
+        "{places:?}"
+    );
+    let distances_m = app(&window)
+        .measuring
+        .figure
+        .as_ref()
+        .unwrap()
+        .distances_m();
+    assert!(
+        (distances_m[2] - legs[0] - legs[1]).abs() < 1e-6,
+        "{distances_m:?}"
+    );
+    assert_eq!(app(&window).selection, None, "the clicks select no ping");
+    press(&mut window, Modifiers::NONE, Key::Backspace);
+    assert_eq!(corners(&window), found[..2]);
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let told = format!("Distance {:.2} m", legs[0]);
+    assert!(window.query_by_label_contains(&told).is_some(), "{told}");
+    click(&mut window, pos2(500.0, 300.0));
+    assert_eq!(corners(&window).len(), 1, "another line begins");
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).measuring.tool, None);
+    assert_eq!(corners(&window).len(), 0, "one corner measures nothing");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(corners(&window).len(), 1, "undone");
+    for _ in 0..2 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(corners(&window), found, "back to the third corner");
+}
+
+#[test]
+fn an_area_is_drawn_by_keys_alone() {
+    let mut window = map_window();
+    press(&mut window, Modifiers::SHIFT, Key::D);
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    press(&mut window, Modifiers::NONE, Key::X);
+    for _ in 0..10 {
+        press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    }
+    press(&mut window, Modifiers::NONE, Key::X);
+    for _ in 0..20 {
+        press(&mut window, Modifiers::NONE, Key::ArrowUp);
+    }
+    press(&mut window, Modifiers::NONE, Key::X);
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    window.step();
+    let figure = app(&window).measuring.figure.clone().expect("a figure");
+    assert!(figure.done && figure.corners.len() == 3, "{figure:?}");
+    let distances_m = figure.distances_m();
+    let legs = [distances_m[1], distances_m[2] - distances_m[1]];
+    assert!((legs[1] / legs[0] - 2.0).abs() < 1e-3, "{legs:?}");
+    let area_m2 = figure.area_m2();
+    assert!(
+        (area_m2 / (0.5 * legs[0] * legs[1]) - 1.0).abs() < 1e-3,
+        "half of a rectangle"
+    );
+    assert_eq!(
+        app(&window).selection,
+        None,
+        "the arrows walk along no pings"
+    );
+    assert!(
+        window
+            .query_by_label_contains(&format!("Area {area_m2:.1} m²"))
+            .is_some()
+    );
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).measuring.figure, None);
+}
+
+#[test]
+fn a_depth_profile_is_plotted_marked_and_saved() {
+    let mut window = map_window();
+    press(&mut window, Modifiers::NONE, Key::P);
+    window.step();
+    click(&mut window, pos2(200.0, 180.0));
+    click(&mut window, pos2(450.0, 260.0));
+    click(&mut window, pos2(760.0, 120.0));
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    settle(&mut window);
+    let plot = window.get_by_label_contains("Depth profile, ").rect();
+    window.hover_at(plot.center());
+    window.run();
+    assert!(window.query_by_label_contains("; at ").is_some());
+    settle(&mut window);
+    window.snapshot("map_profile");
+
+    let stations = app(&window).measuring.stations.clone();
+    let figure = app(&window).measuring.figure.clone().unwrap();
+    let text = app(&window).profile_csv().expect("a profile");
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("distance_m,lon,lat,east_m,north_m,depth_m")
+    );
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), stations.len());
+    let number = |row: usize, column: usize| rows[row][column].parse::<f64>();
+    assert!((number(rows.len() - 1, 0).unwrap() - figure.length_m()).abs() < 1e-3);
+    assert!((1..rows.len()).all(|row| number(row, 0).unwrap() > number(row - 1, 0).unwrap()));
+    let depths: Vec<f64> = (0..rows.len())
+        .filter_map(|row| number(row, 5).ok())
+        .collect();
+    let gaps = rows.iter().filter(|row| row[5].is_empty()).count();
+    assert!(gaps > 10 && depths.len() > 100 && gaps + depths.len() == rows.len());
+    assert!(depths.iter().all(|depth_m| (1.2..2.8).contains(depth_m)));
+    let end = figure.corners.last().unwrap();
+    assert!((number(rows.len() - 1, 1).unwrap() - end.lon_deg).abs() < 1e-8);
+}
+
+#[test]
+fn a_profile_is_written_where_the_path_field_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bed.csv");
+    let mut window = demo_window();
+    by_palette(&mut window, "Save the depth profile");
+    assert!(
+        window
+            .query_by_label_contains("there is no depth profile yet")
+            .is_some()
+    );
+    let origin = app(&window).survey.as_ref().unwrap().track.frame.origin();
+    let app = &mut window.state_mut().app;
+    app.apply(Command::Do(Action::DepthProfile));
+    for north_deg in [0.0, 1e-4] {
+        app.apply(Command::Measure(Measure::Corner(LonLat {
+            lat_deg: origin.lat_deg + north_deg,
+            ..origin
+        })));
+    }
+    app.apply(Command::Do(Action::EndFigure));
+    window.run();
+    window.get_by_label("Save CSV… (depth profile)").click();
+    window.run();
+    let field = |window: &Window, act: &dyn Fn(egui_kittest::Node<'_>)| {
+        act(window.get_by_role_and_label(Role::TextInput, "File to write"));
+    };
+    field(&window, &|field| field.focus());
+    window.run();
+    press(&mut window, Modifiers::COMMAND, Key::A);
+    let written = path.display().to_string();
+    field(&window, &|field| field.type_text(&written));
+    window.run();
+    window.get_by_label("Save").click();
+    window.run();
+    let text = std::fs::read_to_string(path).unwrap();
+    assert!(text.lines().count() > 10, "{text}");
 }

@@ -24,6 +24,7 @@ impl App {
         Step {
             settings: self.settings.clone(),
             review: self.reviewing.review.clone(),
+            figure: self.measuring.figure.clone(),
         }
     }
 
@@ -36,6 +37,7 @@ impl App {
                 self.select_box(Some(id));
             }
         }
+        self.measuring.figure = step.figure;
         self.set(step.settings, false);
     }
 

@@ -15,6 +15,7 @@ pub use judging::{Judging, MistakeSort};
 pub use places::Placed;
 
 use super::Mark;
+use super::measuring::Figure;
 use crate::detection::review::{
     BoxId, Counts, Identity, NAMELESS_CLASS, Queue, Review, Reviewed, State,
 };
@@ -50,12 +51,15 @@ pub enum Tool {
 pub(super) struct Step {
     pub settings: Settings,
     pub review: Arc<Review>,
+    pub figure: Option<Arc<Figure>>,
 }
 
 /// A review is the same when it is the same version, which undo brings back as it was.
 impl PartialEq for Step {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.review, &other.review) && self.settings == other.settings
+        Arc::ptr_eq(&self.review, &other.review)
+            && self.settings == other.settings
+            && self.figure == other.figure
     }
 }
 

@@ -2,9 +2,14 @@
 
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, LayoutPreset, View};
+use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.
 const NO_BOXES: &str = "there are no boxes yet; find objects, or draw a box with N";
+
+/// Said when there is no profile to save or copy.
+const NO_PROFILE: &str =
+    "there is no depth profile yet; draw a line over the depth map with P first";
 
 impl Shell {
     /// Carries out a command.
@@ -55,6 +60,12 @@ impl Shell {
             Action::Fit => self.request(ViewRequest::Fit),
             Action::ZoomIn => self.request(ViewRequest::ZoomIn),
             Action::ZoomOut => self.request(ViewRequest::ZoomOut),
+            Action::SetCorner => self.views.map.set_corner(),
+            Action::SaveProfile => self.save_profile(),
+            Action::CopyProfile => match self.app.profile_csv() {
+                Some(text) => ctx.copy_text(text),
+                None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),
+            },
             Action::TopView => self.views.request(View::Cloud, ViewRequest::Top),
             Action::SideView => self.views.request(View::Cloud, ViewRequest::Side),
             other => self.app.apply(Command::Do(other)),
@@ -73,6 +84,22 @@ impl Shell {
                 self.dialogs.name_review(path, self.app.jobs());
             }
             _ => self.app.apply(Command::Tell(NO_BOXES.to_owned())),
+        }
+    }
+
+    fn save_profile(&mut self) {
+        match self.app.profile_csv() {
+            Some(_) => {
+                let log = self
+                    .app
+                    .survey
+                    .as_ref()
+                    .and_then(|survey| survey.source.files.first());
+                let proposed = log.map(|log| log.with_extension("profile.csv"));
+                let proposed = proposed.unwrap_or_else(|| PathBuf::from("profile.csv"));
+                self.dialogs.name_profile(proposed, self.app.jobs());
+            }
+            None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),
         }
     }
 

@@ -94,7 +94,14 @@ fn has_meaning(app: &App, action: Action, control_focused: bool, help_open: bool
     match action {
         Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
         Action::LeaveTool => {
-            !help_open && (reviewing.tool != Tool::Look || reviewing.selected.is_some())
+            let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
+            !help_open && (reviewing.tool != Tool::Look || reviewing.selected.is_some() || drawn)
+        }
+        Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
+        Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),
+        // With a measuring tool in hand the arrows move its cross.
+        Action::PreviousPing | Action::NextPing | Action::Back25 | Action::Forward25 => {
+            app.measuring.tool.is_none()
         }
         _ => true,
     }
@@ -165,7 +172,7 @@ fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
 fn is_control_key(shortcut: &KeyboardShortcut) -> bool {
     matches!(
         shortcut.logical_key,
-        Key::ArrowLeft | Key::ArrowRight | Key::Home | Key::End | Key::Space
+        Key::ArrowLeft | Key::ArrowRight | Key::Home | Key::End | Key::Space | Key::Enter
     )
 }
 

@@ -31,6 +31,16 @@ const STEPS: &[Action] = &[
     Action::LastPing,
     Action::Play,
 ];
+const MEASURING: &[Action] = &[
+    Action::MeasureDistance,
+    Action::MeasureArea,
+    Action::DepthProfile,
+    Action::EndFigure,
+    Action::TakeCornerBack,
+    Action::RemoveFigure,
+    Action::SaveProfile,
+    Action::CopyProfile,
+];
 const PROCESSING: &[Action] = &[
     Action::PresetRecommended,
     Action::PresetPublished,
@@ -192,6 +202,8 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
+    ui.separator();
+    ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
     ui.separator();
     entries(ui, context, STEPS);
 }

@@ -5,6 +5,7 @@ mod graticule;
 mod isobaths;
 mod layers;
 mod lines;
+mod measure;
 mod mosaic;
 mod objects;
 mod overlay;
@@ -44,6 +45,7 @@ pub struct MapView {
     track: Background<Key, Arc<TrackLayer>>,
     layers: Layers,
     pointer: pointer::Pointer,
+    measure: measure::MeasureTool,
     seen_survey: u64,
     seen_reveal: u64,
 }
@@ -51,12 +53,21 @@ pub struct MapView {
 impl MapView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        let (rect, plot) = measure::split(ui.available_rect_before_wrap(), context.app);
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
         self.forget_other_survey(context);
         let name = self.content(ui, context, rect, &response);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+        if let Some(plot) = plot {
+            self.measure.plot(ui, context, plot);
+        }
+    }
+
+    /// Sets a corner of what is drawn where the pointer or the cross is.
+    pub fn set_corner(&mut self) {
+        self.measure.set_corner();
     }
 
     /// Carries out a wish from menu, key or palette.
@@ -76,6 +87,7 @@ impl MapView {
             self.track = Background::default();
             self.layers.forget();
             self.pointer = pointer::Pointer::default();
+            self.measure = measure::MeasureTool::default();
         }
     }
 
@@ -118,13 +130,8 @@ impl MapView {
         };
         paint(ui, context, &scene, &mut self.layers);
         self.pointer.handle(ui, context, &scene, response);
-        toolbar::show(
-            ui,
-            &context.app.options,
-            rect,
-            &mut self.wish,
-            &mut self.pointer,
-        );
+        self.measure.ui(ui, context, &scene, response);
+        toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
         name(&survey, &products, &track) + &boxes(context)
     }
 
@@ -169,7 +176,9 @@ impl MapView {
             Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),
             Some(ViewRequest::Top | ViewRequest::Side) | None => {}
         }
-        pointer::move_view(ui, rect, response, &mut transform, whole);
+        // A double-click ends a measurement.
+        let fits = context.app.measuring.tool.is_none();
+        pointer::move_view(ui, rect, response, &mut transform, whole, fits);
         if let Some(reveal) = context.app.reveal
             && reveal.serial != self.seen_reveal
         {

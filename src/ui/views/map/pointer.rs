@@ -31,13 +31,14 @@ pub struct Pointer {
     offered: Option<usize>,
 }
 
-/// Wheel zooms at the pointer, drag moves, double-click fits.
+/// Wheel zooms at the pointer, drag moves, double-click fits if it has no other use.
 pub fn move_view(
     ui: &Ui,
     rect: Rect,
     response: &Response,
     transform: &mut MapTransform,
     whole: impl Fn() -> MapTransform,
+    fits: bool,
 ) {
     let dragged =
         response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
@@ -51,7 +52,7 @@ pub fn move_view(
             transform.zoom(rect, at, factor);
         }
     }
-    if response.double_clicked() {
+    if fits && response.double_clicked() {
         *transform = whole();
     }
 }
@@ -69,13 +70,18 @@ impl Pointer {
             self.calibrating = false;
         }
         let at = response.hover_pos();
-        let ping = at.and_then(|at| nearest(scene, at));
+        // A measuring tool in hand has a use of its own for the pointer.
+        let is_measuring = context.app.measuring.tool.is_some();
+        let ping = at
+            .and_then(|at| nearest(scene, at))
+            .filter(|_| !is_measuring);
         self.hover(context, ping);
         if let Some(at) = at {
             self.show_under(ui, context, scene, at, ping);
         }
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
+            && !is_measuring
         {
             self.click(context, scene, at);
         }

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// What the layers of one map are drawn from.
 pub struct Layers {
     relief: Background<ReliefKey, Arc<Relief>>,
-    /// Whether something on the map is drawn from `relief`; otherwise it may be older than its settings.
+    /// Whether something on the map is drawn or measured from `relief`; otherwise it may be older than its settings.
     relief_shown: bool,
     depth: TileLayer,
     shade: TileLayer,
@@ -61,7 +61,8 @@ impl Layers {
     pub fn ask(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>, products: &Products) {
         let stack = &context.app.options.map.layers;
         let shows = |layers: &[MapLayer]| layers.iter().any(|layer| stack.is_visible(*layer));
-        self.relief_shown = shows(&[MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths]);
+        self.relief_shown = shows(&[MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths])
+            || context.app.measuring.shows_profile();
         if self.relief_shown {
             let key = ReliefKey::of(survey, products);
             let (survey, products) = (survey.clone(), products.clone());

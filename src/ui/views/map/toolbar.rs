@@ -1,26 +1,39 @@
 //! The buttons on the map. What is drawn is chosen in the view's title.
 
 use super::pointer::Pointer;
-use crate::app::ViewOptions;
-use crate::ui::ViewRequest;
+use crate::app::{Action, Command, FigureKind};
 use crate::ui::views::legend;
+use crate::ui::{ViewContext, ViewRequest, theme};
 use egui::{Rect, Ui, UiBuilder, vec2};
 
-/// Fit, and the calibration tool.
+/// Fit, the calibration tool and the measuring tools.
 pub fn show(
     ui: &mut Ui,
-    options: &ViewOptions,
+    context: &mut ViewContext<'_>,
     rect: Rect,
     wish: &mut Option<ViewRequest>,
     pointer: &mut Pointer,
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(options).show(ui, |ui| ui.horizontal(|ui| buttons(ui, wish, pointer)));
+        legend::frame(&context.app.options).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let takes_calibration = buttons(ui, wish, pointer);
+                // The tool that was taken last is the one in hand.
+                if context.app.measuring.tool.is_some() {
+                    match takes_calibration {
+                        true => context.push(Command::Do(Action::LeaveTool)),
+                        false => pointer.calibrating = false,
+                    }
+                }
+                measure(ui, context);
+            })
+        });
     });
 }
 
-fn buttons(ui: &mut Ui, wish: &mut Option<ViewRequest>, pointer: &mut Pointer) {
+/// Whether the calibration tool was taken.
+fn buttons(ui: &mut Ui, wish: &mut Option<ViewRequest>, pointer: &mut Pointer) -> bool {
     ui.spacing_mut().item_spacing.x = 4.0;
     let fit = ui.button("Fit");
     if fit
@@ -30,8 +43,34 @@ fn buttons(ui: &mut Ui, wish: &mut Option<ViewRequest>, pointer: &mut Pointer) {
         *wish = Some(ViewRequest::Fit);
     }
     let tool = ui.toggle_value(&mut pointer.calibrating, "Calibrate by click");
+    let was_clicked = tool.clicked();
     tool.on_hover_text(
         "The next click on the track or on a numbered stretch measures the scale there. \
          C does it at the selected ping; Esc leaves the tool.",
     );
+    was_clicked && pointer.calibrating
+}
+
+fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let tools = [
+        (Action::MeasureDistance, FigureKind::Distance),
+        (Action::MeasureArea, FigureKind::Area),
+        (Action::DepthProfile, FigureKind::Profile),
+    ];
+    let tool = context.app.measuring.tool;
+    let title = egui::RichText::new("Measure");
+    let title = match tool {
+        Some(_) => title.color(theme::measure_colour()),
+        None => title,
+    };
+    ui.menu_button(title, |ui| {
+        for (action, kind) in tools {
+            let button = egui::Button::selectable(tool == Some(kind), action.label());
+            let button = ui.add(button.shortcut_text(action.keys().unwrap_or_default()));
+            if button.on_hover_text(action.hint()).clicked() {
+                context.push(Command::Do(action));
+                ui.close();
+            }
+        }
+    });
 }

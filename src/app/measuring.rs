@@ -1,0 +1,228 @@
+//! What the analyst draws on the map to measure: a line, an area, or the line of a depth profile.
+
+use super::App;
+use super::reviewing::{Step, Tool};
+use crate::bathymetry::Station;
+use crate::export;
+use crate::geo::{LonLat, area_m2, distance_m};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// What a figure is drawn for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FigureKind {
+    /// Length along a line.
+    Distance,
+    /// Area of a polygon.
+    Area,
+    /// Depths along a line.
+    Profile,
+}
+
+impl FigureKind {
+    /// Corners that there is something to measure between.
+    fn least(self) -> usize {
+        match self {
+            Self::Distance | Self::Profile => 2,
+            Self::Area => 3,
+        }
+    }
+}
+
+/// A drawn line. It is kept as positions, so that it stays on its ground when the plane of the survey changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it is drawn for.
+    pub kind: FigureKind,
+    /// Its corners in the order of drawing; an area is closed from the last to the first.
+    pub corners: Vec<LonLat>,
+    /// The next corner begins another figure.
+    pub done: bool,
+}
+
+impl Figure {
+    /// Metres along the line from its start to each of its corners, on the ellipsoid.
+    pub fn distances_m(&self) -> Vec<f64> {
+        let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
+            *sum_m += distance_m(leg[0], leg[1]);
+            Some(*sum_m)
+        });
+        let start = self.corners.first().map(|_| 0.0);
+        start.into_iter().chain(legs).collect()
+    }
+
+    /// Metres along the line; around an area.
+    pub fn length_m(&self) -> f64 {
+        let along_m = self.distances_m().last().copied().unwrap_or(0.0);
+        match (self.kind, self.corners.first(), self.corners.last()) {
+            (FigureKind::Area, Some(first), Some(last)) => along_m + distance_m(*last, *first),
+            _ => along_m,
+        }
+    }
+
+    /// Square metres of an area, on the ellipsoid.
+    pub fn area_m2(&self) -> f64 {
+        area_m2(&self.corners)
+    }
+
+    /// The figure with one more corner.
+    pub fn with(&self, corner: LonLat) -> Self {
+        let corners = self.corners.iter().copied().chain([corner]);
+        Self {
+            corners: corners.collect(),
+            ..self.clone()
+        }
+    }
+
+    fn is_measurable(&self) -> bool {
+        self.corners.len() >= self.kind.least()
+    }
+}
+
+/// A wish about the figure.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measure {
+    /// One more corner here.
+    Corner(LonLat),
+    /// The depths along the line, as the map has them.
+    Sampled(Arc<Vec<Station>>),
+}
+
+/// The figure and the tool that draws it.
+#[derive(Default)]
+pub struct Measuring {
+    /// What a click on the map draws.
+    pub tool: Option<FigureKind>,
+    /// What was drawn last.
+    pub figure: Option<Arc<Figure>>,
+    /// Depths along the figure, if it is the line of a profile.
+    pub stations: Arc<Vec<Station>>,
+}
+
+impl Measuring {
+    /// Whether the plot of a depth profile is wanted.
+    pub fn shows_profile(&self) -> bool {
+        let drawn = self.figure.as_ref().map(|figure| figure.kind);
+        self.tool.or(drawn) == Some(FigureKind::Profile)
+    }
+
+    /// Whether a corner would go on with the figure there is.
+    pub fn is_drawing(&self) -> bool {
+        let open = self.figure.as_ref().filter(|figure| !figure.done);
+        open.is_some_and(|figure| Some(figure.kind) == self.tool)
+    }
+}
+
+impl App {
+    /// Takes a measuring tool in hand, or lays it down.
+    pub(super) fn take_measuring_tool(&mut self, kind: FigureKind) {
+        let again = self.measuring.tool == Some(kind);
+        self.end_figure();
+        self.measuring.tool = (!again && self.survey.is_some()).then_some(kind);
+        self.reviewing.tool = Tool::Look;
+    }
+
+    /// Lays the tool down; without a tool, removes the figure. Whether there was anything to do.
+    pub(super) fn leave_measuring(&mut self) -> bool {
+        let had_tool = self.measuring.tool.take().is_some();
+        match had_tool {
+            true => self.end_figure(),
+            false if self.measuring.figure.is_some() => self.draw(None),
+            false => return false,
+        }
+        true
+    }
+
+    /// Removes the figure, and lays the tool down.
+    pub(super) fn remove_figure(&mut self) {
+        self.measuring.tool = None;
+        if self.measuring.figure.is_some() {
+            self.draw(None);
+        }
+    }
+
+    /// Carries out a wish about the figure.
+    pub(super) fn measure(&mut self, wish: Measure) {
+        match wish {
+            Measure::Corner(at) => {
+                let Some(kind) = self.measuring.tool else {
+                    return;
+                };
+                let open = self
+                    .measuring
+                    .figure
+                    .as_ref()
+                    .filter(|_| self.measuring.is_drawing());
+                let none = || Figure {
+                    kind,
+                    corners: Vec::new(),
+                    done: false,
+                };
+                let figure = open.map_or_else(none, |figure| (**figure).clone());
+                self.draw(Some(figure.with(at)));
+            }
+            Measure::Sampled(stations) => self.measuring.stations = stations,
+        }
+    }
+
+    /// Takes the last corner back; a finished figure is drawn on.
+    pub(super) fn take_corner_back(&mut self) {
+        if let Some(figure) = &self.measuring.figure {
+            let mut figure = (**figure).clone();
+            figure.corners.pop();
+            figure.done = false;
+            self.draw((!figure.corners.is_empty()).then_some(figure));
+        }
+    }
+
+    /// Ends the figure: the next corner begins another one. What cannot be measured goes.
+    pub(super) fn end_figure(&mut self) {
+        match &self.measuring.figure {
+            Some(figure) if !figure.is_measurable() => self.draw(None),
+            Some(figure) if !figure.done => {
+                self.measuring.figure = Some(Arc::new(Figure {
+                    done: true,
+                    ..(**figure).clone()
+                }));
+            }
+            _ => {}
+        }
+    }
+
+    /// Makes `figure` the one on the map, as an undo step.
+    fn draw(&mut self, figure: Option<Figure>) {
+        let before = self.step_now();
+        let after = Step {
+            figure: figure.map(Arc::new),
+            ..before.clone()
+        };
+        let label = match after.figure {
+            Some(_) => "corner",
+            None => "measurement",
+        };
+        self.history.record(&before, &after, label, false);
+        self.measuring.figure = after.figure;
+    }
+
+    /// The depth profile as a table; `None` while there is none.
+    pub fn profile_csv(&self) -> Option<String> {
+        let (survey, products) = self.survey.as_ref().zip(self.products.as_ref())?;
+        let stations = &self.measuring.stations;
+        let drawn = self.measuring.shows_profile() && !stations.is_empty();
+        drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
+    }
+
+    /// Writes the depth profile into a file.
+    pub(super) fn save_profile(&mut self, path: PathBuf) {
+        let Some(text) = self.profile_csv() else {
+            return;
+        };
+        match export::write_profile_csv(&path, &text) {
+            Ok(()) => self.tell(
+                format!("Wrote the depth profile to {}", path.display()),
+                false,
+            ),
+            Err(error) => self.tell(error.to_string(), true),
+        }
+    }
+}

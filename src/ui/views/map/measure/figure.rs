@@ -1,0 +1,113 @@
+//! What is drawn to measure, on the map and in words.
+
+use crate::app::{App, Figure, FigureKind};
+use crate::bathymetry::Station;
+use crate::geo::{course_rad, distance_m};
+use crate::ui::views::legend;
+use crate::ui::views::map::overlay::Scene;
+use crate::ui::{text, theme};
+use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
+
+/// Line, corners, and the numbers beside the last one.
+pub fn paint(painter: &Painter, scene: &Scene<'_>, figure: &Figure) {
+    let navigation = &scene.products.navigation;
+    let place = |at: &crate::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
+    let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
+    let colour = theme::measure_colour();
+    let casing = theme::canvas_colour(scene.options);
+    let mut line = corners.clone();
+    if figure.kind == FigureKind::Area && corners.len() > 2 {
+        line.push(corners[0]);
+    }
+    painter.add(Shape::line(
+        line.clone(),
+        Stroke::new(4.0, casing.gamma_multiply(0.7)),
+    ));
+    painter.add(Shape::line(line, Stroke::new(2.0, colour)));
+    for at in &corners {
+        painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
+    }
+    if let (Some(at), Some(words)) = (corners.last(), beside(figure)) {
+        let ink = theme::canvas_text_colour(scene.options);
+        let (shift, anchor) = match at.x < scene.rect.center().x {
+            true => (vec2(10.0, -10.0), Align2::LEFT_BOTTOM),
+            false => (vec2(-10.0, -10.0), Align2::RIGHT_BOTTOM),
+        };
+        legend::plate(painter, scene.options, *at + shift, anchor, &words, ink);
+    }
+}
+
+/// The cross that the arrow keys move.
+pub fn cross(painter: &Painter, scene: &Scene<'_>, place: [f64; 2]) {
+    let at = scene.at(place);
+    let stroke = Stroke::new(1.5, theme::measure_colour());
+    for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
+        painter.line_segment([at - arm, at - 0.3 * arm], stroke);
+        painter.line_segment([at + 0.3 * arm, at + arm], stroke);
+    }
+}
+
+/// The place that the pointer is at in the plot.
+pub fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
+    let at = scene.at(station.place);
+    painter.circle_stroke(
+        at,
+        6.0,
+        Stroke::new(4.0, theme::canvas_colour(scene.options)),
+    );
+    painter.circle_stroke(at, 6.0, Stroke::new(2.0, theme::hover_colour()));
+}
+
+/// The whole, and the last leg with its course.
+fn beside(figure: &Figure) -> Option<String> {
+    let [.., from, to] = figure.corners[..] else {
+        return None;
+    };
+    let whole = measured(figure)?;
+    if figure.corners.len() == 2 || figure.kind == FigureKind::Area {
+        return Some(whole);
+    }
+    let leg = text::length(distance_m(from, to));
+    Some(format!(
+        "{whole}\nleg {leg}, {:.0}°",
+        course_rad(from, to).to_degrees()
+    ))
+}
+
+/// What is measured; `None` while there is nothing between the corners.
+fn measured(figure: &Figure) -> Option<String> {
+    let length = text::length(figure.length_m());
+    match (figure.kind, &figure.corners[..]) {
+        (_, [] | [_]) => None,
+        (FigureKind::Area, [_, _]) => Some(text::length(0.5 * figure.length_m())),
+        (FigureKind::Area, _) => Some(format!(
+            "{}, around it {length}",
+            text::area(figure.area_m2())
+        )),
+        (_, &[from, to]) => {
+            let course_deg = course_rad(from, to).to_degrees();
+            Some(format!("{length}, {course_deg:.0}°"))
+        }
+        _ => Some(length),
+    }
+}
+
+/// What is measured, or else what the tool waits for.
+pub fn words(app: &App, shown: Option<&Figure>) -> Option<String> {
+    let measured = shown.and_then(|figure| Some((figure.kind, measured(figure)?)));
+    if let Some((kind, measured)) = measured {
+        return Some(match kind {
+            FigureKind::Distance => format!("Distance {measured}"),
+            FigureKind::Area => format!("Area {measured}"),
+            FigureKind::Profile => format!("Depth profile over {measured}"),
+        });
+    }
+    app.measuring.tool.map(|kind| {
+        let what = match kind {
+            FigureKind::Distance => "Measure distance: click the corners of a line.",
+            FigureKind::Area => "Measure area: click its corners.",
+            FigureKind::Profile => "Depth profile: click the corners of a line.",
+        };
+        what.to_owned()
+    })
+}

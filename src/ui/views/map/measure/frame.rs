@@ -1,0 +1,114 @@
+//! The axes of the depth profile: distance to the right, depth down.
+
+use crate::app::ViewOptions;
+use crate::bathymetry::Station;
+use crate::ui::theme;
+use crate::ui::views::{legend, ticks};
+use egui::{Align2, Painter, Pos2, Rect, Stroke, pos2, vec2};
+
+/// Room for the numbers of depth, and of distance, points.
+const ROOM: [f32; 2] = [40.0, 18.0];
+
+/// Between metres and the screen.
+pub struct Frame {
+    /// Where the curve lies.
+    pub area: Rect,
+    length_m: f64,
+    /// Depths at the upper and the lower edge, metres.
+    depths_m: [f64; 2],
+}
+
+impl Frame {
+    /// Holds all of a line, with room above and below its depths; `None` while there is no depth on it, or no place for it.
+    pub fn new(rect: Rect, stations: &[Station]) -> Option<Self> {
+        let length_m = stations.last()?.distance_m;
+        let depths = || {
+            stations
+                .iter()
+                .filter_map(|station| station.depth_m)
+                .map(f64::from)
+        };
+        let [shallow_m, deep_m] = [depths().reduce(f64::min)?, depths().reduce(f64::max)?];
+        let margin_m = (0.1 * (deep_m - shallow_m)).max(0.05);
+        let area = Rect::from_min_max(
+            rect.min + vec2(ROOM[0], 4.0),
+            rect.max - vec2(12.0, ROOM[1]),
+        );
+        (area.is_positive() && length_m > 0.0).then_some(Self {
+            area,
+            length_m,
+            depths_m: [shallow_m - margin_m, deep_m + margin_m],
+        })
+    }
+
+    /// Where a distance lies.
+    pub fn x(&self, distance_m: f64) -> f32 {
+        self.area.left() + (distance_m / self.length_m) as f32 * self.area.width()
+    }
+
+    /// Inverse of [`Frame::x`], kept on the line.
+    pub fn distance_m(&self, x: f32) -> f64 {
+        let share = (x - self.area.left()) / self.area.width();
+        f64::from(share.clamp(0.0, 1.0)) * self.length_m
+    }
+
+    /// Where a depth lies.
+    pub fn y(&self, depth_m: f64) -> f32 {
+        let [top_m, bottom_m] = self.depths_m;
+        self.area.top() + ((depth_m - top_m) / (bottom_m - top_m)) as f32 * self.area.height()
+    }
+
+    /// Where a station lies.
+    pub fn at(&self, station: &Station) -> Option<Pos2> {
+        Some(pos2(
+            self.x(station.distance_m),
+            self.y(f64::from(station.depth_m?)),
+        ))
+    }
+
+    /// How much steeper the plot is than the bed.
+    pub fn exaggeration(&self) -> f64 {
+        let [top_m, bottom_m] = self.depths_m;
+        let down = f64::from(self.area.height()) / (bottom_m - top_m);
+        down * self.length_m / f64::from(self.area.width())
+    }
+
+    /// Lines and numbers.
+    pub fn axes(&self, painter: &Painter, options: &ViewOptions, corners_m: &[f64]) {
+        let ink = theme::plot_ink(options);
+        let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
+        let write = |at: Pos2, anchor: Align2, text: String| {
+            painter.text(at, anchor, text, legend::font(), ink);
+        };
+        let [top_m, bottom_m] = self.depths_m;
+        let step_m = ticks::round_step(
+            bottom_m - top_m,
+            f64::from(self.area.height() / 24.0).max(1.0),
+        );
+        for depth_m in ticks::multiples(top_m, bottom_m, step_m) {
+            let y = self.y(depth_m);
+            painter.hline(self.area.x_range(), y, faint);
+            write(
+                pos2(self.area.left() - 4.0, y),
+                Align2::RIGHT_CENTER,
+                ticks::label(depth_m, step_m),
+            );
+        }
+        let step_m = ticks::round_step(self.length_m, f64::from(self.area.width() / 70.0).max(1.0));
+        // The unit stands once, at the end of the axis.
+        let last_m = self.distance_m(self.area.right() - 78.0);
+        for distance_m in ticks::multiples(0.0, last_m, step_m) {
+            let x = self.x(distance_m);
+            painter.vline(x, self.area.bottom()..=self.area.bottom() + 3.0, (1.0, ink));
+            let at = pos2(x, self.area.bottom() + 4.0);
+            write(at, Align2::CENTER_TOP, ticks::label(distance_m, step_m));
+        }
+        let end = pos2(self.area.right(), self.area.bottom() + 4.0);
+        write(end, Align2::RIGHT_TOP, "distance, m".to_owned());
+        for corner_m in corners_m {
+            painter.vline(self.x(*corner_m), self.area.y_range(), faint);
+        }
+        painter.hline(self.area.x_range(), self.area.bottom(), (1.0, ink));
+        painter.vline(self.area.left(), self.area.y_range(), (1.0, ink));
+    }
+}

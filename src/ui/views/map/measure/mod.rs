@@ -1,0 +1,305 @@
+//! Measuring on the map: the tool in hand, what it draws, and the depths along the line.
+//!
+//! `figure` paints what is drawn, `profile` is the plot below the map with its `frame`.
+
+mod figure;
+mod frame;
+mod profile;
+
+use super::overlay::Scene;
+use super::relief::Made;
+use crate::app::{Action, App, Command, Figure, FigureKind, Measure};
+use crate::bathymetry::{Corner, Station, transect};
+use crate::geo::LonLat;
+use crate::ui::ViewContext;
+use crate::ui::views::legend;
+use egui::{FocusDirection, Key, Modifiers, Pos2, Rect, Response, RichText, Ui, UiBuilder};
+use egui::{pos2, vec2};
+use std::sync::Arc;
+
+pub use profile::split;
+
+/// Points that the cross moves at a key, and with Shift.
+const STEPS: [f64; 2] = [10.0, 1.0];
+/// Most places that a line is looked at at.
+const MOST_STATIONS: usize = 2000;
+
+/// What the view keeps between frames for measuring.
+#[derive(Default)]
+pub struct MeasureTool {
+    /// Where the arrow keys have moved the cross, metres; the pointer takes over when it moves.
+    cross: Option<[f64; 2]>,
+    /// A corner was asked for by key.
+    wants_corner: bool,
+    /// Depths along the line between the corners that are set,
+    set: Option<Sampled>,
+    /// and up to the pointer while it is drawn.
+    shown: Option<Sampled>,
+    /// What the pointer is at along the line, metres from its start.
+    hovered_m: Option<f64>,
+}
+
+impl MeasureTool {
+    /// Sets a corner in the next frame.
+    pub fn set_corner(&mut self) {
+        self.wants_corner = true;
+    }
+
+    /// Draws on, paints and says what is measured; called while the map is drawn.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        scene: &Scene<'_>,
+        response: &Response,
+    ) {
+        let next = self.next_place(ui, context.app, scene, response);
+        self.act(context, scene, response, next);
+        let next = next.map(|place| scene.position(scene.at(place)));
+        let shown = shown(context.app, next);
+        self.sample(context, scene, shown.as_ref());
+        let painter = ui.painter_at(scene.rect);
+        if let Some(cross) = self.cross {
+            figure::cross(&painter, scene, cross);
+        }
+        if let Some(shown) = &shown {
+            figure::paint(&painter, scene, shown);
+            self.follow_on_map(ui, scene, response);
+        }
+        let hovered = self
+            .hovered_m
+            .and_then(|at_m| profile::nearest(self.stations(), at_m));
+        if let Some(station) = hovered {
+            figure::station(&painter, scene, station);
+        }
+        strip(ui, context, scene, shown.as_ref());
+    }
+
+    /// Draws the plot of the depth profile into its part of the view.
+    pub fn plot(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+        let drawn = profile::Drawn {
+            stations: self.stations(),
+            corners_m: self.shown.as_ref().map_or(&[], |shown| &shown.corners_m),
+            lacks_map: self.shown.as_ref().is_some_and(|shown| shown.map.is_none()),
+        };
+        let mut hovered_m = self.hovered_m;
+        profile::ui(ui, context, rect, &drawn, &mut hovered_m);
+        if self.hovered_m != hovered_m {
+            self.hovered_m = hovered_m;
+            // The map above has been drawn already.
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have moved it.
+    fn next_place(
+        &mut self,
+        ui: &mut Ui,
+        app: &App,
+        scene: &Scene<'_>,
+        response: &Response,
+    ) -> Option<[f64; 2]> {
+        if app.measuring.tool.is_none() {
+            self.cross = None;
+            return None;
+        }
+        let hover = response.hover_pos();
+        if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) && hover.is_some() {
+            self.cross = None;
+        }
+        let moved = arrows(ui);
+        let under = hover.map(|at| scene.transform.to_ground(scene.rect, at));
+        if moved != [0.0; 2] {
+            let from = self.cross.or(under).unwrap_or(scene.transform.centre_m);
+            let metres = scene.transform.metres_per_point;
+            self.cross = Some([from[0] + moved[0] * metres, from[1] + moved[1] * metres]);
+        }
+        self.cross.or(under)
+    }
+
+    fn act(
+        &mut self,
+        context: &mut ViewContext<'_>,
+        scene: &Scene<'_>,
+        response: &Response,
+        next: Option<[f64; 2]>,
+    ) {
+        let by_key = std::mem::take(&mut self.wants_corner);
+        if context.app.measuring.tool.is_none() {
+            return;
+        }
+        let corner = |at: Pos2| Command::Measure(Measure::Corner(scene.position(at)));
+        if response.double_clicked() {
+            // Its first click has set the last corner.
+            context.push(Command::Do(Action::EndFigure));
+        } else if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            context.push(corner(at));
+        } else if by_key && let Some(place) = next {
+            context.push(corner(scene.at(place)));
+        }
+    }
+
+    /// Looks at the depths along the line, and hands those of the corners that are set to the state.
+    fn sample(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: Option<&Figure>) {
+        let measuring = &context.app.measuring;
+        let wanted = |figure: &&Figure| figure.kind == FigureKind::Profile;
+        let set = measuring.figure.as_deref().filter(wanted);
+        keep(&mut self.set, scene, set);
+        let set = self.set.as_ref().map_or(&[][..], |set| &set.stations);
+        if set != &measuring.stations[..] {
+            let stations = Arc::new(set.to_vec());
+            context.push(Command::Measure(Measure::Sampled(stations)));
+        }
+        keep(&mut self.shown, scene, shown.filter(wanted));
+        if self.shown.is_none() {
+            self.hovered_m = None;
+        }
+    }
+
+    fn stations(&self) -> &[Station] {
+        self.shown.as_ref().map_or(&[], |shown| &shown.stations)
+    }
+
+    /// The pointer on the line marks its place in the plot.
+    fn follow_on_map(&mut self, ui: &Ui, scene: &Scene<'_>, response: &Response) {
+        const REACH: f32 = 12.0;
+        let Some(at) = response.hover_pos() else {
+            return;
+        };
+        let off = |station: &Station| scene.at(station.place).distance(at);
+        let nearest = self
+            .stations()
+            .iter()
+            .min_by(|a, b| off(a).total_cmp(&off(b)));
+        let hovered_m = nearest
+            .filter(|station| off(station) < REACH)
+            .map(|station| station.distance_m);
+        if hovered_m != self.hovered_m {
+            self.hovered_m = hovered_m;
+            ui.ctx().request_repaint();
+        }
+    }
+}
+
+/// Points that the arrow keys move the cross by: to the right, and up.
+fn arrows(ui: &mut Ui) -> [f64; 2] {
+    if ui.text_edit_focused() || ui.memory(|memory| memory.focused().is_some()) {
+        return [0.0; 2];
+    }
+    let keys = [
+        (Key::ArrowLeft, [-1.0, 0.0]),
+        (Key::ArrowRight, [1.0, 0.0]),
+        (Key::ArrowUp, [0.0, 1.0]),
+        (Key::ArrowDown, [0.0, -1.0]),
+    ];
+    let mut moved = [0.0; 2];
+    for (key, way) in keys {
+        // A plain arrow would match with Shift held too.
+        for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
+            let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+            if pressed > 0 {
+                // egui has seen it too, and would walk to a control.
+                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            }
+            for axis in 0..2 {
+                moved[axis] += pressed as f64 * step * way[axis];
+            }
+        }
+    }
+    moved
+}
+
+/// The figure as it is on the map: with the next corner while it is being drawn.
+fn shown(app: &App, next: Option<LonLat>) -> Option<Figure> {
+    let measuring = &app.measuring;
+    let figure = measuring.figure.as_deref()?;
+    Some(match next.filter(|_| measuring.is_drawing()) {
+        Some(next) => figure.with(next),
+        None => figure.clone(),
+    })
+}
+
+/// The depths along a line, and what they were taken from.
+struct Sampled {
+    figure: Figure,
+    map: Option<Arc<Made>>,
+    stations: Vec<Station>,
+    /// Metres from the start to each corner.
+    corners_m: Vec<f64>,
+}
+
+/// Looks at the depths again where the line or the map is another one.
+fn keep(kept: &mut Option<Sampled>, scene: &Scene<'_>, figure: Option<&Figure>) {
+    let map = scene.depth.as_ref().and_then(|depth| depth.made.as_ref());
+    let is_same = |kept: &Sampled, figure: &Figure| {
+        kept.figure == *figure && kept.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
+    };
+    match figure {
+        None => *kept = None,
+        Some(figure) if kept.as_ref().is_some_and(|kept| is_same(kept, figure)) => {}
+        Some(figure) => *kept = Some(Sampled::new(scene, figure, map.cloned())),
+    }
+}
+
+impl Sampled {
+    fn new(scene: &Scene<'_>, figure: &Figure, map: Option<Arc<Made>>) -> Self {
+        let corners_m = figure.distances_m();
+        let navigation = &scene.products.navigation;
+        let corner = |(at, distance_m): (&LonLat, &f64)| Corner {
+            place: navigation.to_plane(&scene.survey.track, *at),
+            distance_m: *distance_m,
+        };
+        let corners: Vec<Corner> = figure.corners.iter().zip(&corners_m).map(corner).collect();
+        let chart = map.as_ref().map(|map| &map.chart);
+        // Two looks at every cell miss nothing that is drawn.
+        let step_m = chart.map_or(f64::INFINITY, |chart| 0.5 * chart.surface.grid.cell_m);
+        let depth_at = |place| chart?.surface.depth_at(chart?.to_zone(place));
+        Self {
+            stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
+            figure: figure.clone(),
+            map,
+            corners_m,
+        }
+    }
+}
+
+/// What is measured or how to, and what can be done with it.
+fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: Option<&Figure>) {
+    const KEYS: &str =
+        "Enter or a double-click ends it, Backspace takes a corner back, Esc leaves.";
+    let Some(text) = figure::words(context.app, shown) else {
+        return;
+    };
+    let is_drawing = context.app.measuring.is_drawing();
+    let foot = scene.rect.left_bottom();
+    let right = scene.rect.right() - 84.0;
+    let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
+    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
+        legend::frame(&context.app.options).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.label(RichText::new(&text).size(11.5))
+                    .on_hover_text(KEYS);
+                if is_drawing && legend::has_room(scene.rect) && scene.rect.width() > 560.0 {
+                    ui.label(RichText::new(KEYS).size(11.5).weak());
+                }
+                if is_drawing || shown.is_none() {
+                    return;
+                }
+                let copy = ui
+                    .small_button("Copy")
+                    .accessible_name("Copy the measurement");
+                if copy.clicked() {
+                    ui.copy_text(text);
+                }
+                let action = Action::RemoveFigure;
+                let remove = ui.small_button("Remove").accessible_name(action.label());
+                if remove.on_hover_text(action.hint()).clicked() {
+                    context.push(Command::Do(action));
+                }
+            })
+        });
+    });
+}

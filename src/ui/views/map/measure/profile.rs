@@ -1,0 +1,240 @@
+//! The plot of a depth profile below the map.
+
+use super::frame::Frame;
+use crate::app::{Action, App, Command};
+use crate::bathymetry::Station;
+use crate::ui::{ViewContext, text, theme};
+use egui::{
+    Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
+    Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+};
+
+/// Height of the line of words and buttons, points.
+const HEAD: f32 = 24.0;
+
+/// What there is to plot.
+pub struct Drawn<'a> {
+    pub stations: &'a [Station],
+    /// Metres from the start to each corner of the line.
+    pub corners_m: &'a [f64],
+    /// There is no depth map to look at.
+    pub lacks_map: bool,
+}
+
+/// The part of the view that is the map, and the one that the plot takes while it is wanted.
+pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
+    let wanted = app.measuring.shows_profile() && app.products.is_some();
+    if !wanted || whole.height() < 120.0 {
+        return (whole, None);
+    }
+    let height = (0.36 * whole.height())
+        .clamp(90.0, 240.0)
+        .min(0.6 * whole.height());
+    let (map, plot) = whole.split_top_bottom_at_y(whole.bottom() - height);
+    (map, Some(plot))
+}
+
+/// The station nearest to a distance.
+pub fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
+    let after = stations.partition_point(|station| station.distance_m < at_m);
+    let about = [after.checked_sub(1), Some(after)];
+    let about = about
+        .into_iter()
+        .flatten()
+        .filter_map(|index| stations.get(index));
+    about.min_by(|a, b| {
+        (a.distance_m - at_m)
+            .abs()
+            .total_cmp(&(b.distance_m - at_m).abs())
+    })
+}
+
+/// Words, buttons and the curve.
+pub fn ui(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    drawn: &Drawn<'_>,
+    hovered_m: &mut Option<f64>,
+) {
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+    painter.hline(
+        rect.x_range(),
+        rect.top(),
+        ui.visuals().widgets.noninteractive.bg_stroke,
+    );
+    let (head, body) = rect.split_top_bottom_at_y(rect.top() + HEAD);
+    let frame = Frame::new(body, drawn.stations);
+    head_line(
+        ui,
+        context,
+        head.shrink2(vec2(8.0, 2.0)),
+        frame.as_ref(),
+        drawn,
+    );
+    let response = ui.interact(body, ui.scope_id().with("depth profile"), Sense::hover());
+    let Some(frame) = frame else {
+        let words = lack(drawn);
+        let colour = ui.visuals().weak_text_color();
+        painter.text(
+            body.center(),
+            egui::Align2::CENTER_CENTER,
+            words,
+            FontId::proportional(12.0),
+            colour,
+        );
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Image, true, format!("Depth profile, empty: {words}"))
+        });
+        return;
+    };
+    if let Some(at) = response.hover_pos() {
+        *hovered_m = Some(frame.distance_m(at.x));
+    }
+    frame.axes(&painter, &context.app.options, drawn.corners_m);
+    curve(&painter, &frame, drawn.stations, context);
+    let pointed = hovered_m.and_then(|at_m| nearest(drawn.stations, at_m));
+    if let Some(station) = pointed {
+        mark(&painter, &frame, station, context);
+    }
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name(drawn.stations, pointed)));
+}
+
+fn head_line(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    rect: Rect,
+    frame: Option<&Frame>,
+    drawn: &Drawn<'_>,
+) {
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            let ready = !context.app.measuring.stations.is_empty();
+            for (action, label) in [
+                (Action::RemoveFigure, "Close"),
+                (Action::SaveProfile, "Save CSV…"),
+                (Action::CopyProfile, "Copy"),
+            ] {
+                let enabled = ready || action == Action::RemoveFigure;
+                let button = ui.add_enabled(enabled, Button::new(RichText::new(label).small()));
+                let button = button.accessible_name(format!("{label} (depth profile)"));
+                if button.on_hover_text(action.hint()).clicked() {
+                    context.push(Command::Do(action));
+                }
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let title = RichText::new("DEPTH PROFILE").size(12.0).strong();
+                ui.add(Label::new(title).selectable(false));
+                if let Some(frame) = frame {
+                    let figures = format!(
+                        "{}, ×{:.0} vertical",
+                        figures(drawn.stations),
+                        frame.exaggeration()
+                    );
+                    ui.add(Label::new(RichText::new(figures).small()).truncate());
+                }
+            });
+        });
+    });
+}
+
+/// Why there is no curve.
+fn lack(drawn: &Drawn<'_>) -> &'static str {
+    match drawn.stations {
+        [] => "Click the corners of a line on the map.",
+        _ if drawn.lacks_map => "There is no depth map to look at yet.",
+        _ => "No depth is known along this line.",
+    }
+}
+
+/// Length, depths, and how much of the line has none.
+fn figures(stations: &[Station]) -> String {
+    let length_m = stations.last().map_or(0.0, |last| last.distance_m);
+    let depths = || stations.iter().filter_map(|station| station.depth_m);
+    let mut text = text::length(length_m);
+    if let (Some(shallow_m), Some(deep_m)) = (depths().reduce(f32::min), depths().reduce(f32::max))
+    {
+        text += &format!(", {shallow_m:.2} to {deep_m:.2} m deep");
+    }
+    let unknown = stations.len() - depths().count();
+    if unknown > 0 {
+        text += &format!(
+            ", {:.0} % unknown",
+            100.0 * unknown as f64 / stations.len() as f64
+        );
+    }
+    text
+}
+
+fn name(stations: &[Station], pointed: Option<&Station>) -> String {
+    let at = pointed.map_or_else(String::new, |station| format!("; {}", words(station)));
+    format!("Depth profile, {}{at}", figures(stations))
+}
+
+fn words(station: &Station) -> String {
+    let depth = station.depth_m.map_or_else(
+        || "no depth".to_owned(),
+        |depth_m| format!("{depth_m:.2} m deep"),
+    );
+    format!("at {}: {depth}", text::length(station.distance_m))
+}
+
+/// The bed as a line with the ground under it, broken where nothing is known.
+fn curve(painter: &Painter, frame: &Frame, stations: &[Station], context: &ViewContext<'_>) {
+    let colour = theme::measure_colour();
+    for run in stations.split(|station| station.depth_m.is_none()) {
+        let line: Vec<Pos2> = run.iter().filter_map(|station| frame.at(station)).collect();
+        painter.add(ground(
+            &line,
+            frame.area.bottom(),
+            colour.gamma_multiply(0.18),
+        ));
+        match line[..] {
+            [] => {}
+            [alone] => {
+                painter.circle_filled(alone, 1.5, colour);
+            }
+            _ => {
+                painter.add(Shape::line(line, Stroke::new(1.8, colour)));
+            }
+        }
+    }
+    let ink = theme::plot_ink(&context.app.options);
+    let corner = frame.area.left_top() + vec2(4.0, 2.0);
+    let font = crate::ui::views::legend::font();
+    painter.text(corner, egui::Align2::LEFT_TOP, "depth, m", font, ink);
+}
+
+fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
+    let mut mesh = Mesh::default();
+    for (index, at) in line.iter().enumerate() {
+        mesh.colored_vertex(*at, colour);
+        mesh.colored_vertex(pos2(at.x, bottom), colour);
+        if index > 0 {
+            let left = 2 * index as u32 - 2;
+            mesh.add_triangle(left, left + 1, left + 2);
+            mesh.add_triangle(left + 1, left + 2, left + 3);
+        }
+    }
+    Shape::mesh(mesh)
+}
+
+/// The station under the pointer.
+fn mark(painter: &Painter, frame: &Frame, station: &Station, context: &ViewContext<'_>) {
+    let options = &context.app.options;
+    let x = frame.x(station.distance_m);
+    let stroke = Stroke::new(1.0, theme::hover_colour());
+    painter.vline(x, frame.area.y_range(), stroke);
+    if let Some(at) = frame.at(station) {
+        painter.circle_filled(at, 3.5, theme::hover_colour());
+    }
+    let (shift, anchor) = match x < frame.area.center().x {
+        true => (8.0, egui::Align2::LEFT_BOTTOM),
+        false => (-8.0, egui::Align2::RIGHT_BOTTOM),
+    };
+    let at = pos2(x + shift, frame.area.bottom() - 4.0);
+    let ink = theme::canvas_text_colour(options);
+    crate::ui::views::legend::plate(painter, options, at, anchor, &words(station), ink);
+}
