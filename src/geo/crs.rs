@@ -1,0 +1,336 @@
+//! The coordinate reference systems that files are written in.
+
+use super::{LonLat, UtmZone, web_mercator, web_mercator_inverse};
+use proj4rs::{Proj, transform::transform};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// EPSG's number of WGS84 in degrees.
+const WGS84: u16 = 4326;
+/// EPSG's number of web Mercator.
+const WEB_MERCATOR: u16 = 3857;
+/// Datums on the ellipsoid of WGS84 or its twin that PROJ nevertheless shifts by up to 2 m against WGS84.
+const SHIFTED_DATUMS: [&str; 5] = [
+    "NAD83_High_Accuracy_Reference_Network",
+    "NAD83_Canadian_Spatial_Reference_System",
+    "Posiciones_Geodesicas_Argentinas_2007",
+    "Costa_Rica_2005",
+    "St_Helena",
+];
+/// Systems of NAD83 in the Aleutians and Hawaii, where it lies 0.8 m from WGS84.
+const SHIFTED_SYSTEMS: [u16; 7] = [3373, 26_940, 26_961, 26_962, 26_963, 26_964, 26_965];
+
+/// How much a projection may stretch an area and still be meant for a place.
+const MODEST: std::ops::Range<f64> = 0.8..1.25;
+/// Step over which that is measured, degrees: some 10 m.
+const STEP_DEG: f64 = 1e-4;
+
+/// Why files cannot be written in a system, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("crs: {0}")]
+pub struct CrsError(String);
+
+/// `crs`: `utm`, `wgs84`, `web_mercator`, or `EPSG:` and a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum CrsChoice {
+    /// The UTM zone of the survey's first fix.
+    #[default]
+    Utm,
+    /// Degrees on WGS84.
+    Wgs84,
+    /// Web Mercator.
+    WebMercator,
+    /// A system by EPSG's number.
+    Epsg(u16),
+}
+
+impl TryFrom<String> for CrsChoice {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        let number = || {
+            let (authority, number) = text.split_once(':')?;
+            let is_epsg = authority.eq_ignore_ascii_case("epsg");
+            is_epsg.then(|| number.trim().parse().ok()).flatten()
+        };
+        match text.as_str() {
+            "utm" => Ok(Self::Utm),
+            "wgs84" => Ok(Self::Wgs84),
+            "web_mercator" => Ok(Self::WebMercator),
+            _ => number().map(Self::Epsg).ok_or_else(|| {
+                "it is utm, wgs84, web_mercator, or EPSG: and a number up to 65535".to_owned()
+            }),
+        }
+    }
+}
+
+impl From<CrsChoice> for String {
+    fn from(choice: CrsChoice) -> Self {
+        match choice {
+            CrsChoice::Utm => "utm".to_owned(),
+            CrsChoice::Wgs84 => "wgs84".to_owned(),
+            CrsChoice::WebMercator => "web_mercator".to_owned(),
+            CrsChoice::Epsg(number) => format!("EPSG:{number}"),
+        }
+    }
+}
+
+impl CrsChoice {
+    /// Refuses what is not known, not in metres, or on another datum.
+    pub fn check(self) -> Result<(), CrsError> {
+        match self {
+            CrsChoice::Epsg(number) => Crs::from_epsg(number).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+
+    /// The system for a survey that begins at a position; refused where it does not reach that far.
+    pub fn at(self, position: LonLat) -> Result<Crs, CrsError> {
+        let number = match self {
+            CrsChoice::Utm => UtmZone::of(position).epsg() as u16,
+            CrsChoice::Wgs84 => WGS84,
+            CrsChoice::WebMercator => WEB_MERCATOR,
+            CrsChoice::Epsg(number) => number,
+        };
+        let crs = Crs::from_epsg(number)?;
+        let back = crs.to_lon_lat(crs.place(position));
+        // A micrometre and more, but not what a projection does beyond its reach.
+        let off_deg = (back.lon_deg - position.lon_deg).hypot(back.lat_deg - position.lat_deg);
+        let stretched = !crs.is_mercator() && !MODEST.contains(&area_scale(&crs, position));
+        if off_deg < 1e-9 && !stretched {
+            return Ok(crs);
+        }
+        Err(CrsError(format!(
+            "the survey lies far outside of {crs}; choose another system, or utm"
+        )))
+    }
+}
+
+/// A coordinate reference system: WGS84 in degrees, or metres of a projection on WGS84 or a datum that agrees with it.
+#[derive(Clone)]
+pub struct Crs {
+    epsg: u16,
+    wkt: String,
+    kind: Kind,
+}
+
+#[derive(Clone)]
+enum Kind {
+    Degrees,
+    Utm(UtmZone),
+    WebMercator,
+    Other(Arc<[Proj; 2]>),
+}
+
+impl Crs {
+    /// A system by EPSG's number.
+    ///
+    /// Projections other than UTM and web Mercator are those of `proj4rs`. Datums are not shifted, so only those are known
+    /// that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they differ from it by less than fish-finders do.
+    pub fn from_epsg(epsg: u16) -> Result<Self, CrsError> {
+        let known = crs_definitions::from_code(epsg);
+        let unknown = || {
+            CrsError(format!(
+                "EPSG:{epsg} is not known; choose utm, wgs84, web_mercator or another EPSG number"
+            ))
+        };
+        let known = known.ok_or_else(unknown)?;
+        let kind = match epsg {
+            WGS84 => Kind::Degrees,
+            WEB_MERCATOR => Kind::WebMercator,
+            32_601..=32_660 => Kind::Utm(UtmZone {
+                number: (epsg - 32_600) as u8,
+                north: true,
+            }),
+            32_701..=32_760 => Kind::Utm(UtmZone {
+                number: (epsg - 32_700) as u8,
+                north: false,
+            }),
+            _ => Kind::Other(Arc::new(projection(epsg, known.proj4, known.wkt)?)),
+        };
+        Ok(Self {
+            epsg,
+            wkt: without_shift(known.wkt),
+            kind,
+        })
+    }
+
+    /// The UTM zone of a position.
+    pub fn utm(position: LonLat) -> Self {
+        let zone = UtmZone::of(position);
+        let epsg = zone.epsg() as u16;
+        let known = crs_definitions::from_code(epsg);
+        Self {
+            epsg,
+            wkt: known.map_or_else(String::new, |known| without_shift(known.wkt)),
+            kind: Kind::Utm(zone),
+        }
+    }
+
+    /// EPSG's number.
+    pub fn epsg(&self) -> u16 {
+        self.epsg
+    }
+
+    /// The system in the first version of well-known text, as LAS and shapefiles want it.
+    pub fn wkt(&self) -> &str {
+        &self.wkt
+    }
+
+    /// Its name, for example `WGS 84 / UTM zone 12N`.
+    pub fn name(&self) -> &str {
+        quoted_after(&self.wkt, "[")
+    }
+
+    /// Whether its coordinates are degrees.
+    pub fn is_degrees(&self) -> bool {
+        matches!(self.kind, Kind::Degrees)
+    }
+
+    /// Mercators stretch the ground far from the equator, and are wanted nevertheless.
+    fn is_mercator(&self) -> bool {
+        self.wkt.contains("PROJECTION[\"Mercator_") || self.is_degrees()
+    }
+
+    /// East (or longitude) and north (or latitude) of a position; NaN where the projection does not reach.
+    pub fn place(&self, position: LonLat) -> [f64; 2] {
+        match &self.kind {
+            Kind::Degrees => [position.lon_deg, position.lat_deg],
+            Kind::Utm(zone) => zone.to_metres(position),
+            Kind::WebMercator => web_mercator(position),
+            Kind::Other(pair) => {
+                let [wgs84, there] = pair.as_ref();
+                let from = [position.lon_deg, position.lat_deg].map(f64::to_radians);
+                transformed(wgs84, there, from)
+            }
+        }
+    }
+
+    /// Inverse of [`Crs::place`].
+    pub fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {
+        let [lon_deg, lat_deg] = match &self.kind {
+            Kind::Degrees => [x, y],
+            Kind::Utm(zone) => return zone.to_lon_lat([x, y]),
+            Kind::WebMercator => return web_mercator_inverse(x, y),
+            Kind::Other(pair) => {
+                let [wgs84, there] = pair.as_ref();
+                transformed(there, wgs84, [x, y]).map(f64::to_degrees)
+            }
+        };
+        LonLat { lon_deg, lat_deg }
+    }
+}
+
+impl PartialEq for Crs {
+    fn eq(&self, other: &Self) -> bool {
+        self.epsg == other.epsg
+    }
+}
+
+impl fmt::Display for Crs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "EPSG:{} ({})", self.epsg, self.name())
+    }
+}
+
+impl fmt::Debug for Crs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Crs({self})")
+    }
+}
+
+/// Square units of a system in a square metre on the ground at a position.
+pub(super) fn area_scale(crs: &Crs, at: LonLat) -> f64 {
+    let moved = |east_deg: f64, north_deg: f64| {
+        crs.place(LonLat {
+            lon_deg: at.lon_deg + east_deg,
+            lat_deg: at.lat_deg + north_deg,
+        })
+    };
+    let half = 0.5 * STEP_DEG;
+    let across = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|axis| to[axis] - from[axis]);
+    let east = across(moved(-half, 0.0), moved(half, 0.0));
+    let north = across(moved(0.0, -half), moved(0.0, half));
+    let [lon_m, lat_m] = metres_per_degree(at).map(|metres| metres * STEP_DEG);
+    (east[0] * north[1] - east[1] * north[0]).abs() / (lon_m * lat_m)
+}
+
+/// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the meridian.
+pub(super) fn metres_per_degree(at: LonLat) -> [f64; 2] {
+    const A_M: f64 = 6_378_137.0;
+    const F: f64 = 1.0 / 298.257_223_563;
+    let (sin, cos) = at.lat_deg.to_radians().sin_cos();
+    let e2 = F * (2.0 - F);
+    let w2 = 1.0 - e2 * sin * sin;
+    let vertical_m = A_M / w2.sqrt();
+    let meridian_m = vertical_m * (1.0 - e2) / w2;
+    // At a pole all longitudes are one place: any width will do.
+    [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
+}
+
+/// WGS84 and the projection, if it is one in metres on a datum that agrees with WGS84.
+fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<[Proj; 2], CrsError> {
+    let refused = |why: &str| CrsError(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
+    let in_metres = wkt.starts_with("PROJCS") && proj4.contains("+units=m ");
+    if !in_metres {
+        return Err(refused(
+            "is not a map projection in metres; choose one that is",
+        ));
+    }
+    if !agrees_with_wgs84(epsg, proj4, wkt) {
+        return Err(refused(
+            "lies on another datum than WGS84; choose a system on WGS84, ETRS89 or NAD83 and let a GIS shift it",
+        ));
+    }
+    let unable = |_| refused("uses a projection that is not known here; choose another system");
+    Ok([
+        Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").map_err(unable)?,
+        // Without the datum, whose shift is none.
+        Proj::from_proj_string(proj4).map_err(unable)?,
+    ])
+}
+
+fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
+    let word = |key: &str| {
+        proj4
+            .split_whitespace()
+            .find_map(|word| word.strip_prefix(key))
+    };
+    let shift_is_none = word("+towgs84=").is_none_or(|shift| {
+        let mut parts = shift.split(',');
+        parts.all(|part| part.parse() == Ok(0.0))
+    });
+    let ellipsoid = match word("+datum=") {
+        Some(datum) => matches!(datum, "WGS84" | "NAD83"),
+        None => matches!(word("+ellps="), Some("GRS80" | "WGS84")),
+    };
+    let datum = quoted_after(wkt, "DATUM[");
+    let shifted = SHIFTED_DATUMS.iter().any(|name| datum.starts_with(name));
+    let by_grid = word("+nadgrids=").is_some();
+    shift_is_none && ellipsoid && !shifted && !by_grid && !SHIFTED_SYSTEMS.contains(&epsg)
+}
+
+fn transformed(from: &Proj, to: &Proj, [x, y]: [f64; 2]) -> [f64; 2] {
+    let mut point = (x, y, 0.0);
+    match transform(from, to, &mut point) {
+        Ok(()) => [point.0, point.1],
+        Err(_) => [f64::NAN; 2],
+    }
+}
+
+/// Without the shift to WGS84, which is none but keeps PROJ from recognising the system.
+fn without_shift(wkt: &str) -> String {
+    let Some((before, behind)) = wkt.split_once("TOWGS84[") else {
+        return wkt.to_owned();
+    };
+    let behind = behind.split_once("],").map_or("", |(_, behind)| behind);
+    format!("{before}{behind}")
+}
+
+/// The first quoted text behind a word.
+fn quoted_after<'a>(text: &'a str, word: &str) -> &'a str {
+    let behind = text.split_once(word).map_or("", |(_, behind)| behind);
+    behind.split('"').nth(1).unwrap_or_default()
+}
