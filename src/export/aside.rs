@@ -15,11 +15,12 @@ pub struct ExportError {
 }
 
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
-/// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers.
-pub fn write_aside(
+/// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
+/// handed on.
+pub fn write_aside<T>(
     path: &Path,
-    write: impl FnOnce(File) -> io::Result<()>,
-) -> Result<(), ExportError> {
+    write: impl FnOnce(File) -> io::Result<T>,
+) -> Result<T, ExportError> {
     let fail = |source| ExportError {
         path: path.to_path_buf(),
         source,
@@ -35,7 +36,7 @@ pub fn write_aside(
     let written = open
         .open(&passing)
         .and_then(write)
-        .and_then(|()| fs::rename(&passing, path));
+        .and_then(|made| fs::rename(&passing, path).map(|()| made));
     if written.is_err() {
         // Best effort: the error that is reported is the one that came first.
         fs::remove_file(&passing).ok();
@@ -55,7 +56,7 @@ mod tests {
         write_aside(&path, |mut file| file.write_all(b"old")).unwrap();
         let failed = write_aside(&path, |mut file| {
             file.write_all(b"ne")?;
-            Err(io::Error::other("disk full"))
+            Err::<(), _>(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().contains("disk full"));
         assert_eq!(fs::read(&path).unwrap(), b"old");

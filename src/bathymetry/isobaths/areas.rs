@@ -7,7 +7,7 @@ use crate::bathymetry::Surface;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
-pub use rings::Polygon;
+pub use rings::{Polygon, polygons};
 
 /// The part of a surface between two depths.
 #[derive(Clone, Debug, PartialEq)]

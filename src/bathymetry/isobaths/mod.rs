@@ -10,7 +10,7 @@ mod march;
 mod smooth;
 mod storage;
 
-pub use areas::{DepthArea, Polygon, depth_areas};
+pub use areas::{DepthArea, Polygon, depth_areas, polygons};
 pub use levels::{IsobathSettings, TooManyLevels};
 pub use lines::{Isobath, isobaths};
 pub use smooth::smoothed;
