@@ -1,9 +1,10 @@
-//! `cloud.laz`: kept points in UTM, for survey programs.
+//! `cloud.laz`: kept points in a map's coordinates, for survey programs.
 
-use super::{ExportError, colour, write_aside};
-use crate::cloud::{CloudPoint, PointCloud};
-use crate::geo::UtmZone;
-use crate::survey::{Navigation, Survey};
+use super::{ExportError, Summary, colour, extra_bytes, write_aside};
+use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::first_return::FirstReturns;
+use crate::geo::Crs;
+use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};
 use las::{Builder, Color, Header, Point, Transform, Vector, Version, Writer};
 use std::fs::File;
@@ -12,60 +13,74 @@ use std::path::Path;
 
 /// Coordinates are stored to this many metres.
 const RESOLUTION_M: f64 = 0.001;
+/// Or degrees: a millimetre.
+const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
 /// ASPRS class of a bathymetric point.
 const BATHYMETRIC: u8 = 40;
 
-/// Writes the kept points as LAZ 1.4 in the UTM zone of the survey's first fix (WGS84, its WKT in the header), whatever
-/// the plane of the cloud; z is elevation in metres above the transducer, so negative.
+/// Writes the kept points as LAZ 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` tells where
+/// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
-/// Colours are the paper's; the user data are 0 for soundings, 1 for port, 2 for starboard; the GPS time field holds
-/// seconds after the log's time zero.
+/// Colours are the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
+/// for soundings, 1 for port, 2 for starboard; the GPS time field holds seconds after the log's time zero.
 pub fn cloud_laz(
     path: &Path,
     survey: &Survey,
-    navigation: &Navigation,
+    returns: &FirstReturns,
+    crs: &Crs,
+    place: impl Fn(&CloudPoint) -> [f64; 2],
     cloud: &PointCloud,
     kept: &[bool],
-) -> Result<(), ExportError> {
-    let zone = UtmZone::of(survey.track.frame.origin());
-    let georeferenced = |point: &CloudPoint| {
-        zone.to_metres(navigation.to_lon_lat(&survey.track, point.east_m, point.north_m))
-    };
+) -> Result<Summary, ExportError> {
     let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
     write_aside(path, |file| {
-        let origin = zone.to_metres(survey.track.frame.origin());
-        let mut writer = las_writer(file, zone, origin).map_err(io::Error::other)?;
+        let origin = crs.place(survey.track.frame.origin());
+        let mut writer = las_writer(file, crs, origin).map_err(io::Error::other)?;
+        let mut summary = Summary::default();
         for (point, _) in points {
-            let at = georeferenced(point);
-            let las_point = las_point(survey, point, at).map_err(io::Error::other)?;
+            let at = place(point);
+            summary.add(at, point.z_m);
+            let las_point = las_point(survey, returns, point, at).map_err(io::Error::other)?;
             writer.write_point(las_point).map_err(io::Error::other)?;
         }
-        writer.into_inner().map_err(io::Error::other)?.flush()
+        writer.into_inner().map_err(io::Error::other)?.flush()?;
+        Ok(summary)
     })
 }
 
-fn las_writer(file: File, zone: UtmZone, origin: [f64; 2]) -> las::Result<Writer<BufWriter<File>>> {
-    let axis = |offset: f64| Transform {
-        scale: RESOLUTION_M,
+fn las_writer(file: File, crs: &Crs, origin: [f64; 2]) -> las::Result<Writer<BufWriter<File>>> {
+    let axis = |scale: f64, offset: f64| Transform {
+        scale,
         offset: offset.round(),
+    };
+    let resolution = match crs.is_degrees() {
+        true => RESOLUTION_DEG,
+        false => RESOLUTION_M,
     };
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
     builder.point_format = Format::new(FORMAT)?;
     builder.point_format.is_compressed = true;
+    builder.point_format.extra_bytes = extra_bytes::LENGTH;
+    builder.vlrs.push(extra_bytes::record());
     builder.transforms = Vector {
-        x: axis(origin[0]),
-        y: axis(origin[1]),
-        z: axis(0.0),
+        x: axis(resolution, origin[0]),
+        y: axis(resolution, origin[1]),
+        z: axis(RESOLUTION_M, 0.0),
     };
     let mut header: Header = builder.into_header()?;
-    header.set_wkt_crs(zone.wkt().into_bytes())?;
+    header.set_wkt_crs(crs.wkt().as_bytes().to_vec())?;
     Writer::new(BufWriter::new(file), header)
 }
 
-fn las_point(survey: &Survey, point: &CloudPoint, [x, y]: [f64; 2]) -> las::Result<Point> {
+fn las_point(
+    survey: &Survey,
+    returns: &FirstReturns,
+    point: &CloudPoint,
+    [x, y]: [f64; 2],
+) -> las::Result<Point> {
     let time_s = match point.sounding {
         Some(sounding) => survey.soundings.get(sounding.get()).map(|s| s.time_s),
         None => survey
@@ -84,6 +99,18 @@ fn las_point(survey: &Survey, point: &CloudPoint, [x, y]: [f64; 2]) -> las::Resu
         user_data: point.source as u8,
         gps_time: Some(time_s.unwrap_or(0.0)),
         color: Some(Color { red, green, blue }),
+        extra_bytes: extra_bytes::values(point, confidence(returns, point)),
         ..Point::default()
     })
+}
+
+/// Of the first return that a point is; NaN for a sounding.
+fn confidence(returns: &FirstReturns, point: &CloudPoint) -> f32 {
+    let side = match point.source {
+        PointSource::DownScan => return f32::NAN,
+        PointSource::Port => Side::Port,
+        PointSource::Starboard => Side::Starboard,
+    };
+    let pick = returns.side(side).get(point.ping as usize);
+    pick.map_or(f32::NAN, |pick| pick.confidence)
 }
