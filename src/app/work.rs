@@ -5,7 +5,7 @@ use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Request;
 use super::{Action, App, History, Jobs, Notice, Origin, Outcome, Task};
-use crate::pipeline::{Products, Settings, write_products};
+use crate::pipeline::{Product, Products, Settings, write_products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::PathBuf;
@@ -175,7 +175,8 @@ impl App {
         };
         let (survey, products) = (survey.clone(), products.clone());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let written = write_products(&survey, &products, &folder, progress)?;
+            let wanted = &Product::ALL;
+            let written = write_products(&survey, &products, wanted, &folder, progress, |_| ())?;
             let files = written.files.join(", ");
             Ok(format!("Wrote {files} into {}", folder.display()))
         }));

@@ -145,6 +145,9 @@ pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String>
     if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
         return Err(sentence.to_owned());
     }
+    let origin = survey.track.frame.origin();
+    let crs = settings.crs.at(origin);
+    crs.map_err(|error| error.to_string())?;
     let count = survey.side_scan.len();
     match settings.calibration.pings {
         Some(pings) if pings.end > count => Err(format!(

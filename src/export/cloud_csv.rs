@@ -1,6 +1,6 @@
 //! `cloud.csv`: one line a point.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, Summary, write_aside};
 use crate::cloud::PointCloud;
 use crate::survey::{Navigation, Survey};
 use std::io::{BufWriter, Write as _};
@@ -13,12 +13,13 @@ pub fn cloud_csv(
     navigation: &Navigation,
     cloud: &PointCloud,
     kept: &[bool],
-) -> Result<(), ExportError> {
+) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
-        let mut out = BufWriter::new(file);
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         writeln!(out, "source,ping,lon,lat,east_m,north_m,z_m,kept")?;
         for (point, &kept) in cloud.points.iter().zip(kept) {
             let at = navigation.to_lon_lat(&survey.track, point.east_m, point.north_m);
+            summary.add([at.lon_deg, at.lat_deg], point.z_m);
             writeln!(
                 out,
                 "{},{},{:.9},{:.9},{:.4},{:.4},{:.4},{}",
@@ -32,6 +33,7 @@ pub fn cloud_csv(
                 u8::from(kept)
             )?;
         }
-        out.flush()
+        out.flush()?;
+        Ok(summary)
     })
 }

@@ -1,15 +1,15 @@
 //! `cloud.ply`: kept points in local metres with the paper's colours.
 
-use super::{ExportError, colour, write_aside};
+use super::{ExportError, Summary, colour, write_aside};
 use crate::cloud::PointCloud;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Writes the kept points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes.
-pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<(), ExportError> {
+pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
-        let mut out = BufWriter::new(file);
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
         write!(
             out,
@@ -19,11 +19,13 @@ pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<(), E
             points.clone().count()
         )?;
         for (point, _) in points {
+            summary.add([point.east_m, point.north_m], point.z_m);
             for value in [point.east_m, point.north_m, point.z_m] {
                 out.write_all(&value.to_le_bytes())?;
             }
             out.write_all(&colour(point.source))?;
         }
-        out.flush()
+        out.flush()?;
+        Ok(summary)
     })
 }

@@ -1,6 +1,6 @@
 //! `first_returns.csv`: one line a ping.
 
-use super::{ExportError, write_aside};
+use super::{ExportError, Summary, write_aside};
 use crate::calibration::Calibration;
 use crate::cloud::slant_range_m;
 use crate::first_return::FirstReturns;
@@ -19,12 +19,13 @@ pub fn first_returns_csv(
     navigation: &Navigation,
     returns: &FirstReturns,
     calibration: &Calibration,
-) -> Result<(), ExportError> {
+) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
-        let mut out = BufWriter::new(file);
+        let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         writeln!(out, "{HEADER}")?;
         for (index, (ping, place)) in survey.side_scan.iter().zip(&navigation.pings).enumerate() {
             let at = navigation.to_lon_lat(&survey.track, place.east_m, place.north_m);
+            summary.add([at.lon_deg, at.lat_deg], f64::from(ping.depth_m));
             write!(out, "{index},{:.3}", ping.time_s)?;
             number(&mut out, at.lon_deg, 9)?;
             number(&mut out, at.lat_deg, 9)?;
@@ -44,7 +45,8 @@ pub fn first_returns_csv(
             }
             writeln!(out)?;
         }
-        out.flush()
+        out.flush()?;
+        Ok(summary)
     })
 }
 

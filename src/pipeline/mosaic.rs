@@ -1,9 +1,12 @@
 //! Writes the side-scan mosaic.
 
 use super::Products;
+use super::outputs::map_plane;
+use super::record::{Coordinates, Made};
 use crate::bathymetry::Grid;
+use crate::export::Summary;
 use crate::export::geotiff::{self, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
-use crate::geo::UtmZone;
+use crate::geo::MapPlane;
 use crate::mosaic::{Layout, TILE_CELLS, gain_table, tile};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -13,15 +16,15 @@ use std::path::Path;
 const MOST_TILES: usize = 1_000_000;
 
 /// What became of the mosaic.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum MosaicWritten {
-    /// The file's name.
-    File(&'static str),
+    /// The file.
+    File(Box<Made>),
     /// Why there is none, in a sentence.
     None(String),
 }
 
-/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the UTM zone of the survey's first fix, as a GeoTIFF of
+/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF of
 /// colours, transparent where nothing was heard. Memory does not grow with the area.
 ///
 /// The error is one sentence: the file cannot be written, or the work was cancelled.
@@ -32,10 +35,10 @@ pub fn write_mosaic(
     progress: &Progress,
 ) -> Result<MosaicWritten, String> {
     let settings = &products.settings.mosaic;
-    let zone = UtmZone::of(survey.track.frame.origin());
+    let map = map_plane(survey, &products.settings)?;
     let navigation = &products.navigation;
     let plane = |[east_m, north_m]: [f64; 2]| {
-        zone.to_metres(navigation.to_lon_lat(&survey.track, east_m, north_m))
+        map.place(navigation.to_lon_lat(&survey.track, east_m, north_m))
     };
     let layout = Layout::new(
         survey,
@@ -68,27 +71,51 @@ pub fn write_mosaic(
         colours.flatten().collect()
     };
     let name = "mosaic.tif";
-    geotiff(
-        &folder.join(name),
-        &spec(&grid, zone, survey),
-        &tiles,
-        draw,
-        progress,
-    )
-    .map_err(|error: RasterError| error.to_string())?;
-    Ok(MosaicWritten::File(name))
+    let spec = spec(&grid, &map, survey);
+    geotiff(&folder.join(name), &spec, &tiles, draw, progress)
+        .map_err(|error: RasterError| error.to_string())?;
+    Ok(MosaicWritten::File(Box::new(made(name, &grid, &map))))
+}
+
+fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
+    let mut summary = Summary {
+        count: grid.len(),
+        ..Summary::default()
+    };
+    let (width_m, height_m) = (
+        grid.columns as f64 * grid.cell_m,
+        grid.rows as f64 * grid.cell_m,
+    );
+    summary.reach(map.in_crs([grid.west_m, grid.north_m]));
+    summary.reach(map.in_crs([grid.west_m + width_m, grid.north_m - height_m]));
+    Made {
+        name,
+        what: "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was heard",
+        coordinates: Coordinates::System(map.crs.clone()),
+        counted: "cells",
+        measured: "",
+        summary,
+        regardless_of: &[
+            "cloud",
+            "detector",
+            "isobaths",
+            "outliers",
+            "surface",
+            "water_level_m",
+        ],
+    }
 }
 
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
-fn spec(grid: &Grid, zone: UtmZone, survey: &Survey) -> geotiff::RasterSpec {
+fn spec(grid: &Grid, map: &MapPlane, survey: &Survey) -> geotiff::RasterSpec {
     RasterSpec {
         columns: grid.columns,
         rows: grid.rows,
-        west_m: grid.west_m,
-        north_m: grid.north_m,
-        cell_m: grid.cell_m,
-        epsg: zone.epsg() as u16,
+        west: map.in_crs([grid.west_m, 0.0])[0],
+        north: map.in_crs([0.0, grid.north_m])[1],
+        cell: map.in_crs([grid.cell_m; 2]),
+        crs: map.crs.clone(),
         cells: Cells::Rgba,
         description: format!("Side-scan mosaic of {}", survey.name()),
     }

@@ -7,6 +7,7 @@ use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
 use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
 use crate::survey::{HeadingSettings, HeadingSource, Projection};
 use serde::{Deserialize, Serialize};
@@ -43,6 +44,8 @@ impl Preset {
 pub struct Settings {
     /// `projection`.
     pub projection: Projection,
+    /// `crs`: the system of maps and of the point files for other programs.
+    pub crs: CrsChoice,
     /// How deep the transducer hangs below the water's surface, metres: added to every depth.
     pub draft_m: f64,
     /// Height of the water's surface above the level that depths count from, metres: taken off every one. With readings, the
@@ -145,6 +148,7 @@ impl Settings {
         plain.mosaic = MosaicSettings::default();
         plain.surface = SurfaceSettings::default();
         plain.isobaths = IsobathSettings::default();
+        plain.crs = CrsChoice::default();
         [Preset::Recommended, Preset::Published]
             .into_iter()
             .find(|&preset| plain == Self::preset(preset))
@@ -262,7 +266,10 @@ impl Settings {
         rules
             .iter()
             .find(|(holds, _)| !holds)
-            .map_or(Ok(()), |(_, rule)| Err(SettingsError((*rule).to_owned())))
+            .map_or(Ok(()), |(_, rule)| Err(SettingsError((*rule).to_owned())))?;
+        self.crs
+            .check()
+            .map_err(|error| SettingsError(error.to_string()))
     }
 }
 

@@ -6,7 +6,7 @@ use bathyscope::cloud::Geometry;
 use bathyscope::export::points;
 use bathyscope::first_return::{Method, SampleMode};
 use bathyscope::formats;
-use bathyscope::pipeline::{self, Preset, Settings};
+use bathyscope::pipeline::{self, Preset, Product, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
 use proptest::prelude::*;
@@ -192,8 +192,15 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let progress = Progress::new();
     let products = pipeline::run(&survey, settings, None, &progress, |_| ()).expect("not stopped");
     let folder = tempfile::tempdir().expect("a folder");
-    let written = pipeline::write_products(&survey, &products, folder.path(), &progress)
-        .expect("a whole set of products");
+    let written = pipeline::write_products(
+        &survey,
+        &products,
+        &[Product::Cloud],
+        folder.path(),
+        &progress,
+        |_| (),
+    )
+    .expect("a whole set of products");
     let rows = |name: &str, columns: usize| {
         let text = fs::read_to_string(folder.path().join(name)).expect("a table");
         for line in text.lines() {

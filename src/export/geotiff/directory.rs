@@ -139,19 +139,25 @@ pub fn tags(
     tags
 }
 
-/// Cell size, the north-west corner, and the coordinate system: projected (1), cells are areas (1), its EPSG number.
+/// Cell size, the north-west corner, and the coordinate system: projected (1) or in degrees (2), cells are areas (1), its EPSG
+/// number.
 fn georeference(spec: &RasterSpec) -> [Tag; 3] {
+    let (model, system) = match spec.crs.is_degrees() {
+        true => (2, 2048),
+        false => (1, 3072),
+    };
     let keys = [
         [1, 1, 1, 3],
-        [1024, 0, 1, 1],
+        [1024, 0, 1, model],
         [1025, 0, 1, 1],
-        [3072, 0, 1, spec.epsg],
+        [system, 0, 1, spec.crs.epsg()],
     ];
+    let [width, height] = spec.cell;
     [
-        Tag(33_550, Values::Double(vec![spec.cell_m, spec.cell_m, 0.0])),
+        Tag(33_550, Values::Double(vec![width, height, 0.0])),
         Tag(
             33_922,
-            Values::Double(vec![0.0, 0.0, 0.0, spec.west_m, spec.north_m, 0.0]),
+            Values::Double(vec![0.0, 0.0, 0.0, spec.west, spec.north, 0.0]),
         ),
         Tag(34_735, Values::Short(keys.concat())),
     ]

@@ -1,13 +1,14 @@
 //! GeoTIFF: rasters with a place on the earth, in tiles, compressed, with overviews. Written tile by tile, so that memory does
 //! not grow with the area.
 //!
-//! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with a projected EPSG system and pixels that
-//! are areas; nodata as GDAL writes it. `directory` lays out the tags, `overview` halves tiles.
+//! TIFF 6.0 with the tiles of its section 15 and deflate; GeoTIFF 1.1 (OGC 19-008) with an EPSG system and pixels that are
+//! areas; nodata as GDAL writes it. `directory` lays out the tags, `overview` halves tiles.
 
 mod directory;
 mod overview;
 
 use super::{ExportError, write_aside};
+use crate::geo::Crs;
 use crate::progress::{Cancelled, Progress};
 use directory::{Tag, directory};
 use flate2::Compression;
@@ -49,20 +50,20 @@ impl Cells {
 }
 
 /// A raster and its place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RasterSpec {
     /// Cells from west to east.
     pub columns: usize,
     /// Cells from north to south.
     pub rows: usize,
-    /// West edge, metres in the coordinate system.
-    pub west_m: f64,
-    /// North edge, metres in the coordinate system.
-    pub north_m: f64,
-    /// Side of a cell, metres.
-    pub cell_m: f64,
-    /// The coordinate system's EPSG number; a projected one in metres.
-    pub epsg: u16,
+    /// West edge, in the unit of the coordinate system.
+    pub west: f64,
+    /// North edge, in the unit of the coordinate system.
+    pub north: f64,
+    /// Width and height of a cell, in the unit of the coordinate system.
+    pub cell: [f64; 2],
+    /// The coordinate system.
+    pub crs: Crs,
     /// What a cell holds.
     pub cells: Cells,
     /// What the raster shows, for people.

@@ -4,10 +4,10 @@ fn spec(columns: usize, rows: usize, cells: Cells) -> RasterSpec {
     RasterSpec {
         columns,
         rows,
-        west_m: 500_000.0,
-        north_m: 4_000_000.0,
-        cell_m: 0.5,
-        epsg: 32_612,
+        west: 500_000.0,
+        north: 4_000_000.0,
+        cell: [0.5, 0.5],
+        crs: Crs::from_epsg(32_612).unwrap(),
         cells,
         description: "depth".into(),
     }

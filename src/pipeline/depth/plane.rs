@@ -2,35 +2,32 @@
 
 use crate::bathymetry::DepthPoint;
 use crate::cloud::{CloudPoint, PointSource};
-use crate::geo::{LonLat, UtmZone};
+use crate::geo::{LonLat, MapPlane};
 use crate::pipeline::Products;
+use crate::pipeline::outputs::map_plane;
 use crate::survey::{Navigation, Survey, Track};
 
-/// The UTM zone of a survey's first fix.
+/// The cloud and the plane that its maps are drawn in.
 pub(super) struct Plane<'a> {
-    pub zone: UtmZone,
+    pub map: MapPlane,
     pub survey: &'a Survey,
     track: &'a Track,
     navigation: &'a Navigation,
 }
 
 impl<'a> Plane<'a> {
-    pub fn of(survey: &'a Survey, products: &'a Products) -> Self {
-        Self {
-            zone: UtmZone::of(survey.track.frame.origin()),
+    /// The plane of the system that `crs` names; the error is a sentence that says why there is none.
+    pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, String> {
+        Ok(Self {
+            map: map_plane(survey, &products.settings)?,
             survey,
             track: &survey.track,
             navigation: &products.navigation,
-        }
+        })
     }
 
     pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
-        self.zone.to_lon_lat(place)
-    }
-
-    /// Metres of the map in a metre on the ground.
-    pub fn scale_at(&self, place: [f64; 2]) -> f64 {
-        self.zone.scale_at(self.zone.to_lon_lat(place))
+        self.map.to_lon_lat(place)
     }
 
     /// Easting, northing and elevation of the kept points of some sources, metres.
@@ -65,7 +62,7 @@ impl<'a> Plane<'a> {
         let position = self
             .navigation
             .to_lon_lat(self.track, point.east_m, point.north_m);
-        let [east_m, north_m] = self.zone.to_metres(position);
+        let [east_m, north_m] = self.map.place(position);
         [east_m, north_m, point.z_m]
     }
 }

@@ -3,8 +3,10 @@
 use super::DepthWritten;
 use super::plane::Plane;
 use crate::bathymetry::{Grid, Surface};
+use crate::export::Summary;
 use crate::export::geotiff::{Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
 use crate::pipeline::Products;
+use crate::pipeline::record::{Coordinates, Made};
 use crate::progress::Progress;
 use std::path::Path;
 
@@ -18,19 +20,22 @@ pub(super) fn write(
     progress: &Progress,
     written: &mut DepthWritten,
 ) -> Result<(), String> {
-    let layers: [(&'static str, &[f32], &str); 3] = [
+    let layers: [(&'static str, &'static str, &[f32], &'static str); 3] = [
         (
             "depth.tif",
+            "depth_m",
             &surface.depth_m,
             "Depth in metres, positive down",
         ),
         (
             "uncertainty.tif",
+            "standard_deviation_m",
             &surface.spread_m,
             "Standard deviation in metres of the depths that carry a cell",
         ),
         (
             "distance.tif",
+            "distance_m",
             &surface.distance_m,
             "Distance in metres from a cell to the nearest depth",
         ),
@@ -38,23 +43,48 @@ pub(super) fn write(
     let grid = &surface.grid;
     let tiles = tiles(grid, &surface.depth_m);
     let applied = applied(products, grid);
-    for (name, values, what) in layers {
+    let crs = &plane.map.crs;
+    for (name, measured, values, what) in layers {
         let spec = RasterSpec {
             columns: grid.columns,
             rows: grid.rows,
-            west_m: grid.west_m,
-            north_m: grid.north_m,
-            cell_m: grid.cell_m,
-            epsg: plane.zone.epsg() as u16,
+            west: plane.map.in_crs([grid.west_m, 0.0])[0],
+            north: plane.map.in_crs([0.0, grid.north_m])[1],
+            cell: plane.map.in_crs([grid.cell_m; 2]),
+            crs: crs.clone(),
             cells: Cells::Metres,
             description: format!("{what}; {}. {applied}", plane.survey.name()),
         };
         let draw = |tile| draw(grid, values, tile);
         geotiff(&folder.join(name), &spec, &tiles, draw, progress)
             .map_err(|error| error.to_string())?;
-        written.files.push(name);
+        written.made.push(Made {
+            name,
+            what,
+            coordinates: Coordinates::System(crs.clone()),
+            counted: "cells",
+            measured,
+            summary: summary(plane, grid, values),
+            regardless_of: &["detector", "isobaths", "mosaic"],
+        });
     }
     Ok(())
+}
+
+/// The cells that are known, and the whole raster around them.
+fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
+    let mut summary = Summary::default();
+    let known = values.iter().filter(|value| !value.is_nan());
+    known.for_each(|value| summary.add([f64::NAN; 2], f64::from(*value)));
+    let corners = [[0, 0], [grid.rows, grid.columns]];
+    for [rows, columns] in corners.map(|corner| corner.map(|cells| cells as f64)) {
+        let corner = [
+            grid.west_m + columns * grid.cell_m,
+            grid.north_m - rows * grid.cell_m,
+        ];
+        summary.reach(plane.map.in_crs(corner));
+    }
+    summary
 }
 
 /// What was and was not corrected, and how the cells were filled.

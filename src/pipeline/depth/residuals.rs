@@ -4,7 +4,8 @@ use super::DepthWritten;
 use super::plane::Plane;
 use crate::bathymetry::compare::{Comparison, Matching, match_points};
 use crate::cloud::PointSource;
-use crate::export;
+use crate::export::{self, Summary};
+use crate::pipeline::record::{Coordinates, Made};
 use crate::pipeline::{Products, Settings};
 use crate::progress::{Cancelled, Progress};
 use serde::Serialize;
@@ -60,13 +61,25 @@ pub(super) fn write(
         comparisons,
         settings: &products.settings,
     };
-    export::write_aside(&folder.join("residuals.json"), |mut file| {
+    let name = "residuals.json";
+    export::write_aside(&folder.join(name), |mut file| {
         let text = serde_json::to_vec_pretty(&record)?;
         file.write_all(&text)?;
         file.write_all(b"\n")
     })
     .map_err(|error| error.to_string())?;
-    written.files.push("residuals.json");
+    written.made.push(Made {
+        name,
+        what: "Side-scan points against the soundings of the same log",
+        coordinates: Coordinates::None,
+        counted: "comparisons",
+        measured: "",
+        summary: Summary {
+            count: record.comparisons.len(),
+            ..Summary::default()
+        },
+        regardless_of: &["detector", "isobaths", "mosaic"],
+    });
     Ok(())
 }
 

@@ -4,6 +4,7 @@ mod compare;
 mod detect;
 mod evaluate;
 mod products;
+mod records;
 mod refused;
 mod report_page;
 mod review;
