@@ -3,15 +3,11 @@
 use super::folders::Folders;
 use super::status_line::StatusLine;
 use super::{detect, found, input, output};
-use crate::bathymetry::Surface;
 use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
 use crate::formats;
-use crate::geo::UtmZone;
 use crate::handover::{self, Handover, Objects};
-use crate::pipeline::{
-    self, MosaicWritten, NamedComparison, Preset, Product, Products, Proposed, Settings, Written,
-};
+use crate::pipeline::{self, Preset, Product, Products, Proposed, Settings, Written};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -29,7 +25,7 @@ pub struct ProcessArgs {
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
-    /// The maps to make; all when not given
+    /// What to write beside first_returns.csv, cloud.csv and report.json; all when not given
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
     products: Vec<Product>,
     #[command(flatten)]
@@ -182,44 +178,31 @@ pub fn process_into(
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
-    status.step("writing");
-    let mut written = pipeline::write_products(survey, &products, folder, &progress)?;
-    status.step("depths");
-    let depth = pipeline::write_depth(survey, &products, wanted, folder, &progress)?;
-    written.files.extend(&depth.files);
-    written
-        .report
-        .warnings
-        .extend(depth.warnings.iter().cloned());
-    if survey.has_side_scan() && wanted.contains(&Product::Mosaic) {
-        status.step("mosaic");
-        match pipeline::write_mosaic(survey, &products, folder, &progress)? {
-            MosaicWritten::File(name) => written.files.push(name),
-            MosaicWritten::None(why) => written.report.warnings.push(why),
-        }
-    }
+    let step = |what| status.step(what);
+    let mut written = pipeline::write_products(survey, &products, wanted, folder, &progress, step)?;
     let mut found = None;
     if let Some(model) = model.filter(|_| survey.has_side_scan()) {
         status.step("objects");
         let how = &settings.detector;
         let boxes = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
-        written
-            .files
-            .extend(["detections.csv", "detections.geojson", "chips"]);
+        written.files.extend([
+            "detections.csv",
+            "detections.geojson",
+            "detections.gpx",
+            "chips",
+        ]);
         found = Some((model, boxes));
     }
     if wanted.contains(&Product::Report) {
         status.step("report");
         let made = Made {
             written: &written,
-            surface: depth.surface.as_ref(),
-            comparisons: &depth.comparisons,
             found: found.as_ref().map(|(model, boxes)| (*model, boxes)),
         };
         made.write_page(survey, &products, folder, &progress)?;
         written.files.push(handover::NAME);
     }
-    // What the later products had to warn of belongs to the record too.
+    // Once more, so that where it is all others are whole.
     pipeline::write_report(&written.report, folder)?;
     drop(status);
     for warning in &written.report.warnings {
@@ -231,7 +214,7 @@ pub fn process_into(
         output::results(format_args!("proposed by the detector: {objects}"))?;
     }
     output::results(format_args!(
-        "wrote {} into {}",
+        "wrote {} into {}, each with its record (.json)",
         written.files.join(", "),
         folder.display()
     ))
@@ -240,8 +223,6 @@ pub fn process_into(
 /// What the page shows.
 struct Made<'a> {
     written: &'a Written,
-    surface: Option<&'a Surface>,
-    comparisons: &'a [NamedComparison],
     found: Option<(&'a Model, &'a Proposed)>,
 }
 
@@ -263,9 +244,9 @@ impl Made<'_> {
             survey,
             products,
             report: &self.written.report,
-            zone: UtmZone::of(survey.track.frame.origin()),
-            surface: self.surface,
-            comparisons: self.comparisons,
+            map: &self.written.map,
+            surface: self.written.surface.as_ref(),
+            comparisons: &self.written.comparisons,
             objects: found.as_ref().map(|(rows, raster)| Objects {
                 rows,
                 raster,

@@ -1,6 +1,7 @@
-//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX; written aside, then renamed.
+//! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `dataset` is the folder that detectors are trained
+//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `vector` lines and areas,
+//! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `points` reads and writes the point files of `bathyscope filter`.
 
 mod aside;
@@ -9,14 +10,22 @@ mod chips;
 mod cloud_csv;
 mod cloud_laz;
 mod cloud_ply;
+mod cloud_xyz;
 mod dataset;
+mod extra_bytes;
 mod first_returns;
+mod footprint;
+mod geojson;
 pub mod geotiff;
 mod isobaths;
 mod objects;
 mod picture_boxes;
 pub mod points;
 mod profile_csv;
+mod rings;
+mod summary;
+mod track;
+mod vector;
 
 pub use aside::{ExportError, write_aside};
 pub use chip_folder::ChipFolder;
@@ -24,12 +33,17 @@ pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
 pub use cloud_ply::cloud_ply;
+pub use cloud_xyz::cloud_xyz;
 pub use dataset::{DatasetFolder, Part, PartSummary};
 pub use first_returns::first_returns_csv;
+pub use footprint::footprint_geojson;
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;
 pub use profile_csv::{profile_csv, write_profile_csv};
+pub use summary::Summary;
+pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
+pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
 
 use crate::cloud::PointSource;
 

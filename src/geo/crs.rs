@@ -89,7 +89,7 @@ impl CrsChoice {
     /// The system for a survey that begins at a position; refused where it does not reach that far.
     pub fn at(self, position: LonLat) -> Result<Crs, CrsError> {
         let number = match self {
-            CrsChoice::Utm => UtmZone::of(position).epsg() as u16,
+            CrsChoice::Utm => return Ok(Crs::utm(position)),
             CrsChoice::Wgs84 => WGS84,
             CrsChoice::WebMercator => WEB_MERCATOR,
             CrsChoice::Epsg(number) => number,

@@ -23,7 +23,7 @@ pub fn storage_section(from: &Handover<'_>) -> String {
     let grid = &surface.grid;
     let middle = grid.centre(grid.rows / 2, grid.columns / 2);
     // A map's square metres are not quite those of the ground.
-    let ground = from.zone.scale_at(from.zone.to_lon_lat(middle)).powi(-2);
+    let ground = from.map.area_scale_at(middle).recip();
     let below = |levels: &[f64]| -> Vec<Storage> {
         let mut rows = storage(surface, levels);
         for row in &mut rows {

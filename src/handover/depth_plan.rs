@@ -21,7 +21,7 @@ pub fn depth_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<Str
     let Some(surface) = from.surface else {
         return Ok(None);
     };
-    let Some(frame) = Frame::around(bounds(surface), from.zone) else {
+    let Some(frame) = Frame::around(bounds(surface), from.map) else {
         return Ok(None);
     };
     let range_m = surface.range_m().map(|depth_m| depth_m as f32);

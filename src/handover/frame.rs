@@ -2,7 +2,7 @@
 
 use super::text::one_two_five;
 use crate::export::xml;
-use crate::geo::{LonLat, UtmZone};
+use crate::geo::{LonLat, MapPlane};
 use std::fmt::Write as _;
 
 /// Largest map, pixels.
@@ -26,7 +26,7 @@ pub type Bounds = [f64; 4];
 
 /// Where the metres of a plane lie on the page.
 pub struct Frame {
-    zone: UtmZone,
+    map: MapPlane,
     west_m: f64,
     north_m: f64,
     px_per_m: f64,
@@ -35,8 +35,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame around some bounds in a zone; `None` where these are no place.
-    pub fn around([west, south, east, north]: Bounds, zone: UtmZone) -> Option<Self> {
+    /// A frame around some bounds in the plane of a map; `None` where these are no place.
+    pub fn around([west, south, east, north]: Bounds, map: &MapPlane) -> Option<Self> {
         let (width_m, height_m) = (east - west, north - south);
         let longest_m = width_m.max(height_m);
         if !(longest_m > 0.0 && longest_m.is_finite()) {
@@ -47,7 +47,7 @@ impl Frame {
         let px_per_m = (MOST_PX[0] / wanted_m[0]).min(MOST_PX[1] / wanted_m[1]);
         let [width_px, height_px] = wanted_m.map(|metres| (metres * px_per_m).max(LEAST_PX));
         Some(Self {
-            zone,
+            map: map.clone(),
             west_m: 0.5 * (west + east) - 0.5 * width_px / px_per_m,
             north_m: 0.5 * (south + north) + 0.5 * height_px / px_per_m,
             px_per_m,
@@ -143,7 +143,7 @@ impl Frame {
     /// Meridians and parallels with their degrees at the frame.
     fn graticule(&self, clip: &str) -> String {
         let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
-        let at = |x: f64, y: f64| self.zone.to_lon_lat(self.metres([x, y]));
+        let at = |x: f64, y: f64| self.map.to_lon_lat(self.metres([x, y]));
         let corners = [
             at(LEFT_PX, ABOVE_PX),
             at(right, ABOVE_PX),
@@ -184,8 +184,7 @@ impl Frame {
     ) {
         let low = across.iter().copied().fold(f64::MAX, f64::min);
         let high = across.iter().copied().fold(f64::MIN, f64::max);
-        let ends =
-            [low, high].map(|other| self.place(self.zone.to_metres(axis.at(value_deg, other))));
+        let ends = [low, high].map(|other| self.place(self.map.place(axis.at(value_deg, other))));
         let [[x1, y1], [x2, y2]] = ends;
         let text = axis.text(value_deg, step_deg);
         let label = match axis {
@@ -228,7 +227,7 @@ impl Frame {
             LEFT_PX + 0.5 * self.width_px,
             ABOVE_PX + 0.5 * self.height_px,
         ]);
-        let scale = self.zone.scale_at(self.zone.to_lon_lat(middle));
+        let scale = self.map.area_scale_at(middle).sqrt();
         let px_per_ground_m = self.px_per_m * scale;
         let length_m = one_two_five(0.25 * self.width_px / px_per_ground_m);
         let length_px = length_m * px_per_ground_m;
@@ -305,16 +304,20 @@ fn step_deg(extent_deg: f64, length_px: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geo::CrsChoice;
 
-    const ZONE: UtmZone = UtmZone {
-        number: 12,
-        north: true,
-    };
+    fn zone_12() -> MapPlane {
+        let origin = LonLat {
+            lon_deg: -111.0,
+            lat_deg: 36.9,
+        };
+        MapPlane::new(CrsChoice::Utm.at(origin).unwrap(), origin)
+    }
 
     #[test]
     fn places_keep_their_shape_and_lie_inside() {
         let bounds = [456_000.0, 4_087_000.0, 456_400.0, 4_087_100.0];
-        let frame = Frame::around(bounds, ZONE).unwrap();
+        let frame = Frame::around(bounds, &zone_12()).unwrap();
         let [west, south] = frame.place([bounds[0], bounds[1]]);
         let [east, north] = frame.place([bounds[2], bounds[3]]);
         assert!(((east - west) / (south - north) - 4.0).abs() < 1e-9);
@@ -325,13 +328,13 @@ mod tests {
 
     #[test]
     fn no_extent_makes_no_map() {
-        assert!(Frame::around([1.0, 1.0, 1.0, 1.0], ZONE).is_none());
-        assert!(Frame::around([f64::MAX, f64::MAX, f64::MIN, f64::MIN], ZONE).is_none());
+        assert!(Frame::around([1.0, 1.0, 1.0, 1.0], &zone_12()).is_none());
+        assert!(Frame::around([f64::MAX, f64::MAX, f64::MIN, f64::MIN], &zone_12()).is_none());
     }
 
     #[test]
     fn paths_break_at_gaps_and_keep_their_ends() {
-        let frame = Frame::around([0.0, 0.0, 100.0, 100.0], ZONE).unwrap();
+        let frame = Frame::around([0.0, 0.0, 100.0, 100.0], &zone_12()).unwrap();
         let dense = (0..1000).map(|step| [f64::from(step) * 0.001, 0.0]);
         let path = frame.path(dense.chain([[f64::NAN, 0.0], [50.0, 50.0], [60.0, 60.0]]));
         assert_eq!(path.matches('M').count(), 2, "{path}");

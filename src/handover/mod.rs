@@ -26,7 +26,7 @@ pub use page::page;
 use crate::bathymetry::Surface;
 use crate::detection::Raster;
 use crate::export::{ObjectRow, write_aside};
-use crate::geo::UtmZone;
+use crate::geo::MapPlane;
 use crate::pipeline::{NamedComparison, Products, Report};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -45,7 +45,7 @@ pub struct Handover<'a> {
     /// The record, with the warnings of every product.
     pub report: &'a Report,
     /// The plane of `surface`.
-    pub zone: UtmZone,
+    pub map: &'a MapPlane,
     /// The depth map; `None` where the depths span none.
     pub surface: Option<&'a Surface>,
     /// How measured depths agree.

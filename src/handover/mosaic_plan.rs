@@ -22,7 +22,7 @@ pub fn mosaic_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<St
     let navigation = &products.navigation;
     let plane = |[east_m, north_m]: [f64; 2]| {
         let position = navigation.to_lon_lat(&survey.track, east_m, north_m);
-        from.zone.to_metres(position)
+        from.map.place(position)
     };
     let layout = Layout::new(
         survey,
@@ -40,7 +40,7 @@ pub fn mosaic_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<St
     let Some(grid) = layout.grid((extent_m / MOST_CELLS).max(settings.cell_m)) else {
         return Ok(None);
     };
-    let Some(frame) = Frame::around(bounds(&grid), from.zone) else {
+    let Some(frame) = Frame::around(bounds(&grid), from.map) else {
         return Ok(None);
     };
     let drawing = Drawing {
@@ -136,7 +136,7 @@ pub fn track(from: &Handover<'_>, frame: &Frame, colour: &str, opacity: f64) -> 
     };
     let places = pings.iter().map(|place| {
         let position = navigation.to_lon_lat(&from.survey.track, place.east_m, place.north_m);
-        from.zone.to_metres(position)
+        from.map.place(position)
     });
     format!(
         "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"1.1\"/>\n",

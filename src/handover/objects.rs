@@ -30,7 +30,7 @@ pub fn marks(from: &Handover<'_>, frame: &Frame) -> String {
     let mut places: BTreeMap<usize, Vec<[f64; 2]>> = BTreeMap::new();
     for row in shown(from) {
         if let (Some(target), Some(object)) = (&row.target, row.object) {
-            let place = from.zone.to_metres(target.position);
+            let place = from.map.place(target.position);
             places.entry(object).or_default().push(place);
         }
     }

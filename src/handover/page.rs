@@ -61,12 +61,10 @@ fn depth_caption(from: &Handover<'_>) -> String {
     };
     let settings = &from.products.settings;
     format!(
-        "Cells of {:.2} m, UTM zone {}{} (EPSG:{}), graticule in WGS84. No cell is farther than {} m from a depth, none outside \
+        "Cells of {:.2} m, {}, graticule in WGS84. No cell is farther than {} m from a depth, none outside \
          their hull. The relief is lit from the north-west, {} times as high as it is. {}",
         surface.grid.cell_m,
-        from.zone.number,
-        if from.zone.north { 'N' } else { 'S' },
-        from.zone.epsg(),
+        xml(&from.map.crs.to_string()),
         settings.surface.max_gap_m,
         Light::suited(surface).exaggeration,
         xml(&from.products.correction.statement())

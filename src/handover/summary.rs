@@ -84,8 +84,7 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
             .collect();
         let grid = &surface.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
-        let scale = from.zone.scale_at(from.zone.to_lon_lat(middle));
-        let cell_m2 = (grid.cell_m / scale).powi(2);
+        let cell_m2 = grid.cell_m.powi(2) / from.map.area_scale_at(middle);
         let sum_m: f64 = known.iter().sum();
         figures.extend([
             (format!("{least_m:.2} to {most_m:.2} m"), "depth"),

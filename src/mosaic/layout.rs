@@ -289,7 +289,7 @@ impl Layout {
     }
 
     /// All strips: the ping they begin at, and the side, in the order they were recorded.
-    fn strips(&self) -> impl Iterator<Item = (usize, Side, [Ray; 2])> {
+    pub(super) fn strips(&self) -> impl Iterator<Item = (usize, Side, [Ray; 2])> {
         let pings = 0..self.placed.len().saturating_sub(1);
         pings.flat_map(move |ping| {
             Side::BOTH

@@ -14,10 +14,12 @@
 
 mod altitude;
 mod course;
+mod footprint;
 mod gain;
 mod layout;
 mod paint;
 
+pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use layout::{Bounds, Layout, TileIndex};
 pub use paint::{TILE_CELLS, Tile, tile, window};

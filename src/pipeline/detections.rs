@@ -19,7 +19,7 @@ pub struct Proposed {
     pub unplaced: usize,
 }
 
-/// Searches the survey and writes `detections.csv`, `detections.geojson` and `chips/` with a picture of each box into `folder`,
+/// Searches the survey and writes `detections.csv`, `.geojson` and `.gpx` and `chips/` with a picture of each box into `folder`,
 /// which is made when it is missing.
 ///
 /// The error is one sentence. Each file is written aside and renamed; until the last chip is there, those of an earlier search
@@ -45,6 +45,7 @@ pub fn write_detections(
         .finish()
         .and_then(|()| export::objects_csv(&folder.join("detections.csv"), survey, &rows))
         .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
+        .and_then(|()| export::objects_gpx(&folder.join("detections.gpx"), &rows))
         .map_err(|error| error.to_string())?;
     let (objects, unplaced) = (objects_in(&rows), unplaced_in(&rows));
     Ok(Proposed {

@@ -1,71 +1,88 @@
 //! Writes the products of a survey into a folder.
 
-use super::Products;
+use super::clouds::{write_clouds, write_tables};
+use super::record::{Made, write_record};
 use super::report::Report;
+use super::track::write_track;
+use super::{
+    MosaicWritten, NamedComparison, Product, Products, Settings, write_depth, write_mosaic,
+};
+use crate::bathymetry::Surface;
 use crate::export;
+use crate::geo::MapPlane;
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::io::Write as _;
 use std::path::Path;
 
 /// What was written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Written {
-    /// File names, in the order of writing.
+    /// File names, in the order of writing; beside each but the report lies its record, `NAME.json`.
     pub files: Vec<&'static str>,
     /// The report, as written to `report.json`.
     pub report: Report,
+    /// The plane that maps are drawn in.
+    pub map: MapPlane,
+    /// The depth map in that plane, where something wanted shows it and there is one.
+    pub surface: Option<Surface>,
+    /// How side-scan agrees with the soundings, where that was wanted.
+    pub comparisons: Vec<NamedComparison>,
 }
 
-/// Writes one product to a path.
-type Write<'a> = dyn Fn(&Path) -> Result<(), export::ExportError> + 'a;
-
-/// Writes `first_returns.csv`, `cloud.csv`, `cloud.laz`, `cloud.ply` and `report.json` into `folder`, which is made when it
-/// is missing. Each file is written aside and renamed, the report last: where it is, the others are whole.
+/// Writes `first_returns.csv`, `cloud.csv`, the wanted products, the record of each, and `report.json` into `folder`, which is
+/// made when it is missing. Each file is written aside and renamed, the report last: where it is, the others are whole.
 ///
-/// The error is one sentence that names the file. A cancelled run leaves whole files only.
+/// `on_step` is told what comes next. The error is one sentence that names the file. A cancelled run leaves whole files only.
 pub fn write_products(
     survey: &Survey,
     products: &Products,
+    wanted: &[Product],
     folder: &Path,
     progress: &Progress,
+    mut on_step: impl FnMut(&'static str),
 ) -> Result<Written, String> {
-    let report = Report::new(survey, products, progress).map_err(|error| error.to_string())?;
+    on_step("writing");
+    // Before the work: a system that does not fit should not cost a hash of all inputs first.
+    let map = map_plane(survey, &products.settings)?;
+    let mut report = Report::new(survey, products, progress).map_err(|error| error.to_string())?;
     std::fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
-    let Products {
-        navigation,
-        returns,
-        calibration,
-        cloud,
-        kept,
-        ..
-    } = products;
-    let writers: [(&'static str, &Write<'_>); 4] = [
-        ("first_returns.csv", &|path| {
-            export::first_returns_csv(path, survey, navigation, returns, calibration)
-        }),
-        ("cloud.csv", &|path| {
-            export::cloud_csv(path, survey, navigation, cloud, kept)
-        }),
-        ("cloud.laz", &|path| {
-            export::cloud_laz(path, survey, navigation, cloud, kept)
-        }),
-        ("cloud.ply", &|path| export::cloud_ply(path, cloud, kept)),
-    ];
-    progress.start(writers.len() as u64 + 1);
-    for (name, write) in &writers {
-        progress.check().map_err(|error| error.to_string())?;
-        write(&folder.join(name)).map_err(|error| error.to_string())?;
-        progress.advance(1);
+    let wants = |product| wanted.contains(&product);
+    let mut made = write_tables(survey, products, folder, progress)?;
+    if wants(Product::Cloud) {
+        made.extend(write_clouds(survey, products, &map, folder, progress)?);
     }
-    progress.check().map_err(|error| error.to_string())?;
+    if wants(Product::Track) {
+        on_step("track");
+        let (track, warnings) = write_track(survey, products, &map, folder, progress)?;
+        made.extend(track);
+        report.warnings.extend(warnings);
+    }
+    on_step("depths");
+    let depth = write_depth(survey, products, wanted, folder, progress)?;
+    made.extend(depth.made);
+    report.warnings.extend(depth.warnings);
+    if survey.has_side_scan() && wants(Product::Mosaic) {
+        on_step("mosaic");
+        match write_mosaic(survey, products, folder, progress)? {
+            MosaicWritten::File(mosaic) => made.push(*mosaic),
+            MosaicWritten::None(why) => report.warnings.push(why),
+        }
+    }
+    on_step("records");
+    for one in &made {
+        progress.check().map_err(|error| error.to_string())?;
+        write_record(one, &report, folder)?;
+    }
     write_report(&report, folder)?;
-    progress.advance(1);
-    let names = writers.iter().map(|(name, _)| *name);
+    let names = made.iter().map(|one: &Made| one.name);
     Ok(Written {
         files: names.chain(["report.json"]).collect(),
         report,
+        map,
+        surface: depth.surface,
+        comparisons: depth.comparisons,
     })
 }
 
@@ -77,4 +94,11 @@ pub fn write_report(report: &Report, folder: &Path) -> Result<(), String> {
         file.write_all(b"\n")
     })
     .map_err(|error| error.to_string())
+}
+
+/// The plane of the system that `crs` names; the error is a sentence that says why there is none.
+pub(super) fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, String> {
+    let origin = survey.track.frame.origin();
+    let crs = settings.crs.at(origin).map_err(|error| error.to_string())?;
+    Ok(MapPlane::new(crs, origin))
 }

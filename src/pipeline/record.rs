@@ -82,7 +82,7 @@ pub fn write_record(made: &Made, report: &Report, folder: &Path) -> Result<(), S
         ),
         preset: report.preset,
         settings: bearing(report, made.regardless_of)?,
-        statement: report.statement,
+        statement: &report.statement,
     };
     export::write_aside(&folder.join(format!("{}.json", made.name)), |mut file| {
         let text = serde_json::to_vec_pretty(&record)?;

@@ -2,7 +2,7 @@
 
 use crate::bathymetry::DepthPoint;
 use crate::cloud::{CloudPoint, PointSource};
-use crate::geo::{LonLat, MapPlane};
+use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
 use crate::pipeline::outputs::map_plane;
 use crate::survey::{Navigation, Survey, Track};
@@ -18,12 +18,25 @@ pub(super) struct Plane<'a> {
 impl<'a> Plane<'a> {
     /// The plane of the system that `crs` names; the error is a sentence that says why there is none.
     pub fn of(survey: &'a Survey, products: &'a Products) -> Result<Self, String> {
-        Ok(Self {
-            map: map_plane(survey, &products.settings)?,
+        let map = map_plane(survey, &products.settings)?;
+        Ok(Self::new(survey, products, map))
+    }
+
+    /// The same, in the UTM zone where the system does not fit.
+    pub fn or_utm(survey: &'a Survey, products: &'a Products) -> Self {
+        let origin = survey.track.frame.origin();
+        let utm = |_| MapPlane::new(Crs::utm(origin), origin);
+        let map = map_plane(survey, &products.settings).unwrap_or_else(utm);
+        Self::new(survey, products, map)
+    }
+
+    fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
+        Self {
+            map,
             survey,
             track: &survey.track,
             navigation: &products.navigation,
-        })
+        }
     }
 
     pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {

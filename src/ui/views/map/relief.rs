@@ -138,7 +138,7 @@ impl Made {
     fn warp(&self, key: TileKey) -> Warp {
         let grid = &self.chart.surface.grid;
         Warp::new(key, |place| {
-            let [easting_m, northing_m] = self.chart.to_zone(place);
+            let [easting_m, northing_m] = self.chart.to_map(place);
             [
                 (easting_m - grid.west_m) / grid.cell_m - 0.5,
                 (grid.north_m - northing_m) / grid.cell_m - 0.5,

@@ -255,7 +255,7 @@ impl Sampled {
         let chart = map.as_ref().map(|map| &map.chart);
         // Two looks at every cell miss nothing that is drawn.
         let step_m = chart.map_or(f64::INFINITY, |chart| 0.5 * chart.surface.grid.cell_m);
-        let depth_at = |place| chart?.surface.depth_at(chart?.to_zone(place));
+        let depth_at = |place| chart?.surface.depth_at(chart?.to_map(place));
         Self {
             stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
             figure: figure.clone(),

@@ -1,0 +1,101 @@
+//! `*.kmz`: KML 2.2 (OGC 07-147r2) in a zip archive, as map programs and phones open it.
+
+use super::Line;
+use super::zipped::one_file;
+use crate::bathymetry::isobaths::Polygon;
+use crate::export::geojson::{areas, positions};
+use crate::export::{ExportError, Summary, write_aside, xml};
+use crate::geo::LonLat;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes lines, each with its label in its middle.
+pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, ExportError> {
+    archive(path, name, |out| {
+        let mut summary = Summary::default();
+        for line in lines {
+            let points = positions(line.points.iter().copied());
+            summary.count += 1;
+            points.iter().for_each(|at| summary.reach(*at));
+            let middle = points.get(points.len() / 2).copied().unwrap_or_default();
+            let [red, green, blue] = line.colour;
+            writeln!(
+                out,
+                "<Placemark><name>{}</name><Style><IconStyle><scale>0</scale></IconStyle><LineStyle>\
+                 <color>ff{blue:02x}{green:02x}{red:02x}</color><width>2</width></LineStyle></Style><MultiGeometry>\
+                 <Point><coordinates>{:.8},{:.8}</coordinates></Point>\
+                 <LineString><tessellate>1</tessellate><coordinates>{}</coordinates></LineString></MultiGeometry></Placemark>",
+                xml(&line.label),
+                middle[0],
+                middle[1],
+                coordinates(&points)
+            )?;
+        }
+        Ok(summary)
+    })
+}
+
+/// Writes areas as one thing on the map; `place` tells where a corner lies.
+pub fn areas_kmz(
+    path: &Path,
+    name: &str,
+    shapes: &[Polygon],
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    archive(path, name, |out| {
+        let mut summary = Summary {
+            count: 1,
+            ..Summary::default()
+        };
+        write!(
+            out,
+            "<Placemark><name>{}</name><Style><LineStyle><color>ff00d7ff</color><width>2</width></LineStyle>\
+             <PolyStyle><color>4000d7ff</color></PolyStyle></Style><MultiGeometry>",
+            xml(name)
+        )?;
+        for polygon in areas(shapes, &place) {
+            write!(out, "<Polygon><tessellate>1</tessellate>")?;
+            for (index, ring) in polygon.iter().enumerate() {
+                ring.iter().for_each(|at| summary.reach(*at));
+                let border = if index == 0 { "outer" } else { "inner" };
+                write!(
+                    out,
+                    "<{border}BoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></{border}BoundaryIs>",
+                    coordinates(ring)
+                )?;
+            }
+            write!(out, "</Polygon>")?;
+        }
+        writeln!(out, "</MultiGeometry></Placemark>")?;
+        Ok(summary)
+    })
+}
+
+/// A document named `name` with what `write` puts into it, as `doc.kml` of an archive.
+fn archive(
+    path: &Path,
+    name: &str,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<Summary>,
+) -> Result<Summary, ExportError> {
+    write_aside(path, |file| {
+        one_file(file, "doc.kml", |out| {
+            write!(
+                out,
+                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n\
+                 <Document>\n<name>{}</name>\n",
+                xml(name)
+            )?;
+            let summary = write(out)?;
+            out.write_all(b"</Document>\n</kml>\n")?;
+            Ok(summary)
+        })
+    })
+}
+
+fn coordinates(points: &[[f64; 2]]) -> String {
+    let texts = points.iter().map(|at| {
+        let [lon, lat] = at;
+        format!("{lon:.8},{lat:.8}")
+    });
+    texts.collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,125 @@
+//! The outline of the ground that was heard.
+
+use super::Layout;
+use crate::bathymetry::isobaths::{Polygon, depth_areas};
+use crate::bathymetry::{Grid, Surface};
+use crate::progress::{Cancelled, Progress};
+
+/// Side of the squares that the ground is sampled with, metres, unless that would make more than [`MOST_SQUARES`] along a side.
+const SQUARE_M: f64 = 0.5;
+const MOST_SQUARES: f64 = 2000.0;
+
+/// The ground that any strip covers, in the plane of the layout; to half a square. Empty where nothing is shown.
+pub fn footprint(layout: &Layout, progress: &Progress) -> Result<Vec<Polygon>, Cancelled> {
+    let Some(rough) = layout.grid(SQUARE_M) else {
+        return Ok(Vec::new());
+    };
+    let most = rough.columns.max(rough.rows) as f64;
+    let side_m = SQUARE_M * (most / MOST_SQUARES).max(1.0);
+    let Some(grid) = layout.grid(side_m).map(with_margin) else {
+        return Ok(Vec::new());
+    };
+    let mut heard = vec![0.0_f32; grid.len()];
+    for (_, _, strip) in layout.strips() {
+        progress.check()?;
+        cover(&grid, layout.corners(&strip), &mut heard);
+    }
+    let surface = Surface {
+        grid,
+        depth_m: heard,
+        spread_m: Vec::new(),
+        distance_m: Vec::new(),
+    };
+    // What is 1 where it was heard and 0 elsewhere is cut halfway.
+    let areas = depth_areas(&surface, &[0.5, 2.0], progress)?;
+    Ok(areas.into_iter().flat_map(|area| area.polygons).collect())
+}
+
+/// A square more on every side, so that the outline closes within the grid.
+fn with_margin(grid: Grid) -> Grid {
+    Grid {
+        west_m: grid.west_m - grid.cell_m,
+        north_m: grid.north_m + grid.cell_m,
+        columns: grid.columns + 2,
+        rows: grid.rows + 2,
+        ..grid
+    }
+}
+
+/// Marks the squares whose middle lies in a strip.
+fn cover(grid: &Grid, corners: [[f64; 2]; 4], heard: &mut [f32]) {
+    let cells = |metres: f64| metres / grid.cell_m - 0.5;
+    let corners = corners.map(|[x, y]| [cells(x - grid.west_m), cells(grid.north_m - y)]);
+    let span = |axis: usize| {
+        let ends = corners.map(|corner| corner[axis]);
+        ends.iter().fold([f64::MAX, f64::MIN], |[low, high], &end| {
+            [low.min(end), high.max(end)]
+        })
+    };
+    let [top, bottom] = span(1);
+    let rows =
+        top.ceil().max(0.0) as usize..grid.rows.min((bottom.floor() + 1.0).max(0.0) as usize);
+    for row in rows {
+        let Some([west, east]) = across(&corners, row as f64) else {
+            continue;
+        };
+        let from = west.ceil().max(0.0) as usize;
+        let to = grid.columns.min((east.floor() + 1.0).max(0.0) as usize);
+        if let Some(line) =
+            heard.get_mut(row * grid.columns + from..row * grid.columns + to.max(from))
+        {
+            line.fill(1.0);
+        }
+    }
+}
+
+/// Where a row enters and leaves a strip.
+fn across(corners: &[[f64; 2]; 4], row: f64) -> Option<[f64; 2]> {
+    let mut ends: Option<[f64; 2]> = None;
+    for side in 0..4 {
+        let ([x0, y0], [x1, y1]) = (corners[side], corners[(side + 1) % 4]);
+        if (y0 - row) * (y1 - row) > 0.0 {
+            continue;
+        }
+        let share = if y1 == y0 {
+            0.0
+        } else {
+            (row - y0) / (y1 - y0)
+        };
+        let x = x0 + share * (x1 - x0);
+        ends = Some(ends.map_or([x, x], |[west, east]| [west.min(x), east.max(x)]));
+        if y1 == y0 {
+            ends = ends.map(|[west, east]| [west.min(x1), east.max(x1)]);
+        }
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_side_by_side_cover_all_between_them() {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 20.0,
+            cell_m: 0.5,
+            columns: 80,
+            rows: 40,
+        };
+        let mut heard = vec![0.0; grid.len()];
+        // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the bottom, 6 m to the right on top.
+        for strip in 0..80 {
+            let [from, to] = [strip, strip + 1].map(|edge| 1.0 + 0.1 * f64::from(edge));
+            cover(
+                &grid,
+                [[from, 1.0], [from + 6.0, 19.0], [to + 6.0, 19.0], [to, 1.0]],
+                &mut heard,
+            );
+        }
+        let squares = heard.iter().filter(|square| **square == 1.0).count();
+        let area_m2 = 0.25 * squares as f64;
+        assert!((area_m2 - 8.0 * 18.0).abs() < 4.0, "{area_m2}");
+    }
+}
