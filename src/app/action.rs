@@ -37,7 +37,7 @@ actions! {
     Open, "Open survey…", Some("Ctrl+O"), "Opens a log: SL2, SL3, Humminbird DAT or SON, XTF.";
     OpenPath, "Open path…", Some("Ctrl+Shift+P"), "Opens a log by its path: file or folder.";
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
-    Export, "Export products…", Some("Ctrl+E"), "Writes cloud, first returns and report into a folder.";
+    Export, "Export products…", Some("Ctrl+E"), "Writes points, track, depth maps, isobaths and mosaic into a folder.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";

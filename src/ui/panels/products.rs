@@ -29,7 +29,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         parts::remark(
             ui,
-            "first_returns.csv, cloud.csv, cloud.laz, cloud.ply, report.json with every setting",
+            "Points, track, depth maps, isobaths and mosaic for other programs, each with its record",
         );
     });
 }
