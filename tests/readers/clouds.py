@@ -1,0 +1,63 @@
+"""cloud.laz by laspy, cloud.ply by plyfile, cloud.xyz by numpy, against cloud.csv."""
+
+import laspy
+import numpy
+import plyfile
+from common import check_count, check_extent, check_values, into, system, tolerance
+
+COLOURS = numpy.array([[0, 0, 0], [0, 0, 255], [255, 0, 0]])
+
+
+def check(folder, made, points):
+    if "cloud.laz" in made:
+        check_laz(folder / "cloud.laz", made["cloud.laz"], points)
+        check_ply(folder / "cloud.ply", made["cloud.ply"], points)
+        check_xyz(folder / "cloud.xyz", made["cloud.xyz"], points)
+
+
+def same(name, found, expected, most):
+    off = numpy.abs(numpy.asarray(found) - expected).max()
+    assert off <= most, f"{name} is off by {off}"
+
+
+def check_record(name, record, xyz):
+    check_count(name, record, "points", len(xyz))
+    check_extent(name, record, xyz[:, :2].min(axis=0), xyz[:, :2].max(axis=0), 0.001)
+    check_values(name, record, xyz[:, 2].min(), xyz[:, 2].max(), 0.001)
+
+
+def check_laz(path, record, points):
+    las = laspy.read(path)
+    header = las.header
+    assert (header.version.major, header.version.minor) == (1, 4)
+    assert header.global_encoding.wkt, "the bit for WKT is not set"
+    assert header.parse_crs().to_epsg() == record["crs"]["epsg"], header.parse_crs()
+    assert not system(record).is_geographic == (record["crs"]["unit"] == "metre")
+    xyz = numpy.array([las.x, las.y, las.z]).T
+    check_record("cloud.laz", record, xyz)
+    same("x, y of cloud.laz", xyz[:, :2], into(record, points.lon, points.lat), tolerance(record, 0.002))
+    same("z of cloud.laz", las.z, points.z, 0.0011)
+    same("colour of cloud.laz", numpy.array([las.red, las.green, las.blue]).T // 257, COLOURS[points.source], 0)
+    assert list(header.point_format.extra_dimension_names) == ["source", "ping", "side", "confidence"]
+    same("source of cloud.laz", las.source, points.source > 0, 0)
+    same("ping of cloud.laz", las.ping, points.ping, 0)
+    same("side of cloud.laz", las.side, points.source, 0)
+    same("confidence of cloud.laz", las.confidence, points.confidence, 0.00051)
+    no_data = header.point_format.dimension_by_name("confidence").no_data
+    assert no_data is None or no_data[0] == -1.0, no_data
+
+
+def check_ply(path, record, points):
+    vertices = plyfile.PlyData.read(path)["vertex"]
+    xyz = numpy.array([vertices[axis] for axis in "xyz"]).T
+    check_record("cloud.ply", record, xyz)
+    same("x, y, z of cloud.ply", xyz, points.local, 0.000051)
+    colours = numpy.array([vertices[name] for name in ("red", "green", "blue")]).T
+    same("colour of cloud.ply", colours.astype(int), COLOURS[points.source], 0)
+
+
+def check_xyz(path, record, points):
+    xyz = numpy.loadtxt(path, ndmin=2)
+    check_record("cloud.xyz", record, xyz)
+    same("x, y of cloud.xyz", xyz[:, :2], into(record, points.lon, points.lat), tolerance(record, 0.001))
+    same("z of cloud.xyz", xyz[:, 2], points.z, 0.00051)

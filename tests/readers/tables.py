@@ -1,0 +1,82 @@
+"""The CSV tables against each other and the report; they are what the other products are held against."""
+
+import csv
+import json
+
+import gpxpy
+import lxml.html
+import numpy
+from common import check_count, check_extent, check_values
+
+SOURCES = {"downscan": 0, "port": 1, "starboard": 2}
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Points:
+    """cloud.csv: the kept points, and the confidence of the first return that each is (-1 for a sounding)."""
+
+    def __init__(self, folder):
+        all_rows = rows(folder / "cloud.csv")
+        self.count = len(all_rows)
+        kept = [row for row in all_rows if row["kept"] == "1"]
+        self.source = numpy.array([SOURCES[row["source"]] for row in kept])
+        self.ping = numpy.array([int(row["ping"]) for row in kept])
+        column = lambda name: numpy.array([float(row[name]) for row in kept])
+        self.lon, self.lat = column("lon"), column("lat")
+        self.local = numpy.array([column("east_m"), column("north_m"), column("z_m")]).T
+        self.z = self.local[:, 2]
+        self.pings = rows(folder / "first_returns.csv")
+        names = {1: "port_confidence", 2: "starboard_confidence"}
+        confidence = lambda source, ping: float(self.pings[ping][names[source]]) if source else -1.0
+        self.confidence = numpy.array([confidence(*pair) for pair in zip(self.source, self.ping)])
+        everything = numpy.array([[float(row[name]) for name in ("lon", "lat", "z_m")] for row in all_rows])
+        self.least, self.most = everything.min(axis=0), everything.max(axis=0)
+
+
+def check(folder, report, made):
+    points = Points(folder)
+    counts = report["counts"]
+    removed = counts["outliers_removed"]
+    assert points.count == counts["points"], "cloud.csv has not as many points as the report"
+    assert len(points.pings) == counts["pings"], "first_returns.csv has not as many pings as the report"
+    assert points.count - removed - len(points.z) <= counts["soundings"], "more points are left out than removed"
+    record = made["cloud.csv"]
+    check_count("cloud.csv", record, "points", points.count)
+    check_extent("cloud.csv", record, points.least[:2], points.most[:2], 0.001)
+    check_values("cloud.csv", record, points.least[2], points.most[2], 0.0001)
+    check_count("first_returns.csv", made["first_returns.csv"], "pings", len(points.pings))
+    for side in ("port", "starboard"):
+        found = sum(bool(row[f"{side}_sample"]) for row in points.pings)
+        assert found == counts[f"{side}_first_returns"], f"{found} first returns to {side}"
+    if "residuals.json" in made:
+        comparisons = json.loads((folder / "residuals.json").read_text())["comparisons"]
+        check_count("residuals.json", made["residuals.json"], "comparisons", len(comparisons))
+        assert all(one["n"] > 0 for one in comparisons)
+    if "storage.csv" in made:
+        table = [[float(value) for value in row.values()] for row in rows(folder / "storage.csv")]
+        check_count("storage.csv", made["storage.csv"], "levels", len(table))
+        assert all(numpy.all(numpy.diff(column) <= 0) for column in list(zip(*table))[1:])
+    return points
+
+
+def check_found(folder):
+    """The detector's boxes, and the page, where they were made."""
+    if (folder / "detections.csv").is_file():
+        found = rows(folder / "detections.csv")
+        features = json.loads((folder / "detections.geojson").read_text())["features"]
+        with open(folder / "detections.gpx") as file:
+            waypoints = gpxpy.parse(file).waypoints
+        places = [feature["geometry"]["coordinates"] for feature in features]
+        assert 0 < len(places) <= len(found) and len(places) == len(waypoints)
+        for (lon, lat), waypoint in zip(places, waypoints):
+            assert max(abs(lon - waypoint.longitude), abs(lat - waypoint.latitude)) < 1e-8
+        assert len(list((folder / "chips").glob("*.png"))) == len(found), "a box without a chip"
+    page = folder / "report.html"
+    if page.is_file():
+        tree = lxml.html.fromstring(page.read_bytes())
+        outside = [link for _, _, link, _ in tree.iterlinks() if not link.startswith(("data:", "#"))]
+        assert not outside, f"report.html leans on {outside}"
