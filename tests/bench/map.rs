@@ -1,10 +1,14 @@
-//! A frame of the map on the window's thread, for a small and a large survey.
+//! A frame of the map on the window's thread: for a small and a large survey, and with every layer.
 
-use bathyscope::app::{App, Jobs};
+use crate::resources::processor_s;
+use bathyscope::app::{App, Jobs, MapLayer};
 use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
 use bathyscope::cloud::PointCloud;
-use bathyscope::first_return::FirstReturns;
-use bathyscope::pipeline::{Products, Settings};
+use bathyscope::first_return::{self, FirstReturns};
+use bathyscope::formats;
+use bathyscope::pipeline::{self, Products, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::{Scene, simulate};
 use bathyscope::survey::{
     Navigation, PingNav, Projection, SidePing, SideScanState, Sounding, Survey,
 };
@@ -19,20 +23,82 @@ use std::time::{Duration, Instant};
 /// only make a frame slower.
 const FRAMES: usize = 400;
 
-/// Prints the time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and their ratio.
+/// Lines and pings of the survey that is shown with every layer.
+const LINES: u32 = 10;
+const PINGS_A_LINE: f64 = 3000.0;
+
+/// Prints the time of a frame while the map is dragged, for 1 000 and for 1 000 000 pings, and with the track alone and every
+/// layer of a survey of ten lines; and what it takes, away from the window's thread, to paint those layers for the first time.
 pub fn run() {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
-    let mut windows = [1_000, 1_000_000].map(Window::new);
-    // Turn by turn, so that a busy machine slows both alike.
-    for frame in 0..FRAMES {
-        for window in &mut windows {
-            window.frame(&state, frame);
-        }
-    }
-    let [few, many] = windows.map(|window| us(window.typical()));
+    let [few, many] = frames(
+        &state,
+        [1_000, 1_000_000].map(|count| Window::new(app(count))),
+    );
     println!("map, 1 000 pings:      {few:8.1} us a frame");
     println!("map, 1 000 000 pings:  {many:8.1} us a frame");
     println!("ratio:                 {:8.2} (at most 1.5)", many / few);
+
+    let (survey, products, tracked_s) = surveyed();
+    let windows = [false, true].map(|every_layer| {
+        let mut app = App::new(Jobs::Inline);
+        app.survey_serial = 1;
+        app.survey = Some(survey.clone());
+        app.products = Some(products.clone());
+        for layer in MapLayer::ALL {
+            let shown = every_layer || layer == MapLayer::Track;
+            app.options.map.layers.set_visible(layer, shown);
+        }
+        let mut window = Window::new(app);
+        let before = processor_s();
+        window.frame(&state, 0);
+        if every_layer {
+            let painted_s = processor_s() - before;
+            println!(
+                "{} pings tracked:    {tracked_s:6.2} s of processor",
+                survey.side_scan.len()
+            );
+            println!(
+                "every layer, first picture: {painted_s:6.2} s of processor, {:.2} of tracking",
+                painted_s / tracked_s
+            );
+        }
+        window
+    });
+    let [bare, full] = frames(&state, windows);
+    println!("map, track alone:      {bare:8.1} us a frame");
+    println!("map, every layer:      {full:8.1} us a frame");
+    println!("ratio:                 {:8.2}", full / bare);
+}
+
+/// Microseconds of a typical frame of each window.
+fn frames<const N: usize>(state: &RenderState, mut windows: [Window; N]) -> [f64; N] {
+    // Turn by turn, so that a busy machine slows all alike.
+    for frame in 0..FRAMES {
+        for window in &mut windows {
+            window.frame(state, frame);
+        }
+    }
+    windows.map(|window| us(window.typical()))
+}
+
+/// A survey of lines side by side with its results, and the seconds of processor that tracking it took.
+fn surveyed() -> (Arc<Survey>, Products, f64) {
+    let progress = Progress::new();
+    let mut scene = Scene::with_pings(1);
+    scene.track.lines = LINES;
+    scene.track.spacing_m = 15.0;
+    scene.track.length_m = PINGS_A_LINE * scene.track.speed_mps / scene.track.ping_rate_hz;
+    let simulated = simulate(&scene, 1, &progress).expect("not cancelled");
+    let survey = formats::open_bytes("lines.sl2", simulated.sl2_bytes(), &progress);
+    let survey = Arc::new(survey.expect("a readable log"));
+    let settings = Settings::default();
+    let products = pipeline::run(&survey, &settings, None, &progress, |_| ());
+    let products = products.expect("not cancelled");
+    let before = processor_s();
+    let returns = first_return::detect(&survey, &settings.image, &settings.first_return, &progress);
+    std::hint::black_box(returns.expect("not cancelled"));
+    (survey, products, processor_s() - before)
 }
 
 fn us(duration: Duration) -> f64 {
@@ -115,9 +181,9 @@ struct Window {
 }
 
 impl Window {
-    fn new(count: usize) -> Self {
+    fn new(app: App) -> Self {
         Self {
-            app: app(count),
+            app,
             view: MapView::default(),
             context: egui::Context::default(),
             times: Vec::with_capacity(FRAMES),
