@@ -71,6 +71,7 @@ actions! {
     HillShadeLayer, "Layer: hill-shade", None, "Shows or hides the relief lit from the side on the map.";
     MosaicLayer, "Layer: mosaic", None, "Shows or hides the side-scan mosaic on the map.";
     IsobathLayer, "Layer: isobaths", None, "Shows or hides the lines of equal depth on the map.";
+    PointLayer, "Layer: points", None, "Shows or hides the points of the cloud on the map.";
     TrackLayer, "Layer: track", None, "Shows or hides the boat's track on the map.";
     BoxLayer, "Layer: boxes", None, "Shows or hides the objects on the map.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";

@@ -165,6 +165,7 @@ impl App {
             Action::HillShadeLayer => self.options.map.layers.toggle(MapLayer::HillShade),
             Action::MosaicLayer => self.options.map.layers.toggle(MapLayer::Mosaic),
             Action::IsobathLayer => self.options.map.layers.toggle(MapLayer::Isobaths),
+            Action::PointLayer => self.options.map.layers.toggle(MapLayer::Points),
             Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
             Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
             Action::SideColours => {

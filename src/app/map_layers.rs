@@ -14,6 +14,8 @@ pub enum MapLayer {
     Mosaic,
     /// Lines of equal depth.
     Isobaths,
+    /// The points of the cloud from above.
+    Points,
     /// The boat's track.
     Track,
     /// Boxes of objects.
@@ -22,11 +24,12 @@ pub enum MapLayer {
 
 impl MapLayer {
     /// All layers in their order at first, bottom first.
-    pub const ALL: [MapLayer; 6] = [
+    pub const ALL: [MapLayer; 7] = [
         MapLayer::DepthMap,
         MapLayer::HillShade,
         MapLayer::Mosaic,
         MapLayer::Isobaths,
+        MapLayer::Points,
         MapLayer::Track,
         MapLayer::Boxes,
     ];
@@ -38,6 +41,7 @@ impl MapLayer {
             MapLayer::HillShade => "Hill-shade",
             MapLayer::Mosaic => "Mosaic",
             MapLayer::Isobaths => "Isobaths",
+            MapLayer::Points => "Points",
             MapLayer::Track => "Track",
             MapLayer::Boxes => "Boxes",
         }
@@ -52,6 +56,7 @@ impl MapLayer {
             }
             MapLayer::Mosaic => "All side-scan echoes at their place on the ground.",
             MapLayer::Isobaths => "Lines of equal depth, with their depths.",
+            MapLayer::Points => "Where on the ground the points of the cloud lie, by side.",
             MapLayer::Track => "The boat's track, coloured by depth.",
             MapLayer::Boxes => "Objects on the bottom, marked by what was decided about them.",
         }
@@ -73,8 +78,8 @@ impl LayerShown {
     fn at_first(layer: MapLayer) -> Self {
         Self {
             layer,
-            // A mosaic hides the depths that it lies on.
-            visible: layer != MapLayer::Mosaic,
+            // A mosaic hides the depths that it lies on; points are for a closer look.
+            visible: !matches!(layer, MapLayer::Mosaic | MapLayer::Points),
             opacity: 1.0,
         }
     }

@@ -1,4 +1,4 @@
-//! The map view: track, depth map and flat stretches from above.
+//! The map view: the survey from above, in layers.
 
 mod flat_spots;
 mod graticule;
@@ -7,11 +7,14 @@ mod layers;
 mod lines;
 mod measure;
 mod mosaic;
+mod notes;
 mod objects;
 mod overlay;
 mod ping_boxes;
 mod pointer;
+mod points;
 mod relief;
+mod relief_tiles;
 mod stack;
 mod tiles;
 mod toolbar;
@@ -132,7 +135,7 @@ impl MapView {
         self.pointer.handle(ui, context, &scene, response);
         self.measure.ui(ui, context, &scene, response);
         toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
-        name(&survey, &products, &track) + &boxes(context)
+        name(&survey, &products, &track) + &boxes(context) + &layers(context)
     }
 
     fn ask_for_layers(
@@ -226,6 +229,18 @@ fn boxes(context: &ViewContext<'_>) -> String {
     match reviewing.has_boxes() {
         true => format!(", {}", text::plural(placed.count(), "box", "boxes")),
         false => String::new(),
+    }
+}
+
+/// What is drawn, bottom first.
+fn layers(context: &ViewContext<'_>) -> String {
+    let stack = &context.app.options.map.layers;
+    let shown = stack.bottom_up().map(|shown| shown.layer);
+    let shown = shown.filter(|layer| stack.is_visible(*layer));
+    let names: Vec<String> = shown.map(|layer| layer.name().to_lowercase()).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!("; layers: {}", names.join(", ")),
     }
 }
 

@@ -81,13 +81,12 @@ pub fn source(
 }
 
 /// What the legend says.
-pub fn note(settings: &MosaicSettings) -> String {
-    let overlap = match settings.overlap {
-        Overlap::Later => "later pass\non top",
-        Overlap::Brighter => "brighter pass\non top",
-        Overlap::Blend => "passes\nblended",
-    };
-    format!("mosaic:\n{overlap}")
+pub fn note(settings: &MosaicSettings) -> &'static str {
+    match settings.overlap {
+        Overlap::Later => "mosaic: later\npass on top",
+        Overlap::Brighter => "mosaic: brighter\npass on top",
+        Overlap::Blend => "mosaic: passes\nblended",
+    }
 }
 
 struct MosaicTiles {

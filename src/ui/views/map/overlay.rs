@@ -2,6 +2,7 @@
 
 use super::isobaths::IsobathLayer;
 use super::layers::TrackLayer;
+use super::notes;
 use super::relief::Relief;
 use super::transform::MapTransform;
 use crate::app::{App, MapLayer, Mark, ViewOptions};
@@ -12,6 +13,9 @@ use crate::ui::views::{legend, ticks};
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use std::sync::Arc;
+
+/// Height at the top right that belongs to the north arrow, points.
+const BELOW_ARROW: f32 = 66.0;
 
 /// What a frame of the map is made of.
 pub struct Scene<'a> {
@@ -64,68 +68,20 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
     let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
-    if let Some(range_m) = scene.range_m() {
+    let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
+    if let Some(range_m) = scene.range_m().filter(|_| coloured) {
         let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
         let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
         corner = scale.right_top() - vec2(0.0, 3.0);
         covered.push(scale);
     }
-    if let Some(text) = legend_notes(scene) {
-        let colour = scene.text_colour();
-        let anchor = Align2::RIGHT_BOTTOM;
-        covered.push(legend::plate(
-            painter,
-            scene.options,
-            corner,
-            anchor,
-            &text,
-            colour,
-        ));
+    let room = corner.y - scene.rect.top() - BELOW_ARROW;
+    if let Some(text) = notes::fitting(painter, scene, room) {
+        let (anchor, colour) = (Align2::RIGHT_BOTTOM, scene.text_colour());
+        let plate = legend::plate(painter, scene.options, corner, anchor, &text, colour);
+        covered.push(plate);
     }
     covered
-}
-
-/// What the colour scale does not say by itself, a line each.
-fn legend_notes(scene: &Scene<'_>) -> Option<String> {
-    let mut notes = Vec::new();
-    if scene.shows(MapLayer::Track) {
-        match scene.track.range_m {
-            None => notes.push("grey track:\nno depth".to_owned()),
-            Some(_) if scene.lost_soundings > 0 => {
-                notes.push("grey track:\nbottom lost".to_owned())
-            }
-            Some(_) => {}
-        }
-    }
-    if scene.shows(MapLayer::DepthMap)
-        && scene.range_m().is_some()
-        && legend::has_room(scene.rect)
-        && let Some(depth) = &scene.depth
-    {
-        notes.push(match depth.made {
-            Some(_) => format!("faded:\ninterpolated,\nto {} m away", depth.gap_m),
-            None => "no depth\nmap: all on\none line".to_owned(),
-        });
-    }
-    if scene.shows(MapLayer::Mosaic) && legend::has_room(scene.rect) {
-        notes.push(super::mosaic::note(&scene.products.settings.mosaic));
-    }
-    if legend::has_room(scene.rect)
-        && let Some(isobaths) = &scene.isobaths
-    {
-        notes.push(isobaths.note.clone());
-    }
-    if scene.shows(MapLayer::HillShade)
-        && legend::has_room(scene.rect)
-        && let Some(made) = scene.depth.as_ref().and_then(|depth| depth.made.as_ref())
-    {
-        let light = &made.light;
-        notes.push(format!(
-            "hill-shade:\nrelief x{},\nlight {}°,\n{}° up",
-            light.exaggeration, light.azimuth_deg, light.altitude_deg
-        ));
-    }
-    (!notes.is_empty()).then(|| notes.join("\n"))
 }
 
 /// What the map is still being made of.

@@ -264,7 +264,7 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> Stri
     let depth = scene.depth.as_ref();
     if let Some((depth_m, distance_m)) = depth.and_then(|depth| depth.at([east_m, north_m])) {
         text += gap(ONE_LINE);
-        text += &format!("depth {depth_m:.2} m (interpolated, sounding {distance_m:.1} m away)");
+        text += &format!("depth {depth_m:.2} m (interpolated, nearest {distance_m:.1} m away)");
     }
     if let Some(ping) = ping {
         text += &format!("   ping {ping}");

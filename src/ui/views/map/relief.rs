@@ -1,26 +1,16 @@
-//! The depth map and its hill-shade, made off the window's thread and painted in tiles.
+//! The depth map and its hill-shade, made off the window's thread.
 
-use super::tiles::{SIDE, TileKey, TileSource};
+use super::relief_tiles::{DepthTiles, ShadeTiles};
+use super::tiles::TileSource;
 use super::transform::GroundBounds;
-use super::warp::Warp;
-use crate::bathymetry::{self, Grid, Light, SurfaceSettings, hill_shade};
+use crate::bathymetry::{self, Light, SurfaceSettings, hill_shade};
 use crate::cloud::{Correction, PointCloud};
+use crate::geo::CrsChoice;
 use crate::pipeline::{DepthChart, Products};
 use crate::progress::{Cancelled, Progress};
-use crate::render::{depth_colour, depth_share};
 use crate::survey::{Navigation, Sounding, Survey};
 use crate::ui::views::background::Same;
-use egui::Color32;
 use std::sync::Arc;
-
-/// Opacity of the depth map at a sounding and at the farthest from one: what is less sure looks so.
-const OPACITY: [f32; 2] = [0.9, 0.3];
-/// How far the hill-shade brightens what is turned to the light, 0 to 1; what is turned away is multiplied with its shade.
-const HIGHLIGHT: f32 = 0.45;
-/// Looks at the surface along a texel, at most, where a texel is larger than a cell.
-const MOST_LOOKS: usize = 4;
-/// Texels of a cell's side beyond which finer tiles show nothing more.
-const FINEST_SHARE: f64 = 16.0;
 
 /// What a depth map is made of; equal keys give equal maps.
 #[derive(Clone, PartialEq)]
@@ -29,6 +19,7 @@ pub struct ReliefKey {
     navigation: Same<Navigation>,
     cloud: Same<PointCloud>,
     kept: Same<Vec<bool>>,
+    crs: CrsChoice,
     surface: SurfaceSettings,
 }
 
@@ -40,6 +31,7 @@ impl ReliefKey {
             navigation: Same(products.navigation.clone()),
             cloud: Same(products.cloud.clone()),
             kept: Same(products.kept.clone()),
+            crs: products.settings.crs,
             surface: products.settings.surface.clone(),
         }
     }
@@ -73,9 +65,9 @@ pub struct Made {
     /// Ends of the colour scale, metres.
     pub range_m: [f32; 2],
     /// Brightness of every cell, 0 where it is unknown.
-    shade: Vec<u8>,
-    bounds: GroundBounds,
-    gap_m: f32,
+    pub(super) shade: Vec<u8>,
+    pub(super) bounds: GroundBounds,
+    pub(super) gap_m: f32,
 }
 
 impl Relief {
@@ -133,54 +125,6 @@ impl Made {
             chart,
         }))
     }
-
-    /// Where the texels of a tile's picture lie on the grid.
-    fn warp(&self, key: TileKey) -> Warp {
-        let grid = &self.chart.surface.grid;
-        Warp::new(key, |place| {
-            let [easting_m, northing_m] = self.chart.to_map(place);
-            [
-                (easting_m - grid.west_m) / grid.cell_m - 0.5,
-                (grid.north_m - northing_m) / grid.cell_m - 0.5,
-            ]
-        })
-    }
-
-    /// Calls `colour` for every texel with the looks into it, row by row.
-    fn paint<const N: usize>(
-        &self,
-        key: TileKey,
-        progress: &Progress,
-        look: impl Fn([f64; 2]) -> Option<[f32; N]>,
-        colour: impl Fn([f32; N]) -> Color32,
-    ) -> Option<Vec<Color32>> {
-        let warp = self.warp(key);
-        let looks = (key.texel_m() / self.chart.surface.grid.cell_m).ceil() as usize;
-        let looks = looks.clamp(1, MOST_LOOKS);
-        let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
-        let mut is_empty = true;
-        for (row, texels) in colours.chunks_exact_mut(SIDE).enumerate() {
-            progress.check().ok()?;
-            for (column, texel) in texels.iter_mut().enumerate() {
-                let mut sums = [0.0; N];
-                let mut known = 0;
-                for place in warp.places(row, column, looks) {
-                    if let Some(values) = look(place) {
-                        for (sum, value) in sums.iter_mut().zip(values) {
-                            *sum += value;
-                        }
-                        known += 1;
-                    }
-                }
-                if known > 0 {
-                    let share = known as f32 / (looks * looks) as f32;
-                    *texel = colour(sums.map(|sum| sum / known as f32)).gamma_multiply(share);
-                    is_empty = false;
-                }
-            }
-        }
-        (!is_empty).then_some(colours)
-    }
 }
 
 /// West, south, east and north of a chart in the plane of the survey.
@@ -201,124 +145,4 @@ fn bounds(chart: &DepthChart) -> GroundBounds {
         let [e, n] = chart.to_survey(place);
         [west.min(e), south.min(n), east.max(e), north.max(n)]
     })
-}
-
-/// A value between the centres of cells: linear where all four around it are known, else that of the nearest cell.
-fn between(grid: &Grid, [x, y]: [f64; 2], value: impl Fn(usize) -> Option<f32>) -> Option<f32> {
-    let [near_x, near_y] = [x.round(), y.round()];
-    let inside = |place: f64, count: usize| place >= 0.0 && place < count as f64;
-    if !(inside(near_x, grid.columns) && inside(near_y, grid.rows)) {
-        return None;
-    }
-    let cell = |column: f64, row: f64| row as usize * grid.columns + column as usize;
-    let nearest = value(cell(near_x, near_y))?;
-    let [left, top] = [x.floor(), y.floor()];
-    let whole = inside(left, grid.columns - 1) && inside(top, grid.rows - 1);
-    if !whole {
-        return Some(nearest);
-    }
-    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
-        .map(|(right, down)| value(cell(left + right, top + down)));
-    let [Some(a), Some(b), Some(c), Some(d)] = corners else {
-        return Some(nearest);
-    };
-    let [right, down] = [(x - left) as f32, (y - top) as f32];
-    let upper = a + (b - a) * right;
-    let lower = c + (d - c) * right;
-    Some(upper + (lower - upper) * down)
-}
-
-fn known(values: &[f32]) -> impl Fn(usize) -> Option<f32> {
-    |cell| values.get(cell).copied().filter(|value| !value.is_nan())
-}
-
-/// The tiles of the depths' colours, fading with the distance to a sounding.
-struct DepthTiles(Arc<Made>);
-
-/// The tiles of the hill-shade: black and white, as strong as the shade.
-struct ShadeTiles(Arc<Made>);
-
-fn finest(made: &Made) -> i8 {
-    let finest_m = made.chart.surface.grid.cell_m / FINEST_SHARE;
-    finest_m.log2().floor().clamp(-128.0, 127.0) as i8
-}
-
-impl TileSource for DepthTiles {
-    fn bounds(&self) -> GroundBounds {
-        self.0.bounds
-    }
-
-    fn finest(&self) -> i8 {
-        finest(&self.0)
-    }
-
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
-        let made = &self.0;
-        let surface = &made.chart.surface;
-        let look = |place| {
-            let depth_m = between(&surface.grid, place, known(&surface.depth_m))?;
-            let distance_m = between(&surface.grid, place, known(&surface.distance_m))?;
-            Some([depth_m, distance_m])
-        };
-        made.paint(key, progress, look, |[depth_m, distance_m]| {
-            let [r, g, b] = depth_colour(depth_share(depth_m, made.range_m));
-            // The root lets the first metres beside the track already look less sure.
-            let unsure = (distance_m / made.gap_m).clamp(0.0, 1.0).sqrt();
-            let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
-            Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
-        })
-    }
-}
-
-impl TileSource for ShadeTiles {
-    fn bounds(&self) -> GroundBounds {
-        self.0.bounds
-    }
-
-    fn finest(&self) -> i8 {
-        finest(&self.0)
-    }
-
-    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
-        let made = &self.0;
-        let level = f32::from(made.light.level_ground());
-        let shade = |cell: usize| match made.shade.get(cell) {
-            Some(0) | None => None,
-            Some(shade) => Some(f32::from(*shade)),
-        };
-        let look = |place| Some([between(&made.chart.surface.grid, place, shade)?]);
-        made.paint(key, progress, look, |[shade]| {
-            // Level ground changes nothing under it.
-            match shade < level {
-                true => Color32::from_black_alpha((255.0 * (1.0 - shade / level)) as u8),
-                false => {
-                    let lit = (shade - level) / (255.0 - level).max(1.0);
-                    Color32::from_white_alpha((255.0 * HIGHLIGHT * lit) as u8)
-                }
-            }
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_are_linear_between_cells_and_end_with_them() {
-        let grid = Grid {
-            west_m: 0.0,
-            north_m: 0.0,
-            cell_m: 1.0,
-            columns: 3,
-            rows: 2,
-        };
-        let values = [0.0, 1.0, 2.0, 10.0, 11.0, f32::NAN];
-        let at = |x, y| between(&grid, [x, y], known(&values));
-        assert_eq!(at(0.25, 0.5), Some(5.25));
-        assert_eq!(at(1.4, 0.4), Some(1.0), "a corner is unknown: the nearest");
-        assert_eq!(at(1.6, 0.9), None);
-        assert_eq!(at(-0.4, 0.0), Some(0.0), "to the edge of the outer cell");
-        assert_eq!(at(-0.6, 0.0), None);
-    }
 }

@@ -4,11 +4,11 @@ use super::isobaths::{self, IsobathKey, IsobathLayer, Labels};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
 use super::mosaic::{self, MosaicKey};
-use super::objects;
 use super::overlay::Scene;
+use super::points::{self, PointKey};
 use super::relief::{Relief, ReliefKey};
 use super::tiles::{TileLayer, TileSource};
-use super::track_picture;
+use super::{objects, track_picture};
 use crate::app::{LayerStack, MapLayer};
 use crate::pipeline::Products;
 use crate::render::Uploader;
@@ -18,15 +18,22 @@ use crate::ui::views::background::{Background, Same};
 use egui::Painter;
 use std::sync::Arc;
 
+/// Layers that are drawn from the depth map.
+const FROM_RELIEF: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
+/// Work that takes longer than this is told.
+const PATIENCE_S: f64 = 0.5;
+
+/// What the tiles of a layer are painted by; `None` where there is nothing to paint.
+type Source = Option<Arc<dyn TileSource>>;
+
 /// What the layers of one map are drawn from.
 pub struct Layers {
     relief: Background<ReliefKey, Arc<Relief>>,
     /// Whether something on the map is drawn or measured from `relief`; otherwise it may be older than its settings.
     relief_shown: bool,
-    depth: TileLayer,
-    shade: TileLayer,
-    mosaic: Background<MosaicKey, Option<Arc<dyn TileSource>>>,
-    mosaic_tiles: TileLayer,
+    mosaic: Background<MosaicKey, Source>,
+    points: Background<PointKey, Source>,
+    tiles: [(MapLayer, TileLayer); 4],
     isobaths: Background<IsobathKey, Arc<IsobathLayer>>,
     labels: Background<(Same<IsobathLayer>, i32), Labels>,
     isobath_picture: LinePicture<IsobathLayer>,
@@ -35,18 +42,20 @@ pub struct Layers {
     busy_since_s: Option<f64>,
 }
 
-/// Work that takes longer than this is told.
-const PATIENCE_S: f64 = 0.5;
-
 impl Default for Layers {
     fn default() -> Self {
+        let tiles = [
+            MapLayer::DepthMap,
+            MapLayer::HillShade,
+            MapLayer::Mosaic,
+            MapLayer::Points,
+        ];
         Self {
             relief: Background::default(),
             relief_shown: false,
-            depth: TileLayer::new("depth map"),
-            shade: TileLayer::new("hill-shade"),
             mosaic: Background::default(),
-            mosaic_tiles: TileLayer::new("mosaic"),
+            points: Background::default(),
+            tiles: tiles.map(|layer| (layer, TileLayer::new(layer.name()))),
             isobaths: Background::default(),
             labels: Background::default(),
             isobath_picture: LinePicture::default(),
@@ -60,36 +69,49 @@ impl Layers {
     /// Makes sure that what the visible layers need is there or under way.
     pub fn ask(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>, products: &Products) {
         let stack = &context.app.options.map.layers;
-        let shows = |layers: &[MapLayer]| layers.iter().any(|layer| stack.is_visible(*layer));
-        self.relief_shown = shows(&[MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths])
+        self.relief_shown = FROM_RELIEF.iter().any(|layer| stack.is_visible(*layer))
             || context.app.measuring.shows_profile();
         if self.relief_shown {
-            let key = ReliefKey::of(survey, products);
             let (survey, products) = (survey.clone(), products.clone());
+            let key = ReliefKey::of(&survey, &products);
             self.relief.ask(key, context.app.jobs(), move |progress| {
                 Relief::new(&survey, &products, progress).map(Arc::new)
             });
         }
-        let [depth, shade] = match self.relief.result() {
-            Some(relief) => relief.tiles(),
-            None => [None, None],
-        };
-        self.depth.set_source(depth);
-        self.shade.set_source(shade);
-        if shows(&[MapLayer::Mosaic]) {
-            let key = MosaicKey::of(survey, products);
+        if stack.is_visible(MapLayer::Isobaths) {
+            self.ask_for_isobaths(context, products);
+        }
+        if stack.is_visible(MapLayer::Mosaic) {
             let (survey, products) = (survey.clone(), products.clone());
+            let key = MosaicKey::of(&survey, &products);
             self.mosaic.ask(key, context.app.jobs(), move |progress| {
                 mosaic::source(&survey, &products, progress)
             });
         }
-        let made = self.mosaic.result().cloned().flatten();
-        self.mosaic_tiles.set_source(made);
-        if shows(&[MapLayer::Isobaths]) {
-            self.ask_for_isobaths(context, products);
+        if stack.is_visible(MapLayer::Points) {
+            let (products, options) = (products.clone(), context.app.options.clone());
+            let key = PointKey::of(&products, &options);
+            self.points.ask(key, context.app.jobs(), move |progress| {
+                points::source(&products, &options, progress)
+            });
         }
-        for (layer, tiles) in self.tiles() {
-            if !stack.is_visible(layer) {
+        self.give_sources(stack);
+    }
+
+    /// Hands what was made to the tiles that are painted from it; layers that are not shown stop painting.
+    fn give_sources(&mut self, stack: &LayerStack) {
+        let [depth, shade] = match self.relief.result() {
+            Some(relief) => relief.tiles(),
+            None => [None, None],
+        };
+        for (layer, tiles) in &mut self.tiles {
+            tiles.set_source(match layer {
+                MapLayer::DepthMap => depth.clone(),
+                MapLayer::HillShade => shade.clone(),
+                MapLayer::Mosaic => self.mosaic.result().cloned().flatten(),
+                _ => self.points.result().cloned().flatten(),
+            });
+            if !stack.is_visible(*layer) {
                 tiles.rest();
             }
         }
@@ -114,10 +136,54 @@ impl Layers {
         });
     }
 
+    /// The depth map, once it is made, while something of it is shown.
+    pub fn relief(&self) -> Option<Arc<Relief>> {
+        self.relief.result().filter(|_| self.relief_shown).cloned()
+    }
+
     /// The isobaths, once they are drawn, while they are shown.
     pub fn isobaths(&self, stack: &LayerStack) -> Option<Arc<IsobathLayer>> {
         let shown = stack.is_visible(MapLayer::Isobaths);
         self.isobaths.result().filter(|_| shown).cloned()
+    }
+
+    /// Whether everything visible is there.
+    pub fn is_settled(&self) -> bool {
+        self.making().is_empty()
+            && !self.labels.is_running()
+            && self.tiles.iter().all(|(_, tiles)| tiles.is_settled())
+    }
+
+    /// Drops what belongs to another survey.
+    pub fn forget(&mut self) {
+        *self = Self {
+            track: std::mem::take(&mut self.track),
+            isobath_picture: std::mem::take(&mut self.isobath_picture),
+            ..Self::default()
+        };
+    }
+
+    /// Draws one layer, clipped and faded as the painter is.
+    pub fn show(
+        &mut self,
+        painter: &Painter,
+        context: &ViewContext<'_>,
+        scene: &Scene<'_>,
+        layer: MapLayer,
+    ) {
+        match layer {
+            MapLayer::Isobaths => self.show_isobaths(painter, context, scene),
+            MapLayer::Track => {
+                track_picture::show(&mut self.track, painter, context.render_state, scene);
+            }
+            MapLayer::Boxes => objects::paint(painter, scene, context.app),
+            MapLayer::DepthMap | MapLayer::HillShade | MapLayer::Mosaic | MapLayer::Points => {
+                let jobs = context.app.jobs();
+                for (_, tiles) in self.tiles.iter_mut().filter(|(of, _)| *of == layer) {
+                    tiles.show(painter, scene.rect, scene.transform, jobs);
+                }
+            }
+        }
     }
 
     fn show_isobaths(&mut self, painter: &Painter, context: &ViewContext<'_>, scene: &Scene<'_>) {
@@ -141,56 +207,16 @@ impl Layers {
         );
     }
 
-    fn tiles(&mut self) -> [(MapLayer, &mut TileLayer); 3] {
-        [
-            (MapLayer::DepthMap, &mut self.depth),
-            (MapLayer::HillShade, &mut self.shade),
-            (MapLayer::Mosaic, &mut self.mosaic_tiles),
-        ]
-    }
-
-    /// Whether everything visible is there.
-    pub fn is_settled(&self) -> bool {
-        let making =
-            self.relief.is_running() || self.isobaths.is_running() || self.mosaic.is_running();
-        !making && !self.labels.is_running() && self.depth.is_settled() && self.shade.is_settled()
-    }
-
-    /// Drops what belongs to another survey.
-    pub fn forget(&mut self) {
-        *self = Self {
-            track: std::mem::take(&mut self.track),
-            ..Self::default()
-        };
-    }
-
-    /// Draws one layer, clipped and faded as the painter is.
-    pub fn show(
-        &mut self,
-        painter: &Painter,
-        context: &ViewContext<'_>,
-        scene: &Scene<'_>,
-        layer: MapLayer,
-    ) {
-        let jobs = context.app.jobs();
-        match layer {
-            MapLayer::DepthMap => self.depth.show(painter, scene.rect, scene.transform, jobs),
-            MapLayer::HillShade => self.shade.show(painter, scene.rect, scene.transform, jobs),
-            MapLayer::Mosaic => {
-                let (rect, transform) = (scene.rect, scene.transform);
-                self.mosaic_tiles.show(painter, rect, transform, jobs);
-            }
-            MapLayer::Isobaths => self.show_isobaths(painter, context, scene),
-            MapLayer::Track => {
-                track_picture::show(&mut self.track, painter, context.render_state, scene);
-            }
-            MapLayer::Boxes => objects::paint(painter, scene, context.app),
-        }
-    }
-
-    /// The depth map, once it is made, while something of it is shown.
-    pub fn relief(&self) -> Option<Arc<Relief>> {
-        self.relief.result().filter(|_| self.relief_shown).cloned()
+    /// What is being made before it can be drawn.
+    fn making(&self) -> Vec<&'static str> {
+        let jobs = [
+            (self.relief.is_running(), "making the depth map"),
+            (self.isobaths.is_running(), "drawing isobaths"),
+            (self.mosaic.is_running(), "evening the mosaic's gain"),
+            (self.points.is_running(), "sorting points"),
+        ];
+        let running = jobs.into_iter().filter(|(is_running, _)| *is_running);
+        running.map(|(_, what)| what).collect()
     }
 
     /// What is under way, in words, once it has taken longer than a moment.
@@ -203,23 +229,13 @@ impl Layers {
         if now_s - since_s < PATIENCE_S {
             return None;
         }
-        let mut lines = Vec::new();
-        if self.relief.is_running() {
-            lines.push("making the depth map".to_owned());
-        }
-        if self.mosaic.is_running() {
-            lines.push("evening the mosaic's gain".to_owned());
-        }
-        if self.isobaths.is_running() {
-            lines.push("drawing isobaths".to_owned());
-        }
-        for (layer, tiles) in self.tiles() {
+        let making = self.making().into_iter().map(str::to_owned);
+        let painting = self.tiles.iter().filter_map(|(layer, tiles)| {
             let [missing, all] = tiles.missing();
-            if missing > 0 {
-                let name = layer.name().to_lowercase();
-                lines.push(format!("{name}: {} of {all} tiles", all - missing));
-            }
-        }
+            let name = layer.name().to_lowercase();
+            (missing > 0).then(|| format!("{name}: {} of {all} tiles", all - missing))
+        });
+        let lines: Vec<String> = making.chain(painting).collect();
         (!lines.is_empty()).then(|| lines.join("\n"))
     }
 }

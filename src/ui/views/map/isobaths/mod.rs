@@ -72,10 +72,7 @@ impl IsobathLayer {
                 let note = note(settings, &levels_m);
                 (levels_m, note)
             }
-            Err(_) => (
-                Vec::new(),
-                "no isobaths:\ninterval is\ntoo small".to_owned(),
-            ),
+            Err(_) => (Vec::new(), "no isobaths:\ntoo small a step".to_owned()),
         };
         let drawn = isobaths(surface, &levels_m, progress).ok()?;
         let step_m = step_m(settings, &levels_m);
@@ -157,11 +154,11 @@ fn note(settings: &IsobathSettings, levels_m: &[f64]) -> String {
     }
     match step_m(settings, levels_m) {
         Some(step_m) => format!(
-            "isobaths:\nevery {} m,\nthick: {} m",
+            "isobaths: {} m,\nthick {} m",
             ticks::label(step_m, step_m),
             ticks::label(INDEX * step_m, step_m)
         ),
-        None => "isobaths:\nat listed\ndepths".to_owned(),
+        None => "isobaths at\nlisted depths".to_owned(),
     }
 }
 
@@ -199,7 +196,11 @@ pub fn show(
         (&layer.thick, pen(theme, true)),
     ];
     picture.show(painter, state, scene, layer, lines);
-    if let Some(labels) = labels.filter(|labels| Arc::ptr_eq(&labels.layer, layer)) {
+    let of_these = |labels: &&Labels| Arc::ptr_eq(&labels.layer, layer);
+    // A small tile keeps the lines and drops the words.
+    if let Some(labels) = labels.filter(of_these)
+        && legend::has_room(scene.rect)
+    {
         write(painter, scene, layer, labels);
     }
 }
@@ -259,7 +260,7 @@ mod tests {
     fn the_legend_tells_the_interval() {
         let mut settings = IsobathSettings::default();
         let levels_m = [2.0, 2.2, 2.4];
-        assert!(note(&settings, &levels_m).contains("every 0.2 m,\nthick: 1.0 m"));
+        assert!(note(&settings, &levels_m).contains("0.2 m,\nthick 1.0 m"));
         settings.depths_m = levels_m.to_vec();
         assert!(note(&settings, &levels_m).contains("listed"));
     }

@@ -233,3 +233,101 @@ impl TileLayer {
         painter.add(Shape::mesh(mesh));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// One colour everywhere, over 100 by 100 m, with a count of what was painted.
+    struct Plain {
+        colour: Color32,
+        painted: AtomicUsize,
+    }
+
+    impl Plain {
+        fn new(colour: Color32) -> Arc<Self> {
+            Arc::new(Self {
+                colour,
+                painted: AtomicUsize::new(0),
+            })
+        }
+
+        fn painted(&self) -> usize {
+            self.painted.load(Ordering::Relaxed)
+        }
+    }
+
+    impl TileSource for Plain {
+        fn bounds(&self) -> GroundBounds {
+            [0.0, 0.0, 100.0, 100.0]
+        }
+
+        fn finest(&self) -> i8 {
+            -6
+        }
+
+        fn paint(&self, _key: TileKey, _progress: &Progress) -> Option<Vec<Color32>> {
+            self.painted.fetch_add(1, Ordering::Relaxed);
+            Some(vec![self.colour; SIDE * SIDE])
+        }
+    }
+
+    /// Shows a layer in a view of 400 by 300 points; the textured meshes that it drew.
+    fn show(layer: &mut TileLayer, centre_m: [f64; 2], metres_per_point: f64) -> usize {
+        let context = egui::Context::default();
+        let rect = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, 300.0));
+        let transform = MapTransform {
+            centre_m,
+            metres_per_point,
+        };
+        let input = egui::RawInput {
+            screen_rect: Some(rect),
+            ..Default::default()
+        };
+        let output = context.run_ui(input, |ui| {
+            layer.show(&ui.painter_at(rect), rect, transform, &Jobs::Inline);
+        });
+        let is_tile =
+            |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.vertices.len() == 4);
+        let shapes = output.shapes.iter();
+        shapes.filter(|clipped| is_tile(&clipped.shape)).count()
+    }
+
+    #[test]
+    fn only_what_is_in_view_is_painted_and_only_once() {
+        let source = Plain::new(Color32::RED);
+        let mut layer = TileLayer::new("plain");
+        layer.set_source(Some(source.clone()));
+        // Tiles of 4 m at 1/64 m a texel; the view is 6.25 m by 4.7 m, at most 3 by 3 of them, and the overview is one.
+        let drawn = show(&mut layer, [50.0, 50.0], 1.0 / 64.0);
+        let painted = source.painted();
+        assert!(
+            (4..=9).contains(&drawn) && painted == drawn + 1,
+            "{drawn} {painted}"
+        );
+        assert!(layer.is_settled());
+        assert_eq!(show(&mut layer, [50.0, 50.0], 1.0 / 64.0), drawn);
+        assert_eq!(source.painted(), painted, "nothing is painted again");
+        assert_eq!(
+            show(&mut layer, [500.0, 50.0], 1.0 / 64.0),
+            0,
+            "nothing is there"
+        );
+        assert_eq!(source.painted(), painted);
+    }
+
+    #[test]
+    fn another_source_paints_anew_and_none_empties_the_layer() {
+        let (red, blue) = (Plain::new(Color32::RED), Plain::new(Color32::BLUE));
+        let mut layer = TileLayer::new("plain");
+        layer.set_source(Some(red.clone()));
+        let drawn = show(&mut layer, [50.0, 50.0], 0.25);
+        layer.set_source(Some(blue.clone()));
+        assert_eq!(show(&mut layer, [50.0, 50.0], 0.25), drawn);
+        assert_eq!(blue.painted(), red.painted());
+        layer.set_source(None);
+        assert_eq!(show(&mut layer, [50.0, 50.0], 0.25), 0);
+        assert!(layer.is_settled());
+    }
+}

@@ -1,0 +1,61 @@
+//! What the colour scale does not say by itself: a few short lines for each layer that is drawn.
+
+use super::overlay::Scene;
+use super::{mosaic, points};
+use crate::app::MapLayer;
+use crate::ui::views::legend;
+use egui::Painter;
+
+/// The lines that fit into a height, those that matter most first.
+pub fn fitting(painter: &Painter, scene: &Scene<'_>, height: f32) -> Option<String> {
+    let mut notes = notes(scene);
+    while !notes.is_empty() {
+        let text = notes.join("\n");
+        if legend::plate_size(painter, &text).y <= height {
+            return Some(text);
+        }
+        notes.pop();
+    }
+    None
+}
+
+fn notes(scene: &Scene<'_>) -> Vec<String> {
+    let explained = legend::has_room(scene.rect);
+    let shows = |layer| scene.shows(layer) && explained;
+    let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
+    let depth = scene.depth.as_deref();
+    if let Some(depth) = depth.filter(|_| shows(MapLayer::DepthMap)) {
+        notes.push(match depth.made {
+            Some(_) => format!("faded: between\ndepths, to {} m", depth.gap_m),
+            None => "no depth map:\nall on one line".to_owned(),
+        });
+    }
+    if let Some(isobaths) = scene.isobaths.as_deref().filter(|_| explained) {
+        notes.push(isobaths.note.clone());
+    }
+    if shows(MapLayer::Mosaic) {
+        notes.push(mosaic::note(&scene.products.settings.mosaic).to_owned());
+    }
+    if shows(MapLayer::Points) {
+        notes.push(points::note(scene.options.side_colours).to_owned());
+    }
+    let made = depth.and_then(|depth| depth.made.as_deref());
+    if let Some(made) = made.filter(|_| shows(MapLayer::HillShade)) {
+        let light = &made.light;
+        notes.push(format!(
+            "relief x{}, light\n{}°, {}° up",
+            light.exaggeration, light.azimuth_deg, light.altitude_deg
+        ));
+    }
+    notes
+}
+
+/// Why some of the track is grey.
+fn grey_track(scene: &Scene<'_>) -> Option<&'static str> {
+    match scene.track.range_m {
+        _ if !scene.shows(MapLayer::Track) => None,
+        None => Some("grey track:\nno depth"),
+        Some(_) if scene.lost_soundings > 0 => Some("grey track:\nbottom lost"),
+        Some(_) => None,
+    }
+}
