@@ -6,6 +6,7 @@
 mod action;
 mod apply;
 mod command;
+mod exporting;
 mod figures;
 mod history;
 mod loader;

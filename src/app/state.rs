@@ -1,10 +1,10 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
+use super::exporting::Exporting;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Previewer;
 use super::reviewing::{Reviewing, Step};
-use super::work::Exporting;
 use super::{Action, Figures, History, LoadStatus, Task, ViewOptions};
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Engine, EngineStatus, Products, Settings, Stage};

@@ -4,37 +4,14 @@ use super::figures::Figures;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Request;
-use super::{Action, App, History, Jobs, Notice, Origin, Outcome, Task};
-use crate::pipeline::{Product, Products, Settings, write_products};
-use crate::progress::Progress;
+use super::{Action, App, History, Notice, Origin, Outcome, Task};
+use crate::pipeline::{Products, Settings};
 use crate::survey::Survey;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Logs remembered.
 const RECENT: usize = 10;
-
-/// Products or boxes being written.
-pub(super) struct Exporting {
-    /// What was written, in a sentence.
-    task: Task<Result<String, String>>,
-}
-
-impl Exporting {
-    /// Starts writing.
-    pub fn start(
-        jobs: &Jobs,
-        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
-    ) -> Self {
-        Self {
-            task: Task::start(jobs, write),
-        }
-    }
-
-    pub fn fraction(&self) -> f32 {
-        self.task.fraction()
-    }
-}
 
 impl App {
     /// Collects what the workers finished. Call once a frame.
@@ -166,36 +143,6 @@ impl App {
             visible: self.visible.clone(),
             base: self.products.as_ref()?.returns.clone(),
         })
-    }
-
-    /// Writes all products into a folder.
-    pub(super) fn export(&mut self, folder: PathBuf) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
-            return;
-        };
-        let (survey, products) = (survey.clone(), products.clone());
-        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let wanted = &Product::ALL;
-            let written = write_products(&survey, &products, wanted, &folder, progress, |_| ())?;
-            let files = written.files.join(", ");
-            Ok(format!("Wrote {files} into {}", folder.display()))
-        }));
-    }
-
-    fn poll_export(&mut self) {
-        let Some(exporting) = &self.exporting else {
-            return;
-        };
-        let written = match exporting.task.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(written) => written,
-            Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
-        };
-        self.exporting = None;
-        match written {
-            Ok(text) => self.tell(text, false),
-            Err(text) => self.tell(text, true),
-        }
     }
 
     /// Stops everything that runs; the last results stay.

@@ -6,8 +6,8 @@ use super::{detect, found, input, output};
 use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
 use crate::formats;
-use crate::handover::{self, Handover, Objects};
-use crate::pipeline::{self, Preset, Product, Products, Proposed, Settings, Written};
+use crate::handover::{self, Objects};
+use crate::pipeline::{self, Preset, Product, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -195,11 +195,19 @@ pub fn process_into(
     }
     if wanted.contains(&Product::Report) {
         status.step("report");
-        let made = Made {
-            written: &written,
-            found: found.as_ref().map(|(model, boxes)| (*model, boxes)),
-        };
-        made.write_page(survey, &products, folder, &progress)?;
+        let rows = found.as_ref().map(|(model, boxes)| {
+            let rows = pipeline::proposed_rows(survey, &products, model.names(), &boxes.boxes);
+            (
+                rows,
+                Raster::new(survey, &products.navigation, model.pixel_m()),
+            )
+        });
+        let objects = rows.as_ref().map(|(rows, raster)| Objects {
+            rows,
+            raster,
+            origin: "Proposed by the detector, not reviewed".to_owned(),
+        });
+        handover::write_page(survey, &products, &written, objects, folder, &progress)?;
         written.files.push(handover::NAME);
     }
     // Once more, so that where it is all others are whole.
@@ -218,42 +226,4 @@ pub fn process_into(
         written.files.join(", "),
         folder.display()
     ))
-}
-
-/// What the page shows.
-struct Made<'a> {
-    written: &'a Written,
-    found: Option<(&'a Model, &'a Proposed)>,
-}
-
-impl Made<'_> {
-    fn write_page(
-        &self,
-        survey: &Survey,
-        products: &Products,
-        folder: &Path,
-        progress: &Progress,
-    ) -> Result<(), String> {
-        let navigation = &products.navigation;
-        let found = self.found.map(|(model, found)| {
-            let rows = pipeline::proposed_rows(survey, products, model.names(), &found.boxes);
-            (rows, Raster::new(survey, navigation, model.pixel_m()))
-        });
-        let files: Vec<String> = self.written.files.iter().map(ToString::to_string).collect();
-        let page = Handover {
-            survey,
-            products,
-            report: &self.written.report,
-            map: &self.written.map,
-            surface: self.written.surface.as_ref(),
-            comparisons: &self.written.comparisons,
-            objects: found.as_ref().map(|(rows, raster)| Objects {
-                rows,
-                raster,
-                origin: "Proposed by the detector, not reviewed",
-            }),
-            files: &files,
-        };
-        handover::write_page(&page, folder, progress)
-    }
 }

@@ -27,7 +27,7 @@ use crate::bathymetry::Surface;
 use crate::detection::Raster;
 use crate::export::{ObjectRow, write_aside};
 use crate::geo::MapPlane;
-use crate::pipeline::{NamedComparison, Products, Report};
+use crate::pipeline::{NamedComparison, Products, Report, Written};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::io::Write as _;
@@ -53,7 +53,7 @@ pub struct Handover<'a> {
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
     pub objects: Option<Objects<'a>>,
     /// Files written beside the page.
-    pub files: &'a [String],
+    pub files: &'a [&'static str],
 }
 
 /// What lies there.
@@ -63,12 +63,30 @@ pub struct Objects<'a> {
     /// Where chips are cut from.
     pub raster: &'a Raster,
     /// How they came about: `proposed by the detector, not reviewed`.
-    pub origin: &'a str,
+    pub origin: String,
 }
 
-/// Writes `report.html` into a folder that exists. The error is one sentence; a cancelled run leaves an old page as it was.
-pub fn write_page(from: &Handover<'_>, folder: &Path, progress: &Progress) -> Result<(), String> {
-    let html = page(from, progress).map_err(|error| error.to_string())?;
+/// Writes `report.html` beside the products that were written into a folder. The error is one sentence; a cancelled run leaves
+/// an old page as it was.
+pub fn write_page(
+    survey: &Survey,
+    products: &Products,
+    written: &Written,
+    objects: Option<Objects<'_>>,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), String> {
+    let from = Handover {
+        survey,
+        products,
+        report: &written.report,
+        map: &written.map,
+        surface: written.surface.as_ref(),
+        comparisons: &written.comparisons,
+        objects,
+        files: &written.files,
+    };
+    let html = page(&from, progress).map_err(|error| error.to_string())?;
     write_aside(&folder.join(NAME), |mut file| {
         file.write_all(html.as_bytes())
     })

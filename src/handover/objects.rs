@@ -58,7 +58,7 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
         return Ok(String::new());
     };
     let count = shown(from).count();
-    let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(objects.origin));
+    let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
     if count == 0 {
         return Ok(html + "None was found.</p>\n");
     }
@@ -76,7 +76,8 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
         Some(distinct) if distinct < count => format!(
             "{count} boxes on {distinct} objects: one that several lines passed is listed for each of its sightings."
         ),
-        _ => format!("{count} objects."),
+        Some(_) => format!("{count} objects."),
+        None => format!("{count} boxes."),
     };
     let listed = match count > MOST_ROWS {
         true => format!(" The first {MOST_ROWS} are listed; the files beside this page hold all."),

@@ -60,7 +60,7 @@ pub fn write_boxes(
     let tiles = review.tiles(raster);
     progress.start((review.boxes().len() + tiles.len()) as u64);
     make(folder)?;
-    let rows = rows(survey, products, review, progress)?;
+    let rows = reviewed_rows(survey, products, review, progress)?;
     tables(survey, &rows, folder).map_err(|error| error.to_string())?;
     let root = folder.join("dataset");
     let lessons = Lessons {
@@ -79,8 +79,8 @@ pub fn write_boxes(
     })
 }
 
-/// A line for each box; sightings of one object share its number.
-fn rows<'a>(
+/// A line for each box; sightings of one object share its number. The error is one sentence.
+pub fn reviewed_rows<'a>(
     survey: &Survey,
     products: &Products,
     review: &'a Review,

@@ -22,7 +22,7 @@ mod report;
 mod settings;
 mod track;
 
-pub use boxes::{BoxesWritten, write_boxes};
+pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
 pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
 pub use detections::{Proposed, proposed_rows, write_detections};
 pub use engine::{Engine, EngineStatus};

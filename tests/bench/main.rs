@@ -8,10 +8,12 @@ mod decode;
 mod detector;
 mod first_return;
 mod large_log;
+mod lines;
 mod map;
 mod memory;
 mod mosaic;
 mod outliers;
+mod products;
 mod resources;
 mod waterfall;
 
@@ -23,6 +25,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("memory", memory::run),
     ("mosaic", mosaic::run),
     ("outliers", outliers::run),
+    ("products", products::run),
     ("waterfall", waterfall::run),
     ("map", map::run),
     ("accuracy", accuracy::run),

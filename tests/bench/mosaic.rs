@@ -1,27 +1,19 @@
 //! The mosaic: time beside tracking the same survey, and memory as its cells become smaller.
 
+use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
-use bathyscope::formats;
 use bathyscope::pipeline::{self, MosaicWritten, Settings};
 use bathyscope::progress::Progress;
-use bathyscope::simulation::{Scene, simulate};
 use std::hint::black_box;
 
 const PINGS_A_LINE: f64 = 3000.0;
-const LINES: u32 = 10;
 const CELLS_M: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
 
 /// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
 pub fn run() {
     let progress = Progress::new();
-    let mut scene = Scene::with_pings(1);
-    scene.track.lines = LINES;
-    scene.track.spacing_m = 15.0;
-    scene.track.length_m = PINGS_A_LINE * scene.track.speed_mps / scene.track.ping_rate_hz;
-    let simulated = simulate(&scene, 1, &progress).expect("not cancelled");
-    let survey = formats::open_bytes("lines.sl2", simulated.sl2_bytes(), &progress);
-    let survey = survey.expect("a readable log");
+    let survey = ten_lines(PINGS_A_LINE);
     let mut settings = Settings::default();
     let mut products =
         pipeline::run(&survey, &settings, None, &progress, |_| ()).expect("not cancelled");

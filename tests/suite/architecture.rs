@@ -80,6 +80,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "export",
             "formats",
             "pipeline",
+            "handover",
             "waterfall",
             "simulation",
         ],

@@ -358,7 +358,9 @@ fn products_are_written_where_the_path_field_says() {
     type_export_folder(&mut window, &into);
     window.get_by_label("Export").click();
     window.run();
-    assert!(into.join("report.json").is_file());
+    for product in ["report.json", "depth.tif", "mosaic.tif", "report.html"] {
+        assert!(into.join(product).is_file(), "{product}");
+    }
     assert!(window.query_by_label_contains("Wrote ").is_some());
 }
 

@@ -1,6 +1,6 @@
 //! The file that a review is kept in, beside the log and never in it.
 
-use crate::app::work::Exporting;
+use crate::app::exporting::Exporting;
 use crate::app::{App, Outcome, Task};
 use crate::detection::review::{Identity, Review};
 use crate::export;

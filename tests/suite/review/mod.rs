@@ -153,6 +153,15 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     assert_eq!(review_of(&again), review_of(&window));
     check_tables(&folder, review_of(&window));
     check_dataset(&folder.join("dataset"), review_of(&window));
+
+    // The report shows what was decided, not what was proposed.
+    let products = folder.join("products");
+    (window.state_mut().app).apply(Command::Export(products.clone()));
+    window.run();
+    let page = std::fs::read_to_string(products.join("report.html")).expect("a report");
+    assert!(page.contains("Boxes of the review: 33 accepted, 0 added, 17 rejected, 0 undecided"));
+    assert_eq!(page.matches(">accepted</td>").count(), 33);
+    assert!(!page.contains(">rejected</td>"));
 }
 
 #[test]

@@ -1,0 +1,90 @@
+//! Products and reviewed boxes on their way into a folder.
+
+use super::{App, Jobs, Outcome, Task};
+use crate::detection::review::{Review, State};
+use crate::handover::{self, Objects};
+use crate::pipeline::{Product, reviewed_rows, write_products};
+use crate::progress::Progress;
+use std::path::PathBuf;
+
+/// Products or boxes being written.
+pub(super) struct Exporting {
+    /// What was written, in a sentence.
+    task: Task<Result<String, String>>,
+}
+
+impl Exporting {
+    /// Starts writing.
+    pub fn start(
+        jobs: &Jobs,
+        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
+    ) -> Self {
+        Self {
+            task: Task::start(jobs, write),
+        }
+    }
+
+    pub fn fraction(&self) -> f32 {
+        self.task.fraction()
+    }
+}
+
+impl App {
+    /// Writes all products and the report, with the boxes as they are decided, into a folder.
+    pub(super) fn export(&mut self, folder: PathBuf) {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+            return;
+        };
+        let (survey, products) = (survey.clone(), products.clone());
+        let boxes = (self.reviewing.has_boxes()).then_some(&self.reviewing.review);
+        let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
+        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
+            let wanted = &Product::ALL;
+            let mut written =
+                write_products(&survey, &products, wanted, &folder, progress, |_| ())?;
+            let reviewed = boxes.as_ref().map(|(review, raster)| {
+                let rows = reviewed_rows(&survey, &products, review, progress)?;
+                Ok::<_, String>((rows, raster, told(review)))
+            });
+            let reviewed = reviewed.transpose()?;
+            let objects = reviewed.as_ref().map(|(rows, raster, origin)| Objects {
+                rows,
+                raster,
+                origin: origin.clone(),
+            });
+            handover::write_page(&survey, &products, &written, objects, &folder, progress)?;
+            written.files.push(handover::NAME);
+            let files = written.files.join(", ");
+            Ok(format!("Wrote {files} into {}", folder.display()))
+        }));
+    }
+
+    /// Tells what was written, once it is.
+    pub(super) fn poll_export(&mut self) {
+        let Some(exporting) = &self.exporting else {
+            return;
+        };
+        let written = match exporting.task.poll() {
+            Outcome::Pending => return,
+            Outcome::Done(written) => written,
+            Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
+        };
+        self.exporting = None;
+        match written {
+            Ok(text) => self.tell(text, false),
+            Err(text) => self.tell(text, true),
+        }
+    }
+}
+
+/// How far a review has come: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
+fn told(review: &Review) -> String {
+    let count = |state: State| review.boxes().filter(|one| one.state == state).count();
+    format!(
+        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided",
+        count(State::Accepted),
+        count(State::Added),
+        count(State::Rejected),
+        count(State::Proposed)
+    )
+}
