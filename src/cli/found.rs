@@ -40,6 +40,7 @@ pub fn proposed(found: &Proposed, names: &[String]) -> String {
 mod tests {
     use super::*;
     use crate::detection::{Detection, Mark};
+    use crate::export::Summary;
     use crate::survey::Side;
 
     fn told(classes: &[usize], objects: usize, unplaced: usize) -> String {
@@ -58,6 +59,7 @@ mod tests {
             boxes,
             objects,
             unplaced,
+            placed: Summary::default(),
         };
         proposed(&found, &["rock".to_owned(), "tyre".to_owned()])
     }

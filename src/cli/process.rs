@@ -185,6 +185,7 @@ pub fn process_into(
         status.step("objects");
         let how = &settings.detector;
         let boxes = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
+        pipeline::record_detections(&boxes, &written.report, folder)?;
         written.files.extend([
             "detections.csv",
             "detections.geojson",

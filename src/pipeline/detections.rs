@@ -1,9 +1,10 @@
 //! Searches a survey for objects and writes what was found.
 
-use super::Products;
+use super::record::{Coordinates, Made, write_record};
+use super::{Products, Report};
 use crate::detection::targets::{GroupSettings, Placer, Sighting, group};
 use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
-use crate::export::{self, ObjectRow};
+use crate::export::{self, ObjectRow, Summary};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
@@ -17,6 +18,8 @@ pub struct Proposed {
     pub objects: usize,
     /// Boxes whose place in the world cannot be known, and so neither whose object they show.
     pub unplaced: usize,
+    /// The boxes whose place is known, and the extent of these places in degrees.
+    pub placed: Summary,
 }
 
 /// Searches the survey and writes `detections.csv`, `.geojson` and `.gpx` and `chips/` with a picture of each box into `folder`,
@@ -47,12 +50,38 @@ pub fn write_detections(
         .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
         .and_then(|()| export::objects_gpx(&folder.join("detections.gpx"), &rows))
         .map_err(|error| error.to_string())?;
-    let (objects, unplaced) = (objects_in(&rows), unplaced_in(&rows));
+    let (objects, unplaced, placed) = (objects_in(&rows), unplaced_in(&rows), placed_in(&rows));
     Ok(Proposed {
         boxes: found,
         objects,
         unplaced,
+        placed,
     })
+}
+
+/// Writes the records beside what [`write_detections`] wrote.
+pub fn record_detections(found: &Proposed, report: &Report, folder: &Path) -> Result<(), String> {
+    let in_table = Summary {
+        count: found.boxes.len(),
+        ..found.placed
+    };
+    for (name, summary) in [
+        ("detections.csv", in_table),
+        ("detections.geojson", found.placed),
+        ("detections.gpx", found.placed),
+    ] {
+        let made = Made {
+            name,
+            what: "Boxes that the detector proposes, not reviewed",
+            coordinates: Coordinates::Degrees,
+            counted: "boxes",
+            measured: "",
+            summary,
+            regardless_of: &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"],
+        };
+        write_record(&made, report, folder)?;
+    }
+    Ok(())
 }
 
 /// Objects are numbered from 1 on.
@@ -62,6 +91,15 @@ fn objects_in(rows: &[ObjectRow<'_>]) -> usize {
 
 fn unplaced_in(rows: &[ObjectRow<'_>]) -> usize {
     rows.iter().filter(|row| row.object.is_none()).count()
+}
+
+fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
+    let mut summary = Summary::default();
+    for target in rows.iter().filter_map(|row| row.target.as_ref()) {
+        let at = target.position;
+        summary.add([at.lon_deg, at.lat_deg], f64::NAN);
+    }
+    summary
 }
 
 /// The rows of the tables of what was found; boxes of the same object share its number.

@@ -24,7 +24,7 @@ mod track;
 
 pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
 pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
-pub use detections::{Proposed, proposed_rows, write_detections};
+pub use detections::{Proposed, proposed_rows, record_detections, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use mosaic::{MosaicWritten, write_mosaic};
 pub use outputs::{Written, write_products, write_report};

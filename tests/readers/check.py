@@ -10,8 +10,8 @@ import rasters
 import tables
 import vectors
 
-# What describes other files, or belongs to one with a record.
-WITHOUT_RECORD = {"report.json", "report.html", "detections.csv", "detections.geojson", "detections.gpx", "chips"}
+# What describes other files, is for people, or belongs to something with a record.
+WITHOUT_RECORD = {"report.json", "report.html", "chips"}
 COMPANIONS = {".shx", ".dbf", ".prj", ".cpg"}
 
 
@@ -43,7 +43,7 @@ def check(folder):
     clouds.check(folder, made, points)
     rasters.check(folder, made, points)
     vectors.check(folder, made, points)
-    tables.check_found(folder)
+    tables.check_found(folder, made)
     return len(made)
 
 

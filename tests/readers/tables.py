@@ -63,7 +63,7 @@ def check(folder, report, made):
     return points
 
 
-def check_found(folder):
+def check_found(folder, made):
     """The detector's boxes, and the page, where they were made."""
     if (folder / "detections.csv").is_file():
         found = rows(folder / "detections.csv")
@@ -71,7 +71,10 @@ def check_found(folder):
         with open(folder / "detections.gpx") as file:
             waypoints = gpxpy.parse(file).waypoints
         places = [feature["geometry"]["coordinates"] for feature in features]
-        assert 0 < len(places) <= len(found) and len(places) == len(waypoints)
+        assert 0 < len(places) <= len(found)
+        for name, count in (("csv", len(found)), ("geojson", len(places)), ("gpx", len(waypoints))):
+            check_count(f"detections.{name}", made[f"detections.{name}"], "boxes", count)
+        check_extent("detections.gpx", made["detections.gpx"], numpy.min(places, axis=0), numpy.max(places, axis=0), 0.001)
         for (lon, lat), waypoint in zip(places, waypoints):
             assert max(abs(lon - waypoint.longitude), abs(lat - waypoint.latitude)) < 1e-8
         assert len(list((folder / "chips").glob("*.png"))) == len(found), "a box without a chip"
