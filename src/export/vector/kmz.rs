@@ -9,7 +9,10 @@ use crate::geo::LonLat;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes lines, each with its label in its middle.
+/// Lines longer than this, degrees (some 10 m), show their label.
+const LABELLED_DEG: f64 = 1e-4;
+
+/// Writes lines, the longer ones with their label in the middle.
 pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
@@ -17,22 +20,33 @@ pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, Exp
             let points = positions(line.points.iter().copied());
             summary.count += 1;
             points.iter().for_each(|at| summary.reach(*at));
-            let middle = points.get(points.len() / 2).copied().unwrap_or_default();
             let [red, green, blue] = line.colour;
             writeln!(
                 out,
                 "<Placemark><name>{}</name><Style><IconStyle><scale>0</scale></IconStyle><LineStyle>\
-                 <color>ff{blue:02x}{green:02x}{red:02x}</color><width>2</width></LineStyle></Style><MultiGeometry>\
-                 <Point><coordinates>{:.8},{:.8}</coordinates></Point>\
+                 <color>ff{blue:02x}{green:02x}{red:02x}</color><width>2</width></LineStyle></Style><MultiGeometry>{}\
                  <LineString><tessellate>1</tessellate><coordinates>{}</coordinates></LineString></MultiGeometry></Placemark>",
                 xml(&line.label),
-                middle[0],
-                middle[1],
+                anchor(&points),
                 coordinates(&points)
             )?;
         }
         Ok(summary)
     })
+}
+
+/// A point in the middle of a line that is long enough for its label: a line alone shows none.
+fn anchor(points: &[[f64; 2]]) -> String {
+    let steps = points.windows(2);
+    let length: f64 = steps
+        .map(|step| (step[1][0] - step[0][0]).hypot(step[1][1] - step[0][1]))
+        .sum();
+    match points.get(points.len() / 2) {
+        Some([lon, lat]) if length > LABELLED_DEG => {
+            format!("<Point><coordinates>{lon:.8},{lat:.8}</coordinates></Point>")
+        }
+        _ => String::new(),
+    }
 }
 
 /// Writes areas as one thing on the map; `place` tells where a corner lies.
