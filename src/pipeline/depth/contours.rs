@@ -14,6 +14,8 @@ use std::path::Path;
 
 /// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
+/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
+const LEAST_LENGTH_M: f64 = 0.01;
 /// What isobaths do not depend on.
 const REGARDLESS_OF: [&str; 2] = ["detector", "mosaic"];
 
@@ -57,8 +59,10 @@ fn draw(
     progress: &Progress,
 ) -> Result<Contours, Cancelled> {
     let with_ends = with_ends(levels_m, range_m);
+    let mut lines = isobaths(surface, levels_m, progress)?;
+    lines.retain(|line| line.length_m() > LEAST_LENGTH_M);
     Ok(Contours {
-        lines: isobaths(surface, levels_m, progress)?,
+        lines,
         areas: depth_areas(surface, &with_ends, progress)?,
         table: storage(surface, &with_ends),
     })
