@@ -2,9 +2,11 @@
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` holds points against a reference, `transect` looks at them along a line.
+//! `compare` holds points against a reference, `crossings` the passes of a survey against each other, `transect` looks at them
+//! along a line.
 
 pub mod compare;
+pub mod crossings;
 mod grid;
 mod hill_shade;
 mod inverse_distance;

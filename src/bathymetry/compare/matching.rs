@@ -42,15 +42,42 @@ pub fn match_points(
     matching: Matching,
     progress: &Progress,
 ) -> Result<Vec<Match>, Cancelled> {
-    let is_finite = |point: &&[f64; 3]| point.iter().all(|value| value.is_finite());
-    let reference: Vec<[f64; 3]> = reference.iter().filter(is_finite).copied().collect();
-    let found = match matching {
-        Matching::Nearest { radius_m } => match Nearest::new(&reference, radius_m) {
-            Some(nearest) => each(measured, || |place| nearest.at(place), progress)?,
-            None => Vec::new(),
-        },
-        Matching::Surface { max_gap_m } => match triangulated(&reference, max_gap_m) {
-            Some(tin) => {
+    Reference::new(reference, matching).matches(measured, progress)
+}
+
+/// A reference that several measurements are held against.
+pub struct Reference(Prepared);
+
+enum Prepared {
+    Nearest(Nearest),
+    Surface(Tin),
+    /// No point, or none that spans a surface.
+    Nothing,
+}
+
+impl Reference {
+    /// Of points as east, north, elevation, metres; those that are not finite are left out.
+    pub fn new(points: &[[f64; 3]], matching: Matching) -> Self {
+        let is_finite = |point: &&[f64; 3]| point.iter().all(|value| value.is_finite());
+        let points: Vec<[f64; 3]> = points.iter().filter(is_finite).copied().collect();
+        let prepared = match matching {
+            Matching::Nearest { radius_m } => Nearest::new(points, radius_m).map(Prepared::Nearest),
+            Matching::Surface { max_gap_m } => {
+                triangulated(&points, max_gap_m).map(Prepared::Surface)
+            }
+        };
+        Self(prepared.unwrap_or(Prepared::Nothing))
+    }
+
+    /// As [`match_points`].
+    pub fn matches(
+        &self,
+        measured: &[[f64; 3]],
+        progress: &Progress,
+    ) -> Result<Vec<Match>, Cancelled> {
+        match &self.0 {
+            Prepared::Nearest(nearest) => each(measured, || |place| nearest.at(place), progress),
+            Prepared::Surface(tin) => {
                 let sampler = || {
                     let mut sampler = tin.sampler(Between::Linear);
                     move |place| {
@@ -58,12 +85,11 @@ pub fn match_points(
                         Some(-nodes.map(|(node, share)| share * node.depth_m).sum::<f64>())
                     }
                 };
-                each(measured, sampler, progress)?
+                each(measured, sampler, progress)
             }
-            None => Vec::new(),
-        },
-    };
-    Ok(found)
+            Prepared::Nothing => Ok(Vec::new()),
+        }
+    }
 }
 
 /// Asks a reference of each worker's own for the elevation at every measured place.
@@ -96,18 +122,21 @@ fn each<R: FnMut([f64; 2]) -> Option<f64>>(
     Ok(chunks.into_iter().flatten().collect())
 }
 
-struct Nearest<'a> {
-    points: &'a [[f64; 3]],
+struct Nearest {
+    points: Vec<[f64; 3]>,
     index: ImmutableKdTree<f64, 2>,
     radius_m: f64,
 }
 
-impl<'a> Nearest<'a> {
-    fn new(points: &'a [[f64; 3]], radius_m: f64) -> Option<Self> {
+impl Nearest {
+    fn new(points: Vec<[f64; 3]>, radius_m: f64) -> Option<Self> {
         let places: Vec<[f64; 2]> = points.iter().map(|[x, y, _]| [*x, *y]).collect();
-        (!places.is_empty()).then_some(Self {
-            points,
+        if places.is_empty() {
+            return None;
+        }
+        Some(Self {
             index: ImmutableKdTree::new_from_slice(&places).ok()?,
+            points,
             radius_m,
         })
     }

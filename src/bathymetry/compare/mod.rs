@@ -1,13 +1,16 @@
 //! Residuals: what was measured against a reference, and what an international standard would say of it.
 //!
-//! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44. Everywhere a difference is
+//! `matching` finds the reference of each measured point, `orders` holds the limits of IHO S-44, `tables` sorts differences by what
+//! they may hang on. Everywhere a difference is
 //! measured minus reference elevation, so that up is positive: a bottom measured too shallow gives more than 0.
 
 mod matching;
 mod orders;
+mod tables;
 
-pub use matching::{Match, Matching, match_points};
+pub use matching::{Match, Matching, Reference, match_points};
 pub use orders::{ORDERS, Order};
+pub use tables::{Bin, Histogram, binned, suited_width};
 
 use crate::cloud::Residuals;
 use serde::Serialize;

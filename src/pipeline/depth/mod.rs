@@ -2,10 +2,13 @@
 //! with soundings. All in the system that `crs` names.
 
 mod chart;
+mod choices;
 mod contours;
+mod crossed;
 mod plane;
 mod rasters;
 mod residuals;
+mod tables;
 
 use super::record::Made;
 use super::{Product, Products};
@@ -17,6 +20,7 @@ pub use residuals::NamedComparison;
 use std::path::Path;
 
 pub use chart::DepthChart;
+pub use tables::{ResidualTables, residual_tables};
 
 /// What was written, and why the rest was not.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +72,14 @@ pub fn write_depth(
     }
     if wants(Product::Residuals) {
         let comparisons = written.comparisons.clone();
-        residuals::write(products, &comparisons, folder, &mut written)?;
+        residuals::write(
+            survey,
+            products,
+            &comparisons,
+            folder,
+            progress,
+            &mut written,
+        )?;
     }
     Ok(written)
 }

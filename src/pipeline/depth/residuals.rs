@@ -1,13 +1,17 @@
-//! `residuals.json`: side-scan points against the soundings of the same log.
+//! `residuals.json`: side-scan points against the soundings of the same log, and the log against itself.
 
 use super::DepthWritten;
+use super::choices::{Choice, choices};
+use super::crossed::{Crossed, crossed};
 use super::plane::Plane;
+use super::tables::{ResidualTables, residual_tables};
 use crate::bathymetry::compare::{Comparison, Matching, match_points};
-use crate::cloud::PointSource;
+use crate::cloud::{CloudPoint, PointSource};
 use crate::export::{self, Summary};
 use crate::pipeline::record::{Coordinates, Made};
 use crate::pipeline::{Products, Settings};
 use crate::progress::{Cancelled, Progress};
+use crate::survey::Survey;
 use serde::Serialize;
 use std::io::Write as _;
 use std::path::Path;
@@ -21,6 +25,9 @@ struct Record<'a> {
     sign: &'static str,
     statement: String,
     comparisons: &'a [NamedComparison],
+    side_scan: Option<ResidualTables>,
+    choices: Vec<Choice>,
+    crossings: Option<Crossed>,
     settings: &'a Settings,
 }
 
@@ -42,15 +49,20 @@ const SIGN: &str = "measured minus reference elevation, metres; positive is shal
 const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
      within one instrument, not accuracy against a reference.";
 
-/// Writes the record of some comparisons; nothing without any.
+/// Writes the record: some comparisons; what side-scan's hang on, and what other choices of geometry and calibration make of them;
+/// the crossings of the track. Nothing where there is neither a comparison nor a crossing.
 pub(super) fn write(
+    survey: &Survey,
     products: &Products,
     comparisons: &[NamedComparison],
     folder: &Path,
+    progress: &Progress,
     written: &mut DepthWritten,
 ) -> Result<(), String> {
-    if comparisons.is_empty() {
-        let why = "no residuals: the log has no side-scan points, or none near a sounding";
+    let cancelled = |error: Cancelled| error.to_string();
+    let crossings = crossed(survey, products, progress).map_err(cancelled)?;
+    if comparisons.is_empty() && crossings.is_none() {
+        let why = "no residuals: the log has no side-scan points near a sounding, and its track does not cross itself";
         written.warnings.push(why.to_owned());
         return Ok(());
     }
@@ -59,6 +71,9 @@ pub(super) fn write(
         sign: SIGN,
         statement: format!("{} {STATEMENT}", products.correction.statement()),
         comparisons,
+        side_scan: residual_tables(products, progress).map_err(cancelled)?,
+        choices: choices(survey, products, progress).map_err(cancelled)?,
+        crossings,
         settings: &products.settings,
     };
     let name = "residuals.json";
@@ -128,4 +143,16 @@ pub(super) fn comparisons(
         }
     }
     Ok(found)
+}
+
+/// Kept points of some sources, in the cloud's order.
+pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Vec<&'a CloudPoint> {
+    let flagged = products.cloud.points.iter().zip(products.kept.iter());
+    let chosen = flagged.filter(|(point, kept)| **kept && sources.contains(&point.source));
+    chosen.map(|(point, _)| point).collect()
+}
+
+/// East, north and elevation in the survey's plane, metres.
+pub(super) fn place(point: &CloudPoint) -> [f64; 3] {
+    [point.east_m, point.north_m, point.z_m]
 }

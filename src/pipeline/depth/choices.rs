@@ -1,0 +1,96 @@
+//! What each choice of geometry and calibration costs: the same picks, held against the same soundings.
+
+use super::residuals::{kept_of, place};
+use crate::bathymetry::compare::{Matching, Reference};
+use crate::calibration::{OffsetMode, PpdReach, ScaleMode};
+use crate::cloud::{Geometry, PointSource, Residuals};
+use crate::pipeline::{Products, run};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use serde::Serialize;
+
+/// Side-scan against soundings with one geometry and one calibration.
+#[derive(Serialize)]
+pub(super) struct Choice {
+    geometry: Geometry,
+    calibration: &'static str,
+    /// Whether these are the settings of the products.
+    in_force: bool,
+    /// Points without a sounding near them.
+    unmatched: usize,
+    #[serde(flatten)]
+    residuals: Residuals,
+}
+
+const GEOMETRIES: [Geometry; 4] = [
+    Geometry::Published,
+    Geometry::SelfConsistent,
+    Geometry::Nadir,
+    Geometry::Slope,
+];
+
+const CALIBRATIONS: [(&str, ScaleMode, PpdReach, OffsetMode); 4] = [
+    (
+        "flat_spot, constant",
+        ScaleMode::FlatSpot,
+        PpdReach::Constant,
+        OffsetMode::None,
+    ),
+    (
+        "flat_spot, factor",
+        ScaleMode::FlatSpot,
+        PpdReach::Factor,
+        OffsetMode::None,
+    ),
+    (
+        "header",
+        ScaleMode::Header,
+        PpdReach::Factor,
+        OffsetMode::None,
+    ),
+    (
+        "header less offset",
+        ScaleMode::Header,
+        PpdReach::Factor,
+        OffsetMode::Fit,
+    ),
+];
+
+/// One line for each combination that gives points over the soundings; a flat spot that gives no scale has none. The outlier filter
+/// runs for each.
+pub(super) fn choices(
+    survey: &Survey,
+    products: &Products,
+    progress: &Progress,
+) -> Result<Vec<Choice>, Cancelled> {
+    let soundings = kept_of(products, &[PointSource::DownScan]);
+    let soundings: Vec<[f64; 3]> = soundings.into_iter().map(place).collect();
+    let max_gap_m = products.settings.surface.max_gap_m;
+    let reference = Reference::new(&soundings, Matching::Surface { max_gap_m });
+    let mut found = Vec::new();
+    for (calibration, mode, ppd, offset) in CALIBRATIONS {
+        for geometry in GEOMETRIES {
+            let mut settings = products.settings.clone();
+            settings.calibration.mode = mode;
+            settings.calibration.ppd = ppd;
+            settings.calibration.offset = offset;
+            settings.cloud.geometry = geometry;
+            let made = run(survey, &settings, Some(products), progress, |_| ())?;
+            if made.calibration.mode != mode {
+                continue;
+            }
+            let points = kept_of(&made, &[PointSource::Port, PointSource::Starboard]);
+            let points: Vec<[f64; 3]> = points.into_iter().map(place).collect();
+            let matches = reference.matches(&points, progress)?;
+            let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
+            found.extend(Residuals::of(&mut differences).map(|residuals| Choice {
+                geometry,
+                calibration,
+                in_force: settings == products.settings,
+                unmatched: points.len() - matches.len(),
+                residuals,
+            }));
+        }
+    }
+    Ok(found)
+}
