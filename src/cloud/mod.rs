@@ -139,6 +139,8 @@ pub struct CloudPoint {
     /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless
     /// [`DownScan::All`] asks for it.
     pub sound: bool,
+    /// Whether its pick is flagged as canopy or obstacle ([`crate::first_return::Pick::canopy`]).
+    pub canopy: bool,
     /// First return in u8 samples outward; NaN for a sounding.
     pub sample: f32,
     /// Metres east of the survey's origin.

@@ -55,6 +55,9 @@ pub enum BedKind {
 pub struct BedSettings {
     /// Its character.
     pub kind: BedKind,
+    /// Draws its swells, bumps and stones, so that several surveys meet one ground; the survey's own seed when left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
     /// Depth that the ground swings about, metres.
     pub mean_depth_m: f64,
     /// A level area: the place to calibrate.
@@ -261,6 +264,7 @@ impl Default for BedSettings {
     fn default() -> Self {
         Self {
             kind: BedKind::Gentle,
+            seed: None,
             mean_depth_m: 2.6,
             terrace: Some(Terrace {
                 east_m: 8.0,

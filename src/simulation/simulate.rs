@@ -140,7 +140,7 @@ impl<'a> Run<'a> {
             seed,
             plan: Plan::new(scene, &path, seed),
             world: World {
-                bed: Bed::new(&scene.bed, seed),
+                bed: Bed::new(&scene.bed, scene.bed.seed.unwrap_or(seed)),
                 objects: objects::place(scene, &path, seed),
                 weed: weed(scene, &path, seed),
             },

@@ -4,16 +4,13 @@
 //! errors on simulated beds, never field accuracy. The ponds change range along a fifth of the track, as users do, which
 //! is what breaks a constant scale from a flat spot.
 
-#[path = "../suite/truth.rs"]
-mod truth;
-
+use super::truth::KnownSurvey;
 use bathyscope::calibration::{OffsetMode, PpdReach, ScaleMode};
 use bathyscope::cloud::{Geometry, Residuals};
 use bathyscope::first_return::{Method, SampleMode};
 use bathyscope::pipeline::{self, Preset, Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
-use truth::KnownSurvey;
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 20;

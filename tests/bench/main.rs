@@ -11,10 +11,15 @@ mod large_log;
 mod lines;
 mod map;
 mod memory;
+#[path = "../suite/missions.rs"]
+mod missions;
 mod mosaic;
 mod outliers;
 mod products;
 mod resources;
+mod surface;
+#[path = "../suite/truth.rs"]
+mod truth;
 mod waterfall;
 
 /// Name on the command line and what it runs.
@@ -26,6 +31,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("mosaic", mosaic::run),
     ("outliers", outliers::run),
     ("products", products::run),
+    ("surface", surface::run),
     ("waterfall", waterfall::run),
     ("map", map::run),
     ("accuracy", accuracy::run),

@@ -20,6 +20,7 @@ mod golden;
 mod handmade;
 mod map_layers;
 mod map_tools;
+mod missions;
 mod mosaic;
 mod navigation;
 mod real_window;

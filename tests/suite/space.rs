@@ -91,6 +91,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
             ping: ping as u32,
             sounding: SoundingIndex::new(ping).filter(|_| source == PointSource::DownScan),
             sound: true,
+            canopy: false,
             sample: 100.0,
             east_m,
             north_m,

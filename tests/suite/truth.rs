@@ -1,6 +1,7 @@
 //! Results held against what a simulated survey hides.
 
-use bathyscope::cloud::PointSource;
+use bathyscope::bathymetry::{DepthPoint, Surface, SurfaceSettings, surface};
+use bathyscope::cloud::{CloudPoint, PointSource};
 use bathyscope::formats;
 use bathyscope::pipeline::Products;
 use bathyscope::progress::Progress;
@@ -25,17 +26,53 @@ impl KnownSurvey {
     /// Claimed depth minus true depth of the bed at the claimed place, for every kept side-scan point. Weed is left out:
     /// there the first return is no bottom.
     pub fn depth_errors_m(&self, products: &Products) -> Vec<f64> {
-        let points = products.cloud.points.iter().zip(products.kept.iter());
-        let kept = points.filter(|(_, kept)| **kept).map(|(point, _)| point);
-        kept.filter_map(|point| {
-            let side = match point.source {
-                PointSource::Port => Side::Port,
-                PointSource::Starboard => Side::Starboard,
-                PointSource::DownScan => return None,
-            };
-            let ground = !self.truth.pings.get(point.ping as usize)?.side(side).weed;
-            ground.then(|| -point.z_m - self.truth.bed_depth_m(point.east_m, point.north_m))
-        })
-        .collect()
+        kept(products)
+            .filter_map(|point| {
+                let side = match point.source {
+                    PointSource::Port => Side::Port,
+                    PointSource::Starboard => Side::Starboard,
+                    PointSource::DownScan => return None,
+                };
+                let ground = !self.truth.pings.get(point.ping as usize)?.side(side).weed;
+                ground.then(|| -point.z_m - self.truth.bed_depth_m(point.east_m, point.north_m))
+            })
+            .collect()
     }
+
+    /// The depth map in the survey's plane.
+    pub fn map(&self, products: &Products, settings: &SurfaceSettings) -> Surface {
+        let points: Vec<DepthPoint> = kept(products)
+            .map(|point| DepthPoint {
+                east_m: point.east_m,
+                north_m: point.north_m,
+                depth_m: -point.z_m,
+                weight: settings.weight(point),
+            })
+            .filter(|point| point.weight > 0.0)
+            .collect();
+        surface(&points, settings, &Progress::new())
+            .expect("not cancelled")
+            .expect("a surface")
+    }
+
+    /// Depth of a map minus that of the bed at the middle of each cell that `soundings` fills too, and that map's distance to the
+    /// nearest sounding there, metres.
+    pub fn map_errors_m(&self, map: &Surface, soundings: &Surface) -> Vec<(f64, f64)> {
+        let cells = (0..map.grid.len()).filter_map(|cell| {
+            let [east_m, north_m] = map
+                .grid
+                .centre(cell / map.grid.columns, cell % map.grid.columns);
+            let (depth_m, _) = map.at(east_m, north_m)?;
+            let (_, away_m) = soundings.at(east_m, north_m)?;
+            let error_m = f64::from(depth_m) - self.truth.bed_depth_m(east_m, north_m);
+            Some((error_m, f64::from(away_m)))
+        });
+        cells.collect()
+    }
+}
+
+/// The kept points.
+pub fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
+    let points = products.cloud.points.iter().zip(products.kept.iter());
+    points.filter(|(_, kept)| **kept).map(|(point, _)| point)
 }

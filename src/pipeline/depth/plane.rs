@@ -52,14 +52,10 @@ impl<'a> Plane<'a> {
             .collect()
     }
 
-    /// All kept points as weighted depths.
+    /// The kept points that count for the surface, as weighted depths.
     pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
-        let settings = &products.settings;
-        let weight = |source| match source {
-            PointSource::DownScan => settings.surface.down_scan_weight,
-            PointSource::Port | PointSource::Starboard => settings.surface.side_scan_weight,
-        };
-        let weighted = kept(products).map(|point| (self.place(point), weight(point.source)));
+        let settings = &products.settings.surface;
+        let weighted = kept(products).map(|point| (self.place(point), settings.weight(point)));
         weighted
             .filter(|(place, weight)| is_finite(place) && *weight > 0.0)
             .map(|([east_m, north_m, z_m], weight)| DepthPoint {

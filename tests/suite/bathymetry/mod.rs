@@ -1,3 +1,4 @@
 //! Surfaces and what is drawn from them, against what other programs make of the same numbers.
 
 mod isobaths;
+mod ponds;

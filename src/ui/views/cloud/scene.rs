@@ -246,6 +246,7 @@ mod tests {
             ping,
             sounding: None,
             sound: true,
+            canopy: false,
             sample: 100.0,
             east_m: f64::from(ping),
             north_m: 2.0,
