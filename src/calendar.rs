@@ -76,6 +76,15 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
     exists.then_some(days as f64 * 86_400.0 + 3600.0 * hours + 60.0 * minutes + seconds - offset_s)
 }
 
+/// Unix seconds of a number, or of a text that [`unix_from_iso`] knows.
+pub fn unix_from_text(text: &str) -> Option<f64> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|seconds: &f64| seconds.is_finite());
+    number.or_else(|| unix_from_iso(text))
+}
+
 /// A number of 0 to below `end`.
 fn clock(text: &str, end: f64) -> Option<f64> {
     let value = text.parse().ok();

@@ -5,7 +5,7 @@ use super::status_line::StatusLine;
 use super::{detect, found, input, output};
 use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
-use crate::formats;
+use crate::formats::{self, TrackFile};
 use crate::handover::{self, Objects};
 use crate::pipeline::{self, Preset, Product, Settings};
 use crate::progress::Progress;
@@ -22,6 +22,10 @@ pub struct ProcessArgs {
     /// Folder for the products; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
+    /// `track.offset_s` is added to its times
+    #[arg(long, value_name = "FILE")]
+    track: Option<PathBuf>,
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
@@ -77,6 +81,8 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         true => None,
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
+    let track = args.track.as_deref().map(TrackFile::read).transpose()?;
+    let track = track.as_ref();
     let wanted = match args.products.as_slice() {
         [] => &Product::ALL,
         named => named,
@@ -84,6 +90,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
     let [survey] = args.surveys.as_slice() else {
         return each(
             &args.surveys,
+            track,
             &settings,
             model.as_ref(),
             wanted,
@@ -91,7 +98,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         );
     };
     process_into(
-        &open(survey)?,
+        &open(survey, track, &settings)?,
         &settings,
         model.as_ref(),
         wanted,
@@ -101,6 +108,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
 
 fn each(
     surveys: &[PathBuf],
+    track: Option<&TrackFile>,
     settings: &Settings,
     model: Option<&Model>,
     wanted: &[Product],
@@ -109,7 +117,7 @@ fn each(
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for path in surveys {
-        let outcome = open(path).and_then(|survey| {
+        let outcome = open(path, track, settings).and_then(|survey| {
             process_into(
                 &survey,
                 settings,
@@ -132,8 +140,9 @@ fn each(
     ))
 }
 
-fn open(path: &Path) -> Result<Survey, String> {
-    formats::open(path, &Progress::new()).map_err(|error| error.to_string())
+fn open(path: &Path, track: Option<&TrackFile>, settings: &Settings) -> Result<Survey, String> {
+    let track = track.map(|track| (track, settings.track.offset_s));
+    formats::open_with_track(path, track, &Progress::new())
 }
 
 /// Refuses settings that ask for what this log does not hold.

@@ -4,7 +4,7 @@ use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange};
 use crate::cloud::{PointSource, Residuals, residuals};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
+use crate::survey::{Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -106,7 +106,7 @@ pub struct CalibrationReport {
     pub fit_spread_m: Option<f64>,
 }
 
-const STATEMENT: &str = "Positions are the recorder's GPS. Agreement with the recorded depth is repeatability within one \
+const STATEMENT: &str = "Agreement with the recorded depth is repeatability within one \
      instrument, not accuracy against a reference. first_returns.csv holds depths and ranges as recorded.";
 
 impl Report {
@@ -163,7 +163,11 @@ impl Report {
             },
             calibration: CalibrationReport::new(calibration),
             residuals: residuals(survey, cloud, correction, kept),
-            statement: format!("{} {STATEMENT}", correction.statement()),
+            statement: format!(
+                "{} {} {STATEMENT}",
+                correction.statement(),
+                positions(&survey.track)
+            ),
             warnings: warnings(survey, products),
         })
     }
@@ -252,6 +256,18 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(str::to_owned))
         .collect()
+}
+
+/// Whose positions they are.
+fn positions(track: &Track) -> String {
+    match &track.external {
+        Some(external) => format!(
+            "Positions are those of {}, {} s later than it says.",
+            external.path.file_name().unwrap_or_default().display(),
+            external.offset_s
+        ),
+        None => "Positions are the recorder's GPS.".to_owned(),
+    }
 }
 
 /// The log's files, and the readings of the water level where they are in force.

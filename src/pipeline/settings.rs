@@ -9,7 +9,7 @@ use crate::detection::DetectorSettings;
 use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
-use crate::survey::{HeadingSettings, HeadingSource, Projection};
+use crate::survey::{HeadingSettings, HeadingSource, Projection, TrackSettings};
 use serde::{Deserialize, Serialize};
 
 /// Settings that cannot be understood, in one sentence.
@@ -65,6 +65,8 @@ pub struct Settings {
     pub cloud: CloudSettings,
     /// `heading.*`.
     pub heading: HeadingSettings,
+    /// `track.*`, for a track from another receiver; it acts when the track is laid over the log, before any stage.
+    pub track: TrackSettings,
     /// `outliers.*`.
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
@@ -134,6 +136,7 @@ impl Settings {
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.calibration.pings = other.calibration.pings;
+        settings.track = other.track.clone();
         settings.draft_m = other.draft_m;
         settings.water_level_m = other.water_level_m;
         settings.water_level = other.water_level.clone();
@@ -221,6 +224,10 @@ impl Settings {
             (
                 (0.2..=120.0).contains(&self.heading.window_s),
                 "heading.window_s must lie between 0.2 and 120",
+            ),
+            (
+                self.track.offset_s.is_finite(),
+                "track.offset_s must be a number",
             ),
             (
                 (0.01..=100.0).contains(&self.mosaic.cell_m),

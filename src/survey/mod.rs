@@ -15,7 +15,7 @@ pub use bottom_lock::mark_bottom_lock;
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
-pub use track::{Fix, Track};
+pub use track::{ExternalTrack, Fix, Track, TrackSettings};
 
 use std::path::PathBuf;
 

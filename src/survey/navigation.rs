@@ -216,6 +216,10 @@ impl Navigator<'_> {
     }
 
     fn place(&self, time_s: f64) -> (PingNav, bool) {
+        let external = self.track.external.as_ref();
+        if external.is_some_and(|track| time_s < track.span_s[0] || time_s > track.span_s[1]) {
+            return (PingNav::UNKNOWN, false);
+        }
         let motion = self.fitted.at(time_s);
         let recorded = self.recorded_at(time_s);
         let [east_m, north_m] = match self.source {

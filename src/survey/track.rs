@@ -1,6 +1,8 @@
 //! Where the boat was: the fixes as recorded.
 
 use crate::geo::{LocalFrame, LonLat};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// One recorded position with what came with it. Recorders repeat the last fix for many pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,27 @@ pub struct Track {
     pub fixes: Vec<Fix>,
     /// Local frame with its origin at the first fix. All `east_m`, `north_m` of the survey are in it.
     pub frame: LocalFrame,
+    /// Whose track it is, when it is not the recorder's.
+    pub external: Option<ExternalTrack>,
+}
+
+/// A track that another receiver recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExternalTrack {
+    /// The file that it was read from.
+    pub path: PathBuf,
+    /// What was added to its times, seconds.
+    pub offset_s: f64,
+    /// Times of its first and last fix, seconds of the log: beyond them the boat's place is not known.
+    pub span_s: [f64; 2],
+}
+
+/// `track.*` settings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrackSettings {
+    /// Added to the times of an external track, seconds: how far its clock is behind that of the recorder.
+    pub offset_s: f64,
 }
 
 impl Default for Track {
@@ -34,7 +57,7 @@ impl Default for Track {
 }
 
 impl Track {
-    /// A track through `fixes`, which the caller has put in time order.
+    /// The recorder's track through `fixes`, which the caller has put in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {
         let origin = fixes.first().map_or(
             LonLat {
@@ -46,6 +69,7 @@ impl Track {
         Self {
             fixes,
             frame: LocalFrame::new(origin),
+            external: None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Readings of a gauge or tide table over time.
 
-use crate::calendar::unix_from_iso;
+use crate::calendar::unix_from_text;
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
 use std::io::Read as _;
@@ -106,7 +106,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, String> {
         let row = row.map_err(not_a_table)?;
         let line = row.position().map_or(index as u64 + 2, |at| at.line());
         let field = |column| row.get(column).unwrap_or_default();
-        let time_s = unix_s(field(time)).ok_or_else(|| {
+        let time_s = unix_from_text(field(time)).ok_or_else(|| {
             format!(
                 "line {line} of the water levels: `{}` is no time; write 2021-10-12T00:53:20Z or Unix seconds",
                 field(time)
@@ -136,15 +136,6 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, String> {
 
 fn not_a_table(error: csv::Error) -> String {
     format!("the water levels are no table: {error}")
-}
-
-/// Unix seconds of a number or a date with its time.
-fn unix_s(text: &str) -> Option<f64> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|seconds: &f64| seconds.is_finite());
-    number.or_else(|| unix_from_iso(text))
 }
 
 #[cfg(test)]

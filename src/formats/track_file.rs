@@ -1,0 +1,310 @@
+//! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
+
+use crate::calendar::unix_from_text;
+use crate::geo::LonLat;
+use crate::progress::Progress;
+use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A track from a file.
+#[derive(Clone, Debug)]
+pub struct TrackFile {
+    external: ExternalTrack,
+    bytes: Bytes,
+    /// Unix seconds, or seconds of the log, with their places, at rising times.
+    fixes: Vec<(f64, LonLat, f32)>,
+}
+
+/// Times below this, seconds, count from the beginning of the log: no receiver has recorded in 1973.
+const LEAST_UNIX_S: f64 = 1e8;
+/// Longer than any track: ten fixes a second of a month take as much.
+const LONGEST: u64 = 1 << 31;
+/// Names of the columns, in lower case; the first that is there is taken.
+const TIME: &[&str] = &["time", "timestamp", "utc", "unix_s", "time_s"];
+const LON: &[&str] = &["lon", "longitude", "lon_deg", "lng"];
+const LAT: &[&str] = &["lat", "latitude", "lat_deg"];
+const HEADING: &[&str] = &["heading_deg", "yaw_deg", "heading"];
+
+impl TrackFile {
+    /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log), `lon` and `lat`, degrees, and
+    /// perhaps `heading_deg`; GPX its track points.
+    ///
+    /// The error is one sentence, the path last.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let fail = |what: String| format!("{what}: {}", path.display());
+        let bytes =
+            contents(path).map_err(|error| fail(format!("cannot read the track: {error}")))?;
+        let text = std::str::from_utf8(&bytes)
+            .map_err(|_| fail("the track is neither CSV nor GPX".to_owned()))?;
+        let gpx = text
+            .trim_start_matches('\u{feff}')
+            .trim_start()
+            .starts_with('<');
+        let mut fixes = if gpx { from_gpx(text) } else { from_csv(text) }.map_err(fail)?;
+        if fixes.len() < 2 {
+            return Err(fail(
+                "the track has fewer than two places with a time".to_owned(),
+            ));
+        }
+        fixes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Self {
+            external: ExternalTrack {
+                path: path.to_owned(),
+                offset_s: 0.0,
+                span_s: [0.0; 2],
+            },
+            bytes: Bytes::Held(Arc::from(bytes)),
+            fixes,
+        })
+    }
+
+    /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than the file says. The file joins the
+    /// survey's sources. What the track does not cover has no place from then on, and a warning says so.
+    ///
+    /// The error is one sentence: nothing of the log is covered, or nobody knows when it was recorded.
+    pub fn lay_over(&self, survey: &mut Survey, offset_s: f64) -> Result<(), String> {
+        let path = self.external.path.display();
+        let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
+            (true, _) => 0.0,
+            (false, Some(start_unix_s)) => start_unix_s,
+            (false, None) => {
+                return Err(format!(
+                    "the log does not know the time, so the track cannot be laid over it; give its times in seconds of the log: {path}"
+                ));
+            }
+        };
+        let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
+            time_s: time_s - zero_s + offset_s,
+            position,
+            cog_rad: f32::NAN,
+            compass_rad,
+            speed_mps: f32::NAN,
+        };
+        let fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
+        let span_s = [fixes[0].time_s, fixes[fixes.len() - 1].time_s];
+        let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
+        let pings = survey.side_scan.iter().map(|ping| ping.time_s);
+        let times = pings.chain(survey.soundings.iter().map(|sounding| sounding.time_s));
+        let outside = times.clone().filter(|time_s| !inside(*time_s)).count();
+        let count = times.count();
+        if outside == count {
+            return Err(format!(
+                "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if a clock was wrong: {path}",
+                span_s[0], span_s[1]
+            ));
+        }
+        if outside > 0 {
+            survey.warnings.push(crate::survey::Warning {
+                place: None,
+                text: format!(
+                    "The external track does not cover {outside} of {count} pings and soundings, which are left without a place."
+                ),
+            });
+        }
+        survey.track = Track {
+            external: Some(ExternalTrack {
+                offset_s,
+                span_s,
+                ..self.external.clone()
+            }),
+            ..Track::new(fixes)
+        };
+        survey.source.byte_count += self.bytes.len() as u64;
+        survey.source.files.push(self.external.path.clone());
+        survey.bytes.push(self.bytes.clone());
+        Ok(())
+    }
+}
+
+/// Opens a log and lays a track over it, if there is one.
+pub fn open_with_track(
+    path: &Path,
+    track: Option<(&TrackFile, f64)>,
+    progress: &Progress,
+) -> Result<Survey, String> {
+    let mut survey = super::open(path, progress).map_err(|error| error.to_string())?;
+    if let Some((track, offset_s)) = track {
+        track.lay_over(&mut survey, offset_s)?;
+    }
+    Ok(survey)
+}
+
+fn contents(path: &Path) -> std::io::Result<Vec<u8>> {
+    let found = std::fs::metadata(path)?;
+    if !found.is_file() {
+        return Err(std::io::Error::other("it is not a file"));
+    }
+    if found.len() > LONGEST {
+        return Err(std::io::Error::other("it is longer than 2 GiB"));
+    }
+    std::fs::read(path)
+}
+
+type Fixes = Result<Vec<(f64, LonLat, f32)>, String>;
+
+fn from_csv(text: &str) -> Fixes {
+    let header = text.lines().find(|line| !line.starts_with('#'));
+    let semicolons = header.is_some_and(|line| line.contains(';'));
+    let mut table = csv::ReaderBuilder::new()
+        .delimiter(if semicolons { b';' } else { b',' })
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+    let not_a_table = |error: csv::Error| format!("the track is no table: {error}");
+    let header = table.headers().map_err(not_a_table)?.clone();
+    let find = |names: &[&str]| {
+        let position = |name: &&str| {
+            header
+                .iter()
+                .position(|field| field.eq_ignore_ascii_case(name))
+        };
+        names.iter().find_map(position)
+    };
+    let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
+        return Err("the track has no columns time, lon and lat".to_owned());
+    };
+    let heading = find(HEADING);
+    let mut fixes = Vec::new();
+    for row in table.records() {
+        let row = row.map_err(not_a_table)?;
+        let line = row.position().map_or(0, csv::Position::line);
+        let field = |column: usize| row.get(column).unwrap_or_default();
+        let number = |column: usize| field(column).parse::<f64>().ok();
+        let position = position(number(lon), number(lat));
+        let (Some(time_s), Some(position)) = (unix_from_text(field(time)), position) else {
+            return Err(format!(
+                "line {line} of the track has no time, longitude and latitude that can be read"
+            ));
+        };
+        let heading_deg = heading.and_then(number).unwrap_or(f64::NAN);
+        fixes.push((time_s, position, heading_deg.to_radians() as f32));
+    }
+    Ok(fixes)
+}
+
+/// Degrees that exist.
+fn position(lon_deg: Option<f64>, lat_deg: Option<f64>) -> Option<LonLat> {
+    let (lon_deg, lat_deg) = (lon_deg?, lat_deg?);
+    let exists = lon_deg.abs() <= 360.0 && lat_deg.abs() < 90.0;
+    exists.then_some(LonLat { lon_deg, lat_deg })
+}
+
+/// The points `<trkpt lat="" lon=""><time></time></trkpt>`; those without a time are left out.
+fn from_gpx(text: &str) -> Fixes {
+    let mut fixes = Vec::new();
+    for (index, point) in text.split("<trkpt").skip(1).enumerate() {
+        let fail = || format!("track point {} has no place that can be read", index + 1);
+        let (head, rest) = point.split_once('>').ok_or_else(fail)?;
+        let number = |name| attribute(head, name)?.parse().ok();
+        let position = position(number("lon"), number("lat")).ok_or_else(fail)?;
+        let body = rest.split("</trkpt>").next().unwrap_or_default();
+        let time = body
+            .split_once("<time>")
+            .and_then(|(_, rest)| rest.split_once("</time>"));
+        let time_s = time.and_then(|(time, _)| unix_from_text(time.trim()));
+        // A point without children is closed in its head: what follows is not its own.
+        let time_s = time_s.filter(|_| !head.ends_with('/'));
+        fixes.extend(time_s.map(|time_s| (time_s, position, f32::NAN)));
+    }
+    Ok(fixes)
+}
+
+/// The value of an attribute, in either kind of quotes.
+fn attribute<'a>(head: &'a str, name: &str) -> Option<&'a str> {
+    let mut rest = head;
+    loop {
+        let (before, after) = rest.split_once('=')?;
+        let after = after.trim_start();
+        let quote = after.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+        let (value, next) = after[1..].split_once(quote)?;
+        if before.trim().rsplit(char::is_whitespace).next() == Some(name) {
+            return Some(value);
+        }
+        rest = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Sounding;
+
+    fn survey() -> Survey {
+        let sounding = |time_s| Sounding {
+            time_s,
+            depth_m: 2.0,
+            locked: true,
+        };
+        Survey {
+            start_unix_s: Some(1_634_000_000.0),
+            soundings: (0..10).map(f64::from).map(sounding).collect(),
+            ..Survey::default()
+        }
+    }
+
+    fn read(name: &str, text: &str) -> Result<TrackFile, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        TrackFile::read(&path)
+    }
+
+    #[test]
+    fn csv_and_gpx_give_the_same_track() {
+        let csv = "Latitude,Time,Longitude,Heading_deg\n29.41,2021-10-12T00:53:20Z,-82.11,90\n29.4101,1634000010,-82.1101,\n";
+        let gpx = "<?xml version='1.0'?><gpx><trk><trkseg><trkpt lon='-82.11' lat = \"29.41\"><ele>3</ele><time>2021-10-12T00:53:20Z</time></trkpt>\
+                   <trkpt lat=\"1\" lon=\"1\"/><trkpt lat=\"29.4101\" lon=\"-82.1101\"><time>2021-10-12T00:53:30Z</time></trkpt></trkseg></trk></gpx>";
+        let [csv, gpx] = [read("a.csv", csv), read("a.gpx", gpx)].map(Result::unwrap);
+        let places = |track: &TrackFile| -> Vec<(f64, LonLat)> {
+            track
+                .fixes
+                .iter()
+                .map(|(time_s, place, _)| (*time_s, *place))
+                .collect()
+        };
+        assert_eq!(places(&csv), places(&gpx));
+        assert_eq!(places(&csv).len(), 2);
+        assert!((csv.fixes[0].2 - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+        let mut survey = survey();
+        csv.lay_over(&mut survey, -2.0).unwrap();
+        assert_eq!(survey.track.fixes[1].time_s, 8.0);
+        assert_eq!(survey.source.files.len(), survey.bytes.len());
+        // The last sounding comes a second after the last fix.
+        assert!(
+            survey.warnings[0].text.contains("1 of 10"),
+            "{:?}",
+            survey.warnings
+        );
+    }
+
+    #[test]
+    fn times_of_the_log_need_no_clock_and_others_are_refused() {
+        let mut unknown = Survey {
+            start_unix_s: None,
+            ..survey()
+        };
+        let own = read("a.csv", "time_s,lon,lat\n0,1,2\n9,1,2.1\n").unwrap();
+        own.lay_over(&mut unknown, 0.0).unwrap();
+        assert!(unknown.warnings.is_empty());
+        let dated = read("a.csv", "time,lon,lat\n1634000000,1,2\n1634000009,1,2.1\n").unwrap();
+        unknown.start_unix_s = None;
+        assert!(
+            dated
+                .lay_over(&mut unknown, 0.0)
+                .unwrap_err()
+                .contains("does not know the time")
+        );
+        let error = dated.lay_over(&mut survey(), 3600.0).unwrap_err();
+        assert!(error.contains("track.offset_s"), "{error}");
+        for (text, words) in [
+            ("time,x,y\n1,2,3\n", "time, lon and lat"),
+            ("time,lon,lat\n1,2,3\n2,2,95\n", "line 3"),
+            ("time,lon,lat\n1,2,3\n", "fewer than two"),
+            ("<gpx><trkpt lat='1'></trkpt></gpx>", "point 1"),
+        ] {
+            let error = read("a.csv", text).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+}
