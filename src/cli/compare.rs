@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 /// `bathyscope compare MEASURED REFERENCE [--json]`.
 #[derive(Debug, clap::Args)]
 pub struct CompareArgs {
-    /// The measured points: xyz, csv, txt, ply, las or laz; FILE.csv:x,y,z names its columns, a `-` before the third says
-    /// that it is a depth, positive down
+    /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
+    /// its columns, a `-` before the third says that it is a depth, positive down
     measured: OsString,
     /// The reference, named likewise; it may be other columns of the same file
     reference: OsString,
@@ -133,36 +133,45 @@ fn read(argument: &OsString) -> Result<Elevations, String> {
     if file.blank > 0 {
         let count = file.blank;
         output::tell(format_args!(
-            "warning: {count} lines without a coordinate are left out: {shown}"
+            "warning: {count} lines or features without a coordinate are left out: {shown}"
         ));
     }
     Ok(file)
 }
 
-/// Degrees of both files become metres about the first reference point.
+/// Both files in one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres of
+/// different zones, become metres about the first reference point.
 fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), String> {
     match (measured.plane, reference.plane) {
-        (Plane::Metres, Plane::Metres) => return Ok(()),
-        (Plane::Degrees, Plane::Degrees) => (),
-        _ => {
+        (Plane::Metres, Plane::Metres | Plane::Utm(_)) | (Plane::Utm(_), Plane::Metres) => {
+            return Ok(());
+        }
+        (Plane::Utm(one), Plane::Utm(other)) if one == other => return Ok(()),
+        (Plane::Degrees, Plane::Metres) | (Plane::Metres, Plane::Degrees) => {
             return Err(format!(
                 "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
                 measured.path.display(),
                 reference.path.display()
             ));
         }
+        _ => (),
     }
-    let position = |&[lon_deg, lat_deg, _]: &[f64; 3]| LonLat { lon_deg, lat_deg };
-    let Some(frame) = reference
-        .points
-        .first()
-        .map(|point| LocalFrame::new(position(point)))
-    else {
+    let position = |plane: Plane, &[x, y, _]: &[f64; 3]| match plane {
+        Plane::Utm(zone) => zone.to_lon_lat([x, y]),
+        Plane::Metres | Plane::Degrees => LonLat {
+            lon_deg: x,
+            lat_deg: y,
+        },
+    };
+    let first = reference.points.first();
+    let Some(frame) = first.map(|point| LocalFrame::new(position(reference.plane, point))) else {
         return Ok(());
     };
-    for point in measured.points.iter_mut().chain(&mut reference.points) {
-        let [east_m, north_m] = frame.to_enu(position(point));
-        *point = [east_m, north_m, point[2]];
+    for file in [measured, reference] {
+        for point in &mut file.points {
+            let [east_m, north_m] = frame.to_enu(position(file.plane, point));
+            *point = [east_m, north_m, point[2]];
+        }
     }
     Ok(())
 }

@@ -36,6 +36,16 @@ impl UtmZone {
         (if self.north { 32_600 } else { 32_700 }) + u32::from(self.number)
     }
 
+    /// The zone of an EPSG number; `None` for any other system.
+    pub fn from_epsg(epsg: u32) -> Option<Self> {
+        let number = u8::try_from(epsg % 100).ok()?;
+        let exists = (1..=60).contains(&number) && [326, 327].contains(&(epsg / 100));
+        exists.then_some(Self {
+            number,
+            north: epsg / 100 == 326,
+        })
+    }
+
     /// Its name: `UTM 12N`.
     pub fn name(self) -> String {
         format!("UTM {}{}", self.number, if self.north { 'N' } else { 'S' })

@@ -1,9 +1,10 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{KNOWN_NAMES, Wanted};
-use super::{PointFileError, read_wanted, split_columns};
+use super::{PointFileError, check_regular, geojson_file, raster_file, read_wanted, split_columns};
+use crate::geo::UtmZone;
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Geographic columns come first: the metres of two surveys may count from different origins.
 const GEOGRAPHIC_NAMES: [[&str; 3]; 4] = [
@@ -20,6 +21,8 @@ pub enum Plane {
     Metres,
     /// Degrees of longitude and latitude.
     Degrees,
+    /// Metres of a zone that the file names.
+    Utm(UtmZone),
 }
 
 /// Points with elevations.
@@ -31,7 +34,7 @@ pub struct Elevations {
     pub points: Vec<[f64; 3]>,
     /// What x and y are.
     pub plane: Plane,
-    /// Lines left out because a coordinate is blank.
+    /// Lines or features left out because a coordinate is missing.
     pub blank: usize,
     /// What had to be guessed about the file, in one sentence.
     pub note: Option<String>,
@@ -39,6 +42,9 @@ pub struct Elevations {
 
 /// Reads `FILE` or `FILE.csv:x,y,z`; `-z` is a column that counts downwards, a depth. Without names, columns of longitude,
 /// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees.
+///
+/// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
+/// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which UTM zone they are in.
 pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let (path, mut names) = split_columns(argument);
     let downwards = names
@@ -50,6 +56,15 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
             }
             None => false,
         });
+    let fail = |what: String| PointFileError {
+        what,
+        path: path.clone(),
+    };
+    match suffix(&path).as_str() {
+        "tif" | "tiff" => return of_raster(&path, names.as_ref(), downwards).map_err(fail),
+        "geojson" | "json" => return of_geojson(&path, names.as_ref(), downwards).map_err(fail),
+        _ => (),
+    }
     let known = [GEOGRAPHIC_NAMES.as_slice(), KNOWN_NAMES.as_slice()].concat();
     let wanted = Wanted {
         named: names.as_ref(),
@@ -62,22 +77,66 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
             .iter()
             .any(|name| x.eq_ignore_ascii_case(name))
     });
-    let mut points = file.points;
-    if downwards {
-        for point in &mut points {
-            point[2] = -point[2];
-        }
-    }
     Ok(Elevations {
         path,
-        points,
-        plane: if degrees {
-            Plane::Degrees
-        } else {
-            Plane::Metres
+        points: turned(file.points, downwards),
+        plane: match file.epsg.and_then(UtmZone::from_epsg) {
+            Some(zone) => Plane::Utm(zone),
+            None if degrees => Plane::Degrees,
+            None => Plane::Metres,
         },
         blank: file.blank,
         note: file.note,
+    })
+}
+
+fn suffix(path: &Path) -> String {
+    let suffix = path.extension().unwrap_or_default();
+    suffix.to_string_lossy().to_lowercase()
+}
+
+fn turned(mut points: Vec<[f64; 3]>, downwards: bool) -> Vec<[f64; 3]> {
+    for point in points.iter_mut().filter(|_| downwards) {
+        point[2] = -point[2];
+    }
+    points
+}
+
+fn of_raster(
+    path: &Path,
+    names: Option<&[String; 3]>,
+    downwards: bool,
+) -> Result<Elevations, String> {
+    check_regular(path).map_err(|error| format!("cannot read the raster: {error}"))?;
+    if names.is_some_and(|names| names != &["x", "y", "z"]) {
+        return Err("the coordinates of a GeoTIFF are always x, y and z".to_owned());
+    }
+    let raster = raster_file::read(path)?;
+    let depths = raster.downwards && names.is_none();
+    let note =
+        depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());
+    Ok(Elevations {
+        path: path.to_owned(),
+        points: turned(raster.points, downwards || depths),
+        plane: raster.plane,
+        blank: 0,
+        note,
+    })
+}
+
+fn of_geojson(
+    path: &Path,
+    names: Option<&[String; 3]>,
+    downwards: bool,
+) -> Result<Elevations, String> {
+    check_regular(path).map_err(|error| format!("cannot read the points: {error}"))?;
+    let found = geojson_file::read(path, names.map(|[_, _, height]| height.as_str()))?;
+    Ok(Elevations {
+        path: path.to_owned(),
+        points: turned(found.points, downwards),
+        plane: Plane::Degrees,
+        blank: found.left_out,
+        note: None,
     })
 }
 

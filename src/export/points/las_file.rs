@@ -49,6 +49,15 @@ fn read_checked(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
 }
 
 impl LasFile {
+    /// The EPSG number of the file's system: the last that its WKT names, which is that of the whole.
+    pub(super) fn epsg(&self) -> Option<u32> {
+        let text = String::from_utf8_lossy(self.header.get_wkt_crs_bytes()?).into_owned();
+        let (_, behind) = text.rsplit_once("\"EPSG\"")?;
+        let digits = behind.trim_start_matches([',', '"', ' ']);
+        let end = digits.find(|c: char| !c.is_ascii_digit())?;
+        digits[..end].parse().ok()
+    }
+
     /// Writes the kept points with all their attributes and the header's records.
     pub(super) fn write_kept(&self, file: File, kept: &[bool], compressed: bool) -> io::Result<()> {
         let mut flags = kept.iter();

@@ -1,12 +1,15 @@
-//! Point files of other programs, for `bathyscope filter` and `compare`: text, PLY, LAS and LAZ.
+//! Point files of other programs, for `bathyscope filter` and `compare`: text, PLY, LAS and LAZ; for `compare` also GeoTIFF and
+//! GeoJSON.
 //!
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
 mod elevations;
+mod geojson_file;
 mod las_claims;
 mod las_file;
 mod ply_file;
+mod raster_file;
 mod text_file;
 
 pub use elevations::{Elevations, Plane, read_elevations};
@@ -41,6 +44,8 @@ pub struct PointFile {
     pub names: Option<[String; 3]>,
     /// Lines left out because a coordinate is blank; none unless that was asked for.
     pub blank: usize,
+    /// EPSG number of the system that the file names, where it does.
+    pub epsg: Option<u32>,
     rows: Rows,
 }
 
@@ -134,6 +139,7 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
         note: None,
         names: None,
         blank: 0,
+        epsg: None,
         rows,
     };
     Ok(match kind {
@@ -152,7 +158,10 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
         }
         Kind::Las => {
             let (file, points) = las_file::read(path)?;
-            bare(Rows::Las(Box::new(file)), points)
+            PointFile {
+                epsg: file.epsg(),
+                ..bare(Rows::Las(Box::new(file)), points)
+            }
         }
     })
 }

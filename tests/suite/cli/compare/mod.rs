@@ -140,3 +140,119 @@ fn degrees_become_metres_and_do_not_mix_with_them() {
     let mixed = refusal(folder, &["compare", "a.csv", "metres.csv"], 1);
     assert!(mixed.contains("degrees"), "{mixed}");
 }
+
+/// The plane of `rasters.py` at the middle of its cells, as x,y,z.
+fn plane_csv(header: &str, [west, north]: [f64; 2], cell: f64) -> String {
+    let mut text = format!("{header}\n");
+    for (row, column) in
+        (0..9).flat_map(|row| (0..12).map(move |column| (f64::from(row), f64::from(column))))
+    {
+        let (x, y) = (west + cell * (column + 0.5), north - cell * (row + 0.5));
+        text += &format!("{x:.9},{y:.9},{}\n", -(2.0 + 0.01 * column + 0.003 * row));
+    }
+    text
+}
+
+#[test]
+fn cells_of_gdals_rasters_and_points_of_geojson_are_elevations() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    fs::write(
+        folder.join("utm.csv"),
+        plane_csv("x,y,z", [392_000.0, 3_254_000.0], 0.5),
+    )
+    .unwrap();
+    fs::write(
+        folder.join("degrees.csv"),
+        plane_csv("lon,lat,z", [-82.11, 29.41], 1e-5),
+    )
+    .unwrap();
+    for (name, bytes, reference) in [
+        ("strips.tif", &include_bytes!("strips.tif")[..], "utm.csv"),
+        ("tiles.tif", include_bytes!("tiles.tif"), "utm.csv"),
+        ("degrees.tif", include_bytes!("degrees.tif"), "degrees.csv"),
+    ] {
+        fs::write(folder.join(name), bytes).unwrap();
+        let args = ["compare", name, reference, "--radius", "0.01", "--json"];
+        let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
+        // One cell has no value.
+        assert_eq!(found["n"], 107, "{name}");
+        assert!(found["rms_m"].as_f64().unwrap() < 1e-6, "{name}: {found}");
+        let turned = format!("{name}:x,y,-z");
+        let args = ["compare", &turned, reference, "--radius", "0.01", "--json"];
+        let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
+        assert!(found["mean_m"].as_f64().unwrap() > 4.0);
+    }
+    // A raster of a zone and points in degrees meet: both are some metres from each other.
+    let mixed = [
+        "compare",
+        "strips.tif",
+        "degrees.tif",
+        "--radius",
+        "100000",
+        "--json",
+    ];
+    let found: Value = serde_json::from_str(&run(folder, &mixed)).unwrap();
+    assert_eq!(found["n"], 107);
+
+    let feature = |coordinates: &str, properties: &str| {
+        format!(
+            "{{\"type\":\"Feature\",\"geometry\":{{\"type\":\"Point\",\"coordinates\":[{coordinates}]}},\"properties\":{{{properties}}}}}"
+        )
+    };
+    let features = [
+        feature("-82.109995,29.409995,-2.1", ""),
+        feature("-82.109985,29.409995", "\"depth_m\":2.21"),
+        feature("-82.109985,29.409995", ""),
+    ];
+    let text = format!(
+        "{{\"type\":\"FeatureCollection\",\"features\":[{}]}}",
+        features.join(",")
+    );
+    fs::write(folder.join("points.geojson"), text).unwrap();
+    let args = [
+        "compare",
+        "points.geojson",
+        "degrees.csv",
+        "--radius",
+        "0.01",
+        "--json",
+    ];
+    let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
+    assert_eq!(found["n"], 2);
+    // 10 cm and 20 cm deeper than -2.00 and -2.01.
+    assert!(
+        (found["mean_m"].as_f64().unwrap() + 0.15).abs() < 1e-9,
+        "{found}"
+    );
+    fs::write(
+        folder.join("broken.tif"),
+        &include_bytes!("strips.tif")[..200],
+    )
+    .unwrap();
+    let refused = refusal(folder, &["compare", "broken.tif", "utm.csv"], 1);
+    assert!(refused.contains("GeoTIFF"), "{refused}");
+}
+
+#[test]
+fn the_map_of_a_survey_is_held_against_its_own_cloud() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    super::simulated(folder);
+    let process = [
+        "process",
+        "pond.sl2",
+        "--no-objects",
+        "--products",
+        "depth",
+        "-o",
+        "out",
+    ];
+    run(folder, &process);
+    // Degrees against the UTM zone that the raster names; a depth against elevations.
+    let args = ["compare", "out/depth.tif", "out/cloud.csv", "--json"];
+    let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
+    assert!(found["n"].as_u64().unwrap() > 50, "{found}");
+    assert!(found["median_m"].as_f64().unwrap().abs() < 0.02, "{found}");
+    assert!(found["p95_m"].as_f64().unwrap() < 0.5, "{found}");
+}

@@ -1,0 +1,68 @@
+//! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate or a property.
+
+use serde_json::Value;
+use std::path::Path;
+
+/// Properties that are taken for a height when the user names none and a point has no third coordinate; true for depths.
+const KNOWN: [(&str, bool); 6] = [
+    ("z_m", false),
+    ("z", false),
+    ("elevation", false),
+    ("elevation_m", false),
+    ("depth_m", true),
+    ("depth", true),
+];
+
+/// Longer than any table of soundings that is written as GeoJSON.
+const LONGEST: u64 = 1 << 30;
+
+/// What a file holds.
+pub(super) struct GeoJsonPoints {
+    /// Longitude and latitude, degrees, and elevation, up.
+    pub points: Vec<[f64; 3]>,
+    /// Features that are no point, or have no height.
+    pub left_out: usize,
+}
+
+/// Reads the points; `height` names the property that the height is taken from. Where it is none, depths are turned. The error is
+/// a sentence without the path.
+pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, String> {
+    let cannot = |error: std::io::Error| format!("cannot read the points: {error}");
+    if std::fs::metadata(path).map_err(cannot)?.len() > LONGEST {
+        return Err("the GeoJSON is longer than 1 GiB; write the points as CSV".to_owned());
+    }
+    let text = std::fs::read(path).map_err(cannot)?;
+    let root: Value = serde_json::from_slice(&text)
+        .map_err(|error| format!("the points are no GeoJSON: {error}"))?;
+    let features = root["features"]
+        .as_array()
+        .ok_or("the GeoJSON is no FeatureCollection")?;
+    let points: Vec<[f64; 3]> = features
+        .iter()
+        .filter_map(|feature| point(feature, height))
+        .collect();
+    Ok(GeoJsonPoints {
+        left_out: features.len() - points.len(),
+        points,
+    })
+}
+
+fn point(feature: &Value, height: Option<&str>) -> Option<[f64; 3]> {
+    let geometry = &feature["geometry"];
+    let at = geometry["coordinates"]
+        .as_array()
+        .filter(|_| geometry["type"] == "Point")?;
+    let coordinate = |axis: usize| at.get(axis)?.as_f64();
+    let property = |name: &str| feature["properties"][name].as_f64();
+    let known = || {
+        KNOWN.iter().find_map(|(name, downwards)| {
+            let value = property(name)?;
+            Some(if *downwards { -value } else { value })
+        })
+    };
+    let z = match height {
+        Some(name) => property(name),
+        None => coordinate(2).or_else(known),
+    };
+    Some([coordinate(0)?, coordinate(1)?, z?])
+}

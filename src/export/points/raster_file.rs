@@ -1,0 +1,173 @@
+//! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
+
+use super::elevations::Plane;
+use crate::contained::contained;
+use crate::geo::UtmZone;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+/// What a raster holds.
+pub(super) struct RasterPoints {
+    /// x and y of the middle of each cell that has a value, and the value as stored.
+    pub points: Vec<[f64; 3]>,
+    pub plane: Plane,
+    /// Whether the raster says of itself that it counts depths downwards, as those of `bathyscope process` do.
+    pub downwards: bool,
+}
+
+/// More cells than this are refused: as points they would fill the memory.
+const MOST_CELLS: u64 = 50_000_000;
+/// Geo keys: kind of system, whether a value stands for a cell or its corner, and the systems' EPSG numbers.
+const MODEL_TYPE: u16 = 1024;
+const RASTER_TYPE: u16 = 1025;
+const GEOGRAPHIC: u16 = 2048;
+const PROJECTED: u16 = 3072;
+const IS_GEOGRAPHIC: u16 = 2;
+const IS_POINT: u16 = 2;
+
+/// Reads the first image of a file. The error is a sentence without the path.
+pub(super) fn read(path: &Path) -> Result<RasterPoints, String> {
+    contained(|| read_open(path))
+        .unwrap_or_else(|| Err("the GeoTIFF cannot be read: it is damaged".to_owned()))
+}
+
+fn unusable(error: impl std::fmt::Display) -> String {
+    format!("the GeoTIFF cannot be read: {error}")
+}
+
+fn read_open(path: &Path) -> Result<RasterPoints, String> {
+    let file = File::open(path).map_err(unusable)?;
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = 8 * MOST_CELLS as usize;
+    let decoder = Decoder::new(BufReader::new(file)).map_err(unusable)?;
+    let mut decoder = decoder.with_limits(limits);
+    let (columns, rows) = decoder.dimensions().map_err(unusable)?;
+    if u64::from(columns) * u64::from(rows) > MOST_CELLS {
+        return Err(format!(
+            "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
+        ));
+    }
+    let colours = decoder.colortype().map_err(unusable)?;
+    if !matches!(colours, tiff::ColorType::Gray(_)) {
+        return Err("the GeoTIFF is a picture, not one band of heights or depths".to_owned());
+    }
+    let keys = GeoKeys::of(&mut decoder);
+    let place = Place::of(&mut decoder, keys.value(RASTER_TYPE) == Some(IS_POINT))?;
+    let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
+    let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+    let description = decoder.get_tag_ascii_string(Tag::ImageDescription);
+    let values = numbers(decoder.read_image().map_err(unusable)?)?;
+    let known = |value: f64| value.is_finite() && nodata != Some(value);
+    let cells = values.into_iter().enumerate();
+    let points = cells
+        .filter(|(_, value)| known(*value))
+        .map(|(cell, value)| {
+            let (row, column) = (cell / columns as usize, cell % columns as usize);
+            let [x, y] = place.of_cell(column as f64, row as f64);
+            [x, y, value]
+        });
+    Ok(RasterPoints {
+        points: points.collect(),
+        plane: keys.plane(),
+        downwards: description.is_ok_and(|text| text.starts_with("Depth in metres, positive down")),
+    })
+}
+
+fn numbers(image: DecodingResult) -> Result<Vec<f64>, String> {
+    fn wide<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
+        values.into_iter().map(Into::into).collect()
+    }
+    Ok(match image {
+        DecodingResult::F32(values) => wide(values),
+        DecodingResult::F64(values) => values,
+        DecodingResult::I16(values) => wide(values),
+        DecodingResult::I32(values) => wide(values),
+        DecodingResult::U16(values) => wide(values),
+        DecodingResult::U32(values) => wide(values),
+        _ => {
+            return Err(
+                "the GeoTIFF holds no heights: its numbers have one or more than four bytes"
+                    .to_owned(),
+            );
+        }
+    })
+}
+
+/// Where cells lie: `ModelPixelScale` with `ModelTiepoint`, or `ModelTransformation`.
+struct Place {
+    origin: [f64; 2],
+    per_column: [f64; 2],
+    per_row: [f64; 2],
+}
+
+type Tiff = Decoder<BufReader<File>>;
+
+impl Place {
+    /// `is_point`: the numbers place the middle of a cell, not its corner.
+    fn of(decoder: &mut Tiff, is_point: bool) -> Result<Self, String> {
+        let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
+        let (scale, tie) = (
+            numbers(Tag::ModelPixelScaleTag),
+            numbers(Tag::ModelTiepointTag),
+        );
+        let matrix = numbers(Tag::ModelTransformationTag);
+        let mut made = match (scale.as_slice(), tie.as_slice(), matrix.as_slice()) {
+            ([dx, dy, ..], [column, row, _, x, y, ..], _) => Self {
+                origin: [x - column * dx, y + row * dy],
+                per_column: [*dx, 0.0],
+                per_row: [0.0, -dy],
+            },
+            (_, _, [a, b, _, x, c, d, _, y, ..]) => Self {
+                origin: [*x, *y],
+                per_column: [*a, *c],
+                per_row: [*b, *d],
+            },
+            _ => return Err("the TIFF does not say where it lies; write a GeoTIFF".to_owned()),
+        };
+        if !is_point {
+            made.origin = made.of_cell(0.5, 0.5);
+        }
+        Ok(made)
+    }
+
+    fn of_cell(&self, column: f64, row: f64) -> [f64; 2] {
+        [0, 1].map(|axis| {
+            self.origin[axis] + column * self.per_column[axis] + row * self.per_row[axis]
+        })
+    }
+}
+
+/// The keys of the system that have short values.
+struct GeoKeys(Vec<u16>);
+
+impl GeoKeys {
+    fn of(decoder: &mut Tiff) -> Self {
+        let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
+        Self(keys.unwrap_or_default())
+    }
+
+    /// Entries are a key, where its value lies (0: here), how many, and the value.
+    fn value(&self, key: u16) -> Option<u16> {
+        let entries = self.0.chunks_exact(4).skip(1);
+        let found = entries
+            .into_iter()
+            .find(|entry| entry[0] == key && entry[1] == 0);
+        found.map(|entry| entry[3])
+    }
+
+    fn plane(&self) -> Plane {
+        let is_geographic = self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
+            || self.value(PROJECTED).is_none() && self.value(GEOGRAPHIC).is_some();
+        let zone = self
+            .value(PROJECTED)
+            .and_then(|epsg| UtmZone::from_epsg(u32::from(epsg)));
+        match zone {
+            Some(zone) => Plane::Utm(zone),
+            None if is_geographic => Plane::Degrees,
+            None => Plane::Metres,
+        }
+    }
+}
