@@ -7,7 +7,7 @@ use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
 use crate::formats::{self, TrackFile};
 use crate::handover::{self, Objects};
-use crate::pipeline::{self, Preset, Product, Settings};
+use crate::pipeline::{self, Merged, Preset, Product, Products, Report, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;
@@ -22,6 +22,9 @@ pub struct ProcessArgs {
     /// Folder for the products; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
+    /// Also make one depth map of all logs together, in the folder itself, with merged.json about how they agree
+    #[arg(long)]
+    merge: bool,
     /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
     /// `track.offset_s` is added to its times
     #[arg(long, value_name = "FILE")]
@@ -82,54 +85,62 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
     let track = args.track.as_deref().map(TrackFile::read).transpose()?;
-    let track = track.as_ref();
     let wanted = match args.products.as_slice() {
         [] => &Product::ALL,
         named => named,
     };
-    let [survey] = args.surveys.as_slice() else {
-        return each(
-            &args.surveys,
-            track,
-            &settings,
-            model.as_ref(),
-            wanted,
-            &args.output,
-        );
-    };
-    process_into(
-        &open(survey, track, &settings)?,
-        &settings,
-        model.as_ref(),
+    let how = How {
+        track: track.as_ref(),
+        settings: &settings,
+        model: model.as_ref(),
         wanted,
-        &args.output,
-    )
+    };
+    match (args.surveys.as_slice(), args.merge) {
+        ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
+        ([survey], false) => how.process(survey, |_| args.output.clone()).map(|_| ()),
+        (surveys, merge) => each(surveys, &how, merge, &args.output),
+    }
 }
 
-fn each(
-    surveys: &[PathBuf],
-    track: Option<&TrackFile>,
-    settings: &Settings,
-    model: Option<&Model>,
-    wanted: &[Product],
-    output: &Path,
-) -> Result<(), String> {
+/// What is done to every log.
+struct How<'a> {
+    track: Option<&'a TrackFile>,
+    settings: &'a Settings,
+    model: Option<&'a Model>,
+    wanted: &'a [Product],
+}
+
+impl How<'_> {
+    /// Opens and processes a log into the folder for it.
+    fn process(
+        &self,
+        path: &Path,
+        folder: impl FnOnce(&Survey) -> PathBuf,
+    ) -> Result<(Survey, Products, Report), String> {
+        let survey = open(path, self.track, self.settings)?;
+        let folder = folder(&survey);
+        let (products, report) =
+            process_into(&survey, self.settings, self.model, self.wanted, &folder)?;
+        Ok((survey, products, report))
+    }
+}
+
+fn each(surveys: &[PathBuf], how: &How<'_>, merge: bool, output: &Path) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
+    let mut merged = Merged::default();
     let mut failed = 0;
     for path in surveys {
-        let outcome = open(path, track, settings).and_then(|survey| {
-            process_into(
-                &survey,
-                settings,
-                model,
-                wanted,
-                &folders.next(&survey.name()),
-            )
-        });
-        if let Err(sentence) = outcome {
-            failed += 1;
-            output::tell(format_args!("bathyscope: {sentence}"));
+        match how.process(path, |survey| folders.next(&survey.name())) {
+            Ok((survey, products, report)) if merge => merged.add(&survey, &products, &report),
+            Ok(_) => {}
+            Err(sentence) => {
+                failed += 1;
+                output::tell(format_args!("bathyscope: {sentence}"));
+            }
         }
+    }
+    if merge {
+        write_merged(&merged, how.wanted, output)?;
     }
     if failed == 0 {
         return Ok(());
@@ -137,6 +148,30 @@ fn each(
     Err(format!(
         "{failed} of {} logs could not be processed, for the reasons above",
         surveys.len()
+    ))
+}
+
+/// Writes the map of all logs together.
+fn write_merged(merged: &Merged, wanted: &[Product], folder: &Path) -> Result<(), String> {
+    if merged.len() < 2 {
+        output::tell(
+            "warning: fewer than two logs could be processed, so there is nothing to merge",
+        );
+        return Ok(());
+    }
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("merging");
+    let (files, warnings) = merged.write(wanted, folder, &progress)?;
+    drop(status);
+    for warning in warnings {
+        output::tell(format_args!("warning: {warning}"));
+    }
+    output::results(format_args!(
+        "merged {} logs: wrote {} into {}",
+        merged.len(),
+        files.join(", "),
+        folder.display()
     ))
 }
 
@@ -169,14 +204,14 @@ pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String>
 }
 
 /// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
-/// what came out.
+/// what came out, which it gives back.
 pub fn process_into(
     survey: &Survey,
     settings: &Settings,
     model: Option<&Model>,
     wanted: &[Product],
     folder: &Path,
-) -> Result<(), String> {
+) -> Result<(Products, Report), String> {
     check_against(survey, settings)?;
     // Before the work: a folder that cannot be made should not cost minutes first.
     fs::create_dir_all(folder)
@@ -235,5 +270,6 @@ pub fn process_into(
         "wrote {} into {}, each with its record (.json)",
         written.files.join(", "),
         folder.display()
-    ))
+    ))?;
+    Ok((products, written.report))
 }

@@ -5,7 +5,8 @@
 //! boat's way, `record` what lies beside
 //! each of them and `report` the whole. `detections`
 //! searches for objects and writes them, `boxes` writes what was decided about boxes, `lessons` as pictures for training,
-//! `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it.
+//! `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `merged` that
+//! of several logs.
 
 mod boxes;
 mod clouds;
@@ -13,6 +14,7 @@ mod depth;
 mod detections;
 mod engine;
 mod lessons;
+mod merged;
 mod mosaic;
 mod outputs;
 mod product;
@@ -23,9 +25,12 @@ mod settings;
 mod track;
 
 pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
-pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
+pub use depth::{
+    DepthChart, DepthWritten, NamedComparison, ResidualTables, residual_tables, write_depth,
+};
 pub use detections::{Proposed, proposed_rows, record_detections, write_detections};
 pub use engine::{Engine, EngineStatus};
+pub use merged::Merged;
 pub use mosaic::{MosaicWritten, write_mosaic};
 pub use outputs::{Written, write_products, write_report};
 pub use product::Product;

@@ -208,3 +208,215 @@ fn water_and_transducer_correct_soundings_and_side_scan_alike() {
         "{refused}"
     );
 }
+
+#[test]
+fn another_receivers_track_takes_the_place_of_the_recorders() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    // The true way of the boat, a second late and written as an autopilot does.
+    let truth = fs::read_to_string(folder.join("pond.truth.csv")).unwrap();
+    let start_s = 1_634_000_000.0;
+    let places: Vec<(f64, f64, f64)> = truth
+        .lines()
+        .skip(1)
+        .map(|row| {
+            let value = |column| row.split(',').nth(column).unwrap().parse().unwrap();
+            (value(1), value(2), value(3))
+        })
+        .collect();
+    let mut track = "timestamp,lat,lon\n".to_owned();
+    for (time_s, lon, lat) in &places {
+        track += &format!("{:.3},{lat:.9},{lon:.9}\n", start_s + time_s - 1.0);
+    }
+    fs::write(folder.join("rtk.csv"), track).unwrap();
+    let process = [
+        "process",
+        "pond.sl2",
+        "--no-objects",
+        "--products",
+        "depth",
+        "-o",
+    ];
+    let with = ["--track", "rtk.csv", "--set", "track.offset_s=1"];
+    run(folder, &[&process[..], &["own"]].concat());
+    run(folder, &[&process[..], &["rtk"], &with].concat());
+    // How far each ping is from where the boat was, metres.
+    let off_m = |name: &str| {
+        let text = fs::read_to_string(folder.join(name).join("first_returns.csv")).unwrap();
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .skip(1)
+            .map(|row| {
+                row.split(',')
+                    .take(4)
+                    .map(|value| value.parse().unwrap_or(f64::NAN))
+                    .collect()
+            })
+            .collect();
+        let mut off: Vec<f64> = rows
+            .iter()
+            .zip(&places)
+            .map(|(row, (_, lon, lat))| {
+                let east_m = (row[2] - lon) * 111_320.0 * lat.to_radians().cos();
+                east_m.hypot((row[3] - lat) * 110_900.0)
+            })
+            .collect();
+        // The first and the last ping may lie a millisecond beyond the track.
+        off.retain(|off_m| off_m.is_finite());
+        assert!(off.len() + 2 >= places.len());
+        off.sort_by(f64::total_cmp);
+        off[off.len() * 9 / 10]
+    };
+    let [own, rtk] = ["own", "rtk"].map(off_m);
+    // What is left is the smoothing of the track in its turn.
+    assert!(rtk < 0.12 && own > 2.0 * rtk, "{own} {rtk}");
+    let report = json(&folder.join("rtk/report.json"));
+    assert!(
+        report["statement"]
+            .to_string()
+            .contains("rtk.csv, 1 s later")
+    );
+    assert_eq!(report["inputs"].as_array().unwrap().len(), 2);
+    let late = ["late", "--track", "rtk.csv", "--set", "track.offset_s=9000"];
+    assert!(refusal(folder, &[&process[..], &late].concat(), 1).contains("covers no ping"));
+}
+
+#[test]
+fn residuals_show_the_choices_the_crossings_and_what_they_hang_on() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    fs::write(
+        folder.join("scene.toml"),
+        "[track]\nlength_m = 25.0\ncross_length_m = 25.0\n",
+    )
+    .unwrap();
+    run(
+        folder,
+        &["simulate", "scene.toml", "-o", "pond", "--seed", "4"],
+    );
+    run(
+        folder,
+        &[
+            "process",
+            "pond.sl2",
+            "--no-objects",
+            "--products",
+            "residuals",
+            "-o",
+            "out",
+        ],
+    );
+    let record = json(&folder.join("out/residuals.json"));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    // Every geometry with every calibration, and the one in force gives the figures of the comparison itself.
+    let choices = record["choices"].as_array().unwrap();
+    assert_eq!(choices.len(), 16);
+    let in_force: Vec<&Value> = choices
+        .iter()
+        .filter(|one| one["in_force"] == true)
+        .collect();
+    assert_eq!(in_force.len(), 1);
+    assert_eq!(in_force[0]["geometry"], "slope");
+    let of_all = &record["comparisons"][0];
+    for (key, tolerance) in [
+        ("n", 3.5),
+        ("mean_m", 2e-3),
+        ("sd_m", 2e-3),
+        ("p95_m", 2e-3),
+    ] {
+        let off = number(&in_force[0][key]) - number(&of_all[key]);
+        assert!(off.abs() < tolerance, "{key}: {off}");
+    }
+    // The published geometry is too shallow by 1 - cos 16 degrees of its own depth.
+    let median = |geometry: &str| {
+        let is =
+            |one: &&Value| one["geometry"] == geometry && one["calibration"] == "flat_spot, factor";
+        number(&choices.iter().find(is).unwrap()["median_m"])
+    };
+    let shallow_m = median("published") - median("nadir");
+    assert!((0.06..0.14).contains(&shallow_m), "{shallow_m}");
+    // Each table and the histogram hold every difference once.
+    let n = number(&of_all["n"]);
+    let tables = &record["side_scan"];
+    for table in ["by_depth_m", "by_across_m", "by_heading_deg"] {
+        let bins = tables[table].as_array().unwrap();
+        let sum: f64 = bins.iter().map(|bin| number(&bin["n"])).sum();
+        assert!(
+            bins.len() > 1 && (sum - n).abs() < 0.5,
+            "{table}: {sum} of {n}"
+        );
+    }
+    let histogram = &tables["histogram"];
+    let counts: f64 = histogram["counts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(number)
+        .sum();
+    assert!((counts + number(&histogram["below"]) + number(&histogram["above"]) - n).abs() < 0.5);
+    // Two lines and two across.
+    let crossings = &record["crossings"];
+    assert!(
+        (4.0..=6.0).contains(&number(&crossings["n"])),
+        "{crossings}"
+    );
+    assert!(number(&crossings["rms_m"]) < 0.08);
+    let first = &crossings["list"][0];
+    assert!(number(&first["time_s"][0]) < number(&first["time_s"][1]));
+    assert!((number(&first["lon"]) + 82.11).abs() < 1e-3);
+}
+
+#[test]
+fn several_logs_of_one_water_make_one_map() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    // One bed, two missions: the second has its lines between those of the first.
+    for (name, seed, spacing_m) in [("a", "1", 8.0), ("b", "2", 5.0)] {
+        let scene = format!(
+            "[bed]\nseed = 9\n[track]\nlength_m = 25.0\ncross_length_m = 20.0\nspacing_m = {spacing_m:.1}\n"
+        );
+        fs::write(folder.join("scene.toml"), scene).unwrap();
+        run(
+            folder,
+            &["simulate", "scene.toml", "-o", name, "--seed", seed],
+        );
+    }
+    let process = ["process", "a.sl2", "b.sl2", "--merge", "--no-objects"];
+    let some = ["--products", "depth,isobaths", "-o", "out"];
+    let said = run(folder, &[&process[..], &some].concat());
+    assert!(said.contains("merged 2 logs"), "{said}");
+    let out = folder.join("out");
+    for made in ["a", "b"].map(|log| out.join(log)).iter().chain([&out]) {
+        assert_made(made, &DEPTH, true);
+        assert_made(made, &ISOBATHS, true);
+    }
+    let record = json(&out.join("merged.json"));
+    let logs = record["logs"].as_array().unwrap();
+    assert_eq!(logs.len(), 2);
+    for (log, name) in logs.iter().zip(["a.sl2", "b.sl2"]) {
+        assert_eq!(log["inputs"][0]["file"], name);
+        // Another mission over the same bed: 3 cm of noise and what lies between lines.
+        let found = &log["against_the_others"];
+        assert!(found["n"].as_u64().unwrap() > 500, "{found}");
+        assert!(found["median_m"].as_f64().unwrap().abs() < 0.05, "{found}");
+        assert!(found["p95_m"].as_f64().unwrap() < 0.3, "{found}");
+    }
+    let crossings = &record["crossings"];
+    let between = &crossings["between_logs"];
+    assert!(between["n"].as_u64().unwrap() >= 4, "{crossings}");
+    assert!(crossings["n"].as_u64() > between["n"].as_u64());
+    assert!(between["rms_m"].as_f64().unwrap() < 0.1, "{crossings}");
+    // The map of both lies on that of each, and reaches farther.
+    let held = |one: &str| -> Value {
+        let args = ["compare", "out/depth.tif", one, "--json", "--radius", "0.4"];
+        serde_json::from_str(&run(folder, &args)).expect("JSON")
+    };
+    for one in ["out/a/depth.tif", "out/b/depth.tif"] {
+        let found = held(one);
+        assert!(found["median_m"].as_f64().unwrap().abs() < 0.03, "{found}");
+        assert!(found["unmatched"].as_u64().unwrap() > 0, "{found}");
+    }
+    let alone = ["process", "a.sl2", "--merge", "-o", "alone"];
+    assert!(refusal(folder, &alone, 1).contains("two or more"));
+}
