@@ -2,12 +2,13 @@
 
 use crate::cloud::{PointSource, Residuals, residuals};
 use crate::first_return::FirstReturns;
-use crate::pipeline::Products;
+use crate::pipeline::{Products, ResidualTables, residual_tables};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
+use std::sync::Arc;
 
 /// How much of everything there is in a result.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     /// First returns found to port.
     pub port_picks: usize,
@@ -23,6 +24,8 @@ pub struct Figures {
     pub removed: usize,
     /// Side-scan depth against recorded depth.
     pub residuals: Option<Residuals>,
+    /// How side-scan differs from soundings; absent where no point lies over them.
+    pub tables: Option<Arc<ResidualTables>>,
 }
 
 impl Figures {
@@ -52,6 +55,7 @@ impl Figures {
                 &products.correction,
                 &products.kept,
             ),
+            tables: residual_tables(products, progress)?.map(Arc::new),
         })
     }
 }

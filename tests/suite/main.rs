@@ -6,6 +6,7 @@ mod bathymetry;
 mod calibration;
 mod cli;
 mod cloud;
+mod corrected;
 mod crs;
 mod damage;
 mod dataset;

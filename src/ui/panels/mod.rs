@@ -9,11 +9,13 @@ pub mod objects;
 pub mod outliers;
 mod parts;
 pub mod products;
+pub mod residuals;
 pub mod review;
 pub mod selection;
 pub mod status;
 pub mod survey;
 pub mod timeline;
+pub mod water;
 
 use super::ViewContext;
 
@@ -30,4 +32,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     objects::ui(ui, context);
     maps::ui(ui, context);
     products::ui(ui, context);
+    water::ui(ui, context);
+    residuals::ui(ui, context);
 }
