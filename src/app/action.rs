@@ -75,6 +75,7 @@ actions! {
     TrackLayer, "Layer: track", None, "Shows or hides the boat's track on the map.";
     BoxLayer, "Layer: boxes", None, "Shows or hides the objects on the map.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
+    Swipe, "Swipe between layers", Some("W"), "Divides the map: the mosaic left and the depths right of a line that can be dragged.";
     Graticule, "Graticule on or off", None, "Shows or hides the lines of round coordinates on the map.";
     CoordinatesDegrees, "Coordinates: decimal degrees", None, "Writes positions as 36.877100° N 111.516300° W.";
     CoordinatesMinutes, "Coordinates: degrees and minutes", None, "Writes positions as 36° 52.6260' N 111° 30.9780' W.";

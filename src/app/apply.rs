@@ -174,6 +174,7 @@ impl App {
                     SideColours::Maritime => SideColours::Paper,
                 }
             }
+            Action::Swipe => self.options.map.swipe.toggle(&mut self.options.map.layers),
             Action::Graticule => self.options.map.graticule = !self.options.map.graticule,
             Action::CoordinatesDegrees => self.options.coordinates = CoordinateFormat::Degrees,
             Action::CoordinatesMinutes => self.options.coordinates = CoordinateFormat::Minutes,

@@ -16,6 +16,7 @@ mod options;
 mod preview;
 mod reviewing;
 mod state;
+mod swipe;
 mod task;
 mod work;
 
@@ -32,4 +33,5 @@ pub use options::{
 };
 pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
 pub use state::{App, Jobs, Mark, Notice, Reveal};
+pub use swipe::{Swipe, SwipeSide};
 pub use task::{Outcome, Task};

@@ -1,6 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
-use super::LayerStack;
+use super::{LayerStack, Swipe};
 use crate::geo::CoordinateFormat;
 use serde::{Deserialize, Serialize};
 
@@ -175,6 +175,8 @@ pub struct MapOptions {
     pub flat_spots: bool,
     /// Draw lines of round coordinates.
     pub graticule: bool,
+    /// Whether the map is divided, and what is drawn where then.
+    pub swipe: Swipe,
 }
 
 impl Default for MapOptions {
@@ -183,6 +185,7 @@ impl Default for MapOptions {
             layers: LayerStack::default(),
             flat_spots: true,
             graticule: true,
+            swipe: Swipe::default(),
         }
     }
 }

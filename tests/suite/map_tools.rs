@@ -1,7 +1,7 @@
 //! The tools of the map, driven by keys and mouse.
 
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{Action, Command, Mark, Measure, View};
+use bathyscope::app::{Action, Command, MapLayer, Mark, Measure, View};
 use bathyscope::geo::{CoordinateFormat, LonLat};
 use bathyscope::ui::Alone;
 use egui::accesskit::Role;
@@ -271,4 +271,48 @@ fn a_profile_is_written_where_the_path_field_says() {
     window.run();
     let text = std::fs::read_to_string(path).unwrap();
     assert!(text.lines().count() > 10, "{text}");
+}
+
+#[test]
+fn the_map_is_swiped_by_mouse_and_by_arrows() {
+    let mut window = map_window();
+    press(&mut window, Modifiers::NONE, Key::W);
+    settle(&mut window);
+    let swipe = |window: &Window| app(window).options.map.swipe.clone();
+    assert!(swipe(&window).on);
+    let layers = &app(&window).options.map.layers;
+    assert!(
+        layers.is_visible(MapLayer::Mosaic),
+        "the left has something to show"
+    );
+    window.snapshot("map_swipe");
+    let divider = window.get_by_label("Divider of the map, percent").rect();
+    let map = window.get_by_label_contains("Map, track of").rect();
+    window.drag_at(divider.center());
+    window.step();
+    let to = pos2(map.left() + 0.25 * map.width(), divider.center().y);
+    window.hover_at(to);
+    window.step();
+    window.drop_at(to);
+    window.run();
+    let dragged = swipe(&window).share;
+    assert!((dragged - 0.25).abs() < 0.02, "{dragged}");
+    press(&mut window, Modifiers::NONE, Key::ArrowRight);
+    window.step();
+    assert!((swipe(&window).share - dragged - 0.02).abs() < 1e-4);
+    press(&mut window, Modifiers::SHIFT, Key::ArrowLeft);
+    window.step();
+    assert!((swipe(&window).share - dragged + 0.08).abs() < 1e-4);
+    assert_eq!(
+        app(&window).selection,
+        None,
+        "the arrows walk along no pings"
+    );
+    press(&mut window, Modifiers::NONE, Key::W);
+    assert!(!swipe(&window).on);
+    assert!(
+        window
+            .query_by_label("Divider of the map, percent")
+            .is_none()
+    );
 }

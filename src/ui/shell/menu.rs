@@ -1,6 +1,6 @@
 //! The menu bar. Entries come from the command table.
 
-use super::{map_layers, toolbar};
+use super::{map_layers, swipe, toolbar};
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
 use crate::ui::ViewContext;
@@ -179,6 +179,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     });
     ui.menu_button("Map", |ui| {
         map_layers::control(ui, &mut options.map.layers);
+        swipe::control(ui, &mut options.map);
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
         ui.checkbox(&mut options.map.graticule, "Graticule");

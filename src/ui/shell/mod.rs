@@ -10,6 +10,7 @@ mod menu;
 mod palette;
 mod persist;
 mod play;
+mod swipe;
 mod toolbar;
 
 use super::dialogs::Dialogs;

@@ -1,6 +1,6 @@
 //! The options of a view, at the right end of its title bar.
 
-use super::map_layers;
+use super::{map_layers, swipe};
 use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions, WaterfallOptions};
 use crate::ui::ViewContext;
 use egui::Ui;
@@ -135,7 +135,11 @@ fn map(ui: &mut Ui, options: &mut ViewOptions) {
         "The ranked stretches to calibrate on.",
     );
     menu(egui::RichText::new("Layers").small())
-        .ui(ui, |ui| map_layers::control(ui, &mut shown.layers))
+        .ui(ui, |ui| {
+            map_layers::control(ui, &mut shown.layers);
+            ui.separator();
+            swipe::control(ui, shown);
+        })
         .0
         .on_hover_text("What the map shows, in which order, and how strongly.");
 }

@@ -16,6 +16,7 @@ mod points;
 mod relief;
 mod relief_tiles;
 mod stack;
+mod swipe;
 mod tiles;
 mod toolbar;
 mod track_picture;
@@ -134,6 +135,7 @@ impl MapView {
         paint(ui, context, &scene, &mut self.layers);
         self.pointer.handle(ui, context, &scene, response);
         self.measure.ui(ui, context, &scene, response);
+        swipe::ui(ui, context, &scene);
         toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
         name(&survey, &products, &track) + &boxes(context) + &layers(context)
     }
@@ -202,6 +204,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
         if scene.options.map.layers.is_visible(shown.layer) {
             let mut painter = painter.clone();
             painter.multiply_opacity(shown.opacity);
+            painter.shrink_clip_rect(swipe::part(scene, shown.layer));
             layers.show(&painter, context, scene, shown.layer);
         }
     }

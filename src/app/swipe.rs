@@ -1,0 +1,135 @@
+//! Two layers of the map held against each other: a divider, and what is drawn on which side of it.
+
+use super::{LayerStack, MapLayer};
+use serde::{Deserialize, Serialize};
+
+/// Where a layer is drawn while the map is divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SwipeSide {
+    /// On both sides.
+    #[default]
+    Both,
+    /// Left of the divider only.
+    Left,
+    /// Right of the divider only.
+    Right,
+}
+
+impl SwipeSide {
+    /// In the order of the menu.
+    pub const ALL: [Self; 3] = [Self::Left, Self::Both, Self::Right];
+
+    /// Name in menus.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Both => "both",
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+}
+
+/// A divided map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Swipe {
+    /// Whether the map is divided.
+    pub on: bool,
+    /// Where the divider stands, as a share of the map's width.
+    pub share: f32,
+    /// Layers that are drawn on one side only.
+    sides: Vec<(MapLayer, SwipeSide)>,
+}
+
+impl Default for Swipe {
+    /// The mosaic on the left, the depths on the right.
+    fn default() -> Self {
+        Self {
+            on: false,
+            share: 0.5,
+            sides: vec![
+                (MapLayer::Mosaic, SwipeSide::Left),
+                (MapLayer::DepthMap, SwipeSide::Right),
+                (MapLayer::HillShade, SwipeSide::Right),
+            ],
+        }
+    }
+}
+
+impl Swipe {
+    /// Where a layer is drawn.
+    pub fn side(&self, layer: MapLayer) -> SwipeSide {
+        let found = self.sides.iter().find(|(other, _)| *other == layer);
+        found.map_or(SwipeSide::Both, |(_, side)| *side)
+    }
+
+    /// Draws a layer on `side` from now on.
+    pub fn set_side(&mut self, layer: MapLayer, side: SwipeSide) {
+        self.sides.retain(|(other, _)| *other != layer);
+        if side != SwipeSide::Both {
+            self.sides.push((layer, side));
+        }
+    }
+
+    /// Moves the divider by a share of the map's width; it stays on the map.
+    pub fn shift(&mut self, by: f32) {
+        self.share = match self.share.is_finite() {
+            true => (self.share + by).clamp(0.02, 0.98),
+            false => 0.5,
+        };
+    }
+
+    /// Divides the map or makes it whole. Where both sides would show the same, the first layer of each is shown.
+    pub fn toggle(&mut self, stack: &mut LayerStack) {
+        self.on = !self.on;
+        for side in [SwipeSide::Left, SwipeSide::Right] {
+            let own = || self.sides.iter().filter(|(_, other)| *other == side);
+            let seen = own().any(|(layer, _)| stack.is_visible(*layer));
+            if let (true, false, Some((layer, _))) = (self.on, seen, own().next()) {
+                stack.set_visible(*layer, true);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_divided_map_shows_something_else_on_either_side() {
+        let mut stack = LayerStack::default();
+        for layer in MapLayer::ALL {
+            stack.set_visible(layer, false);
+        }
+        let mut swipe = Swipe::default();
+        swipe.toggle(&mut stack);
+        assert!(
+            swipe.on && stack.is_visible(MapLayer::Mosaic) && stack.is_visible(MapLayer::DepthMap)
+        );
+        assert!(
+            !stack.is_visible(MapLayer::HillShade),
+            "one of them is enough"
+        );
+        swipe.toggle(&mut stack);
+        assert!(!swipe.on);
+    }
+
+    #[test]
+    fn a_layer_lies_on_the_side_it_was_put_on() {
+        let mut swipe = Swipe::default();
+        assert_eq!(swipe.side(MapLayer::Track), SwipeSide::Both);
+        swipe.set_side(MapLayer::Track, SwipeSide::Right);
+        swipe.set_side(MapLayer::Track, SwipeSide::Left);
+        assert_eq!(swipe.side(MapLayer::Track), SwipeSide::Left);
+        swipe.set_side(MapLayer::Track, SwipeSide::Both);
+        assert_eq!(swipe.side(MapLayer::Track), SwipeSide::Both);
+        for by in [5.0, -9.0] {
+            swipe.shift(by);
+            assert!((0.0..=1.0).contains(&swipe.share));
+        }
+        let text = serde_json::to_string(&swipe).unwrap();
+        assert_eq!(serde_json::from_str::<Swipe>(&text).unwrap(), swipe);
+    }
+}

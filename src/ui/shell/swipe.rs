@@ -1,0 +1,51 @@
+//! Which layers of the map lie left, and which right of its divider.
+
+use crate::app::{MapOptions, SwipeSide};
+use egui::{ComboBox, RichText, Ui};
+
+/// Divides the map, and a row for each layer that is shown.
+pub fn control(ui: &mut Ui, map: &mut MapOptions) {
+    let mut on = map.swipe.on;
+    let check = ui.checkbox(&mut on, "Swipe");
+    if check
+        .on_hover_text("Draws some layers only left, others only right of a divider (W).")
+        .changed()
+    {
+        map.swipe.toggle(&mut map.layers);
+    }
+    if !on {
+        return;
+    }
+    let shown: Vec<_> = map
+        .layers
+        .bottom_up()
+        .rev()
+        .map(|shown| shown.layer)
+        .collect();
+    egui::Grid::new("swipe sides")
+        .num_columns(2)
+        .spacing([8.0, 3.0])
+        .show(ui, |ui| {
+            for layer in shown
+                .into_iter()
+                .filter(|layer| map.layers.is_visible(*layer))
+            {
+                ui.label(RichText::new(layer.name()).small());
+                let mut side = map.swipe.side(layer);
+                ComboBox::from_id_salt(("side", layer))
+                    .width(64.0)
+                    .selected_text(RichText::new(side.name()).small())
+                    .show_ui(ui, |ui| {
+                        for one in SwipeSide::ALL {
+                            ui.selectable_value(&mut side, one, one.name());
+                        }
+                    })
+                    .response
+                    .accessible_name(format!("Side of {}", layer.name()));
+                if side != map.swipe.side(layer) {
+                    map.swipe.set_side(layer, side);
+                }
+                ui.end_row();
+            }
+        });
+}

@@ -1,0 +1,118 @@
+//! The divider between two stacks of layers: dragged, or moved by the arrow keys once it was clicked.
+
+use super::overlay::Scene;
+use crate::app::{Command, MapLayer, Swipe, SwipeSide};
+use crate::ui::views::legend;
+use crate::ui::{ViewContext, theme};
+use egui::{Align2, CursorIcon, EventFilter, Key, Modifiers, Painter, Rect, Response, Sense};
+use egui::{Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
+
+/// Half of the width in which the pointer takes hold of the divider, points.
+const REACH: f32 = 5.0;
+/// Shares of the map that the divider moves at a key, and with Shift.
+const STEPS: [f32; 2] = [0.02, 0.1];
+
+/// The part of the map that a layer is drawn in.
+pub fn part(scene: &Scene<'_>, layer: MapLayer) -> Rect {
+    let swipe = &scene.options.map.swipe;
+    let (left, right) = scene
+        .rect
+        .split_left_right_at_x(divider_x(scene.rect, swipe));
+    match swipe.side(layer) {
+        _ if !swipe.on => scene.rect,
+        SwipeSide::Both => scene.rect,
+        SwipeSide::Left => left,
+        SwipeSide::Right => right,
+    }
+}
+
+fn divider_x(rect: Rect, swipe: &Swipe) -> f32 {
+    rect.left() + rect.width() * swipe.share.clamp(0.0, 1.0)
+}
+
+/// Draws the divider with the names of what lies on either side, and moves it.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+    let swipe = &scene.options.map.swipe;
+    if !swipe.on {
+        return;
+    }
+    let x = divider_x(scene.rect, swipe);
+    // The upper edge belongs to the buttons, the lower one to the coordinates.
+    let top = scene.rect.top() + 38.0;
+    let bottom = (scene.rect.bottom() - 18.0).max(top);
+    let handle = Rect::from_min_max(pos2(x - REACH, top), pos2(x + REACH, bottom));
+    let response = ui.interact(handle, ui.scope_id().with("swipe"), Sense::click_and_drag());
+    response.widget_info(|| {
+        WidgetInfo::slider(
+            true,
+            f64::from(100.0 * swipe.share),
+            "Divider of the map, percent",
+        )
+    });
+    if let Some(by) = moved(ui, scene.rect, &response) {
+        let mut options = context.app.options.clone();
+        options.map.swipe.shift(by);
+        context.push(Command::Show(Box::new(options)));
+    }
+    let response = response.on_hover_cursor(CursorIcon::ResizeHorizontal);
+    paint(&ui.painter_at(scene.rect), scene, x, &response);
+}
+
+/// How far the divider was moved, as a share of the width.
+fn moved(ui: &mut Ui, rect: Rect, response: &Response) -> Option<f32> {
+    if response.clicked() || response.drag_started() {
+        response.request_focus();
+    }
+    let mut by = response.drag_delta().x / rect.width().max(1.0);
+    if response.has_focus() {
+        let filter = EventFilter {
+            horizontal_arrows: true,
+            ..EventFilter::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+        for (key, way) in [(Key::ArrowLeft, -1.0), (Key::ArrowRight, 1.0)] {
+            // A plain arrow would match with Shift held too.
+            for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
+                let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+                by += pressed as f32 * step * way;
+            }
+        }
+    }
+    (by != 0.0).then_some(by)
+}
+
+fn paint(painter: &Painter, scene: &Scene<'_>, x: f32, response: &Response) {
+    let held = response.hovered() || response.dragged() || response.has_focus();
+    let ink = match held {
+        true => theme::selection_colour(),
+        false => theme::canvas_text_colour(scene.options),
+    };
+    painter.vline(
+        x,
+        scene.rect.y_range(),
+        Stroke::new(4.0, theme::plate_colour(scene.options)),
+    );
+    painter.vline(x, scene.rect.y_range(), Stroke::new(1.5, ink));
+    let grip = Rect::from_center_size(pos2(x, scene.rect.center().y), vec2(9.0, 34.0));
+    painter.rect_filled(grip, 4.0, theme::plate_colour(scene.options));
+    painter.rect_stroke(grip, 4.0, Stroke::new(1.5, ink), egui::StrokeKind::Inside);
+    for (side, anchor, aside) in [
+        (SwipeSide::Left, Align2::RIGHT_TOP, -8.0),
+        (SwipeSide::Right, Align2::LEFT_TOP, 8.0),
+    ] {
+        let text = names(scene, side);
+        let at = pos2(x, scene.rect.top() + 40.0) + Vec2::X * aside;
+        if !text.is_empty() {
+            let ink = theme::canvas_text_colour(scene.options);
+            legend::plate(painter, scene.options, at, anchor, &text, ink);
+        }
+    }
+}
+
+/// The layers that are drawn on one side only, the topmost first.
+fn names(scene: &Scene<'_>, side: SwipeSide) -> String {
+    let map = &scene.options.map;
+    let own = map.layers.bottom_up().rev().map(|shown| shown.layer);
+    let own = own.filter(|layer| map.layers.is_visible(*layer) && map.swipe.side(*layer) == side);
+    own.map(MapLayer::name).collect::<Vec<_>>().join("\n")
+}
