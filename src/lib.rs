@@ -10,6 +10,7 @@
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, handover makes one page of what came out, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
+//! base_map is a picture of the analyst's own under the map.
 //! geo (positions and planes), progress, statistics, calendar and contained serve them all.
 //! ```
 //!
@@ -18,6 +19,7 @@
 //! depth positive down (`depth_m`), elevation positive up (`z_m`). Degrees and feet exist only at the edges.
 
 pub mod app;
+pub mod base_map;
 pub mod bathymetry;
 mod calendar;
 pub mod calibration;

@@ -37,6 +37,8 @@ actions! {
     Open, "Open survey…", Some("Ctrl+O"), "Opens a log: SL2, SL3, Humminbird DAT or SON, XTF.";
     OpenPath, "Open path…", Some("Ctrl+Shift+P"), "Opens a log by its path: file or folder.";
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
+    OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";
+    CloseBaseMap, "Remove the base map", None, "Takes the picture under the map away.";
     Export, "Export products…", Some("Ctrl+E"), "Writes points, track, depth maps, isobaths and mosaic into a folder.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
@@ -67,6 +69,7 @@ actions! {
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
     LevelsReset, "Reset waterfall levels", None, "Puts automatic level, brightness, contrast and gamma of the waterfall back.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
+    BaseMapLayer, "Layer: base map", None, "Shows or hides the picture of your own under the map.";
     DepthMapLayer, "Layer: depth map", None, "Shows or hides the interpolated depths on the map.";
     HillShadeLayer, "Layer: hill-shade", None, "Shows or hides the relief lit from the side on the map.";
     MosaicLayer, "Layer: mosaic", None, "Shows or hides the side-scan mosaic on the map.";
@@ -105,7 +108,7 @@ actions! {
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
-    LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, removes the measurement, or deselects the box.";
+    LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box, or else removes the measurement.";
     MeasureDistance, "Measure distance", Some("D"), "Click corners on the map: the length of the line on the ground.";
     MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map: area and perimeter on the ground.";
     DepthProfile, "Depth profile along a line", Some("P"), "Click corners on the map: the depths of the map along the line.";

@@ -36,6 +36,7 @@ impl App {
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
             Command::Measure(wish) => self.measure(wish),
+            Command::OpenBaseMap(path) => self.open_base_map(path),
             Command::SaveProfile(path) => self.save_profile(path),
             Command::Tell(text) => self.tell(text, true),
             Command::Dismiss(index) => {
@@ -174,6 +175,8 @@ impl App {
                     SideColours::Maritime => SideColours::Paper,
                 }
             }
+            Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
+            Action::CloseBaseMap => self.close_base_map(),
             Action::Swipe => self.options.map.swipe.toggle(&mut self.options.map.layers),
             Action::Graticule => self.options.map.graticule = !self.options.map.graticule,
             Action::CoordinatesDegrees => self.options.coordinates = CoordinateFormat::Degrees,
@@ -216,7 +219,8 @@ impl App {
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
             Action::LeaveTool if self.leave_measuring() => {}
-            Action::LeaveTool => self.leave_tool(),
+            Action::LeaveTool if self.reviewing.is_in_use() => self.leave_tool(),
+            Action::LeaveTool => self.remove_figure(),
             Action::MeasureDistance => self.take_measuring_tool(FigureKind::Distance),
             Action::MeasureArea => self.take_measuring_tool(FigureKind::Area),
             Action::DepthProfile => self.take_measuring_tool(FigureKind::Profile),

@@ -78,6 +78,8 @@ pub enum Command {
     ExportBoxes(PathBuf),
     /// Draw on the map, or take the depths along what is drawn.
     Measure(Measure),
+    /// Show a picture of the analyst's own under the map.
+    OpenBaseMap(PathBuf),
     /// Write the depth profile into a file.
     SaveProfile(PathBuf),
     /// Tell the analyst a sentence.

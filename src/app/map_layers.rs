@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum MapLayer {
+    /// A picture of the analyst's own.
+    BaseMap,
     /// Depths between the soundings, interpolated.
     DepthMap,
     /// The depth map lit from the side.
@@ -24,7 +26,8 @@ pub enum MapLayer {
 
 impl MapLayer {
     /// All layers in their order at first, bottom first.
-    pub const ALL: [MapLayer; 7] = [
+    pub const ALL: [MapLayer; 8] = [
+        MapLayer::BaseMap,
         MapLayer::DepthMap,
         MapLayer::HillShade,
         MapLayer::Mosaic,
@@ -37,6 +40,7 @@ impl MapLayer {
     /// Name in menus.
     pub fn name(self) -> &'static str {
         match self {
+            MapLayer::BaseMap => "Base map",
             MapLayer::DepthMap => "Depth map",
             MapLayer::HillShade => "Hill-shade",
             MapLayer::Mosaic => "Mosaic",
@@ -50,6 +54,7 @@ impl MapLayer {
     /// What it shows, in a sentence.
     pub fn hint(self) -> &'static str {
         match self {
+            MapLayer::BaseMap => "A GeoTIFF of your own: File > Open base map.",
             MapLayer::DepthMap => "Depths between the soundings, interpolated.",
             MapLayer::HillShade => {
                 "The depth map lit from the north-west: small relief stands out over what lies below."
@@ -206,14 +211,11 @@ mod tests {
     #[test]
     fn layers_move_past_each_other_and_not_out_of_the_stack() {
         let mut stack = LayerStack::default();
-        stack.raise(MapLayer::DepthMap);
-        assert_eq!(
-            order(&stack)[..2],
-            [MapLayer::ALL[1], MapLayer::DepthMap],
-            "one up"
-        );
-        stack.lower(MapLayer::DepthMap);
-        stack.lower(MapLayer::DepthMap);
+        let [bottom, next, ..] = MapLayer::ALL;
+        stack.raise(bottom);
+        assert_eq!(order(&stack)[..2], [next, bottom], "one up");
+        stack.lower(bottom);
+        stack.lower(bottom);
         assert_eq!(order(&stack), MapLayer::ALL, "and down to the bottom");
     }
 
@@ -231,6 +233,6 @@ mod tests {
         assert_eq!(order(&stack).len(), MapLayer::ALL.len());
         let track = stack.of(MapLayer::Track);
         assert_eq!((track.visible, track.opacity), (false, 1.0));
-        assert_eq!(order(&stack)[0], MapLayer::DepthMap);
+        assert_eq!(order(&stack)[0], MapLayer::ALL[0]);
     }
 }

@@ -122,15 +122,13 @@ impl App {
         self.reviewing.tool = Tool::Look;
     }
 
-    /// Lays the tool down; without a tool, removes the figure. Whether there was anything to do.
+    /// Lays the tool down; whether there was one in hand.
     pub(super) fn leave_measuring(&mut self) -> bool {
         let had_tool = self.measuring.tool.take().is_some();
-        match had_tool {
-            true => self.end_figure(),
-            false if self.measuring.figure.is_some() => self.draw(None),
-            false => return false,
+        if had_tool {
+            self.end_figure();
         }
-        true
+        had_tool
     }
 
     /// Removes the figure, and lays the tool down.

@@ -5,6 +5,7 @@
 
 mod action;
 mod apply;
+mod base_map;
 mod command;
 mod exporting;
 mod figures;

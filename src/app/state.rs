@@ -1,11 +1,13 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
+use super::base_map::OpeningBaseMap;
 use super::exporting::Exporting;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Previewer;
 use super::reviewing::{Reviewing, Step};
 use super::{Action, Figures, History, LoadStatus, Task, ViewOptions};
+use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Engine, EngineStatus, Products, Settings, Stage};
 use crate::survey::{Side, Survey};
@@ -102,6 +104,8 @@ pub struct App {
     pub notices: Vec<Notice>,
     /// Counts and residuals of `products`; those of the last products until the new ones are counted.
     pub figures: Option<Figures>,
+    /// The analyst's own picture under the map.
+    pub base_map: Option<Arc<BaseMap>>,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
     /// The boxes and what is decided about them.
@@ -112,6 +116,7 @@ pub struct App {
     pub(super) loading: Option<Loading>,
     pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) exporting: Option<Exporting>,
+    pub(super) opening_base_map: Option<OpeningBaseMap>,
     pub(super) jobs: Jobs,
 }
 
@@ -138,6 +143,7 @@ impl App {
             recent: Vec::new(),
             notices: Vec::new(),
             figures: None,
+            base_map: None,
             measuring: Measuring::default(),
             reviewing: Reviewing::default(),
             history: History::default(),
@@ -146,6 +152,7 @@ impl App {
             loading: None,
             counting: None,
             exporting: None,
+            opening_base_map: None,
             jobs,
         }
     }
@@ -206,6 +213,7 @@ impl App {
             && !self.previewer.is_busy()
             && self.counting.is_none()
             && self.exporting.is_none()
+            && self.opening_base_map.is_none()
             && !self.reviewing.is_busy()
     }
 }

@@ -42,6 +42,7 @@ impl App {
         self.poll_detecting();
         self.poll_judging();
         self.poll_places();
+        self.poll_base_map();
     }
 
     fn poll_loading(&mut self) {
@@ -153,6 +154,7 @@ impl App {
         self.preview = None;
         self.loading = None;
         self.exporting = None;
+        self.opening_base_map = None;
     }
 
     /// Tells the analyst a sentence.

@@ -2,9 +2,12 @@
 
 use super::output;
 use super::process::{SettingsArgs, check_against};
-use crate::app::{Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View};
+use crate::app::{
+    Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
+};
 use crate::calibration::PingRange;
 use crate::export::write_aside;
+use crate::geo::CoordinateFormat;
 use crate::pipeline::Settings;
 use crate::ui::{Alone, Shell, offscreen::Studio};
 use std::io::{self, BufWriter, Write as _};
@@ -39,6 +42,12 @@ pub struct SnapshotArgs {
     /// Layers of the map to draw, comma-separated; those that are not named are left out
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     layers: Option<Vec<MapLayer>>,
+    /// GeoTIFF of your own to lie under the map
+    #[arg(long, value_name = "FILE.tif")]
+    base_map: Option<PathBuf>,
+    /// How positions are written
+    #[arg(long, value_enum, default_value_t = Coordinates::Dd)]
+    coordinates: Coordinates,
     /// Dark or light
     #[arg(long, value_enum, default_value_t = Theme::Dark)]
     theme: Theme,
@@ -65,6 +74,19 @@ enum Picture {
 enum Theme {
     Dark,
     Light,
+}
+
+/// How positions are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Coordinates {
+    /// Decimal degrees
+    Dd,
+    /// Degrees and minutes
+    Ddm,
+    /// Degrees, minutes and seconds
+    Dms,
+    /// Metres of the UTM zone
+    Utm,
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -94,23 +116,16 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.settings = settings.clone();
-    app.options.theme = match args.theme {
-        Theme::Dark => ThemeChoice::Dark,
-        Theme::Light => ThemeChoice::Light,
-    };
-    if let Some(layers) = args.layers {
-        for layer in MapLayer::ALL {
-            app.options
-                .map
-                .layers
-                .set_visible(layer, layers.contains(&layer));
-        }
-    }
+    show_as(&mut app.options, &args);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     calibrate(&mut app, settings)?;
     select(&mut app, args.pings)?;
     if let Some(truth) = args.truth {
         app.apply(Command::OpenTruth(truth));
+        wait(&mut app)?;
+    }
+    if let Some(path) = args.base_map {
+        app.apply(Command::OpenBaseMap(path));
         wait(&mut app)?;
     }
     if args.objects {
@@ -132,6 +147,26 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     write(&picture, &args.output)?;
     output::tell(format_args!("drawn by {}", studio.adapter()));
     Ok(())
+}
+
+/// Takes over how things are to be shown.
+fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
+    options.theme = match args.theme {
+        Theme::Dark => ThemeChoice::Dark,
+        Theme::Light => ThemeChoice::Light,
+    };
+    options.coordinates = match args.coordinates {
+        Coordinates::Dd => CoordinateFormat::Degrees,
+        Coordinates::Ddm => CoordinateFormat::Minutes,
+        Coordinates::Dms => CoordinateFormat::Seconds,
+        Coordinates::Utm => CoordinateFormat::Utm,
+    };
+    if let Some(layers) = &args.layers {
+        for layer in MapLayer::ALL {
+            let stack = &mut options.map.layers;
+            stack.set_visible(layer, layers.contains(&layer));
+        }
+    }
 }
 
 /// Draws the window and each view of a survey into `folder`; the files' names and the adapter that drew them.

@@ -20,6 +20,7 @@ enum Purpose {
     ExportBoxesInto,
     OpenModel,
     SaveProfile,
+    OpenBaseMap,
 }
 
 /// What a system dialog came back with.
@@ -100,6 +101,11 @@ impl Dialogs {
         self.ask(Purpose::SaveProfile, jobs);
     }
 
+    /// Asks for a picture to lie under the map.
+    pub fn pick_base_map(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenBaseMap, jobs);
+    }
+
     /// Asks for a detector.
     pub fn pick_model(&mut self, jobs: &Jobs) {
         self.ask(Purpose::OpenModel, jobs);
@@ -176,6 +182,7 @@ impl Dialogs {
             ),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
+            Purpose::OpenBaseMap => ("Open a base map", "Path of a GeoTIFF", "Open"),
             Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
@@ -220,6 +227,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::ExportBoxesInto => Command::ExportBoxes(path),
         Purpose::OpenModel => Command::UseModel(path),
         Purpose::SaveProfile => Command::SaveProfile(path),
+        Purpose::OpenBaseMap => Command::OpenBaseMap(path),
     }
 }
 
@@ -245,6 +253,10 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
         Purpose::OpenModel => rfd::FileDialog::new()
             .set_title("Choose a detector")
             .add_filter("ONNX models", &["onnx"])
+            .pick_file(),
+        Purpose::OpenBaseMap => rfd::FileDialog::new()
+            .set_title("Open a base map")
+            .add_filter("GeoTIFF", &["tif", "TIF", "tiff", "TIFF"])
             .pick_file(),
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")

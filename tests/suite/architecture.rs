@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// Rooms in the order of the data; a room may name those in its own row, never the others.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("geo", &[]),
+    ("base_map", &["geo"]),
     ("survey", &["geo"]),
     ("formats", &["survey", "geo"]),
     ("simulation", &["survey", "geo", "formats"]),
@@ -69,6 +70,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "app",
         &[
+            "base_map",
             "survey",
             "geo",
             "first_return",

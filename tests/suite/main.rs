@@ -2,6 +2,7 @@
 //! A module a room; `support` finds the real recordings and simulated surveys.
 
 mod architecture;
+mod base_map;
 mod bathymetry;
 mod calibration;
 mod cli;

@@ -1,6 +1,7 @@
 //! The tools of the map, driven by keys and mouse.
 
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use crate::base_map;
+use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
 use bathyscope::app::{Action, Command, MapLayer, Mark, Measure, View};
 use bathyscope::geo::{CoordinateFormat, LonLat};
 use bathyscope::ui::Alone;
@@ -314,5 +315,53 @@ fn the_map_is_swiped_by_mouse_and_by_arrows() {
         window
             .query_by_label("Divider of the map, percent")
             .is_none()
+    );
+}
+
+#[test]
+fn a_dropped_picture_lies_under_the_map() {
+    let mut window = map_window();
+    drop_file(&mut window, base_map::file("utm_rgb.tif"));
+    settle(&mut window);
+    let map = app(&window).base_map.clone().expect("a base map");
+    assert_eq!(map.size, [200, 150]);
+    assert!(app(&window).survey.is_some(), "the survey stays open");
+    assert!(app(&window).notices[0].text.starts_with(
+        "Opened the base map of 200 by 150 pixels of 0.30 m, EPSG:32617 (WGS 84 / UTM zone 17N): "
+    ));
+    let layers = &mut window.state_mut().app.options.map.layers;
+    layers.set_visible(MapLayer::DepthMap, false);
+    layers.set_visible(MapLayer::HillShade, false);
+    settle(&mut window);
+    window.snapshot("map_base_map");
+    drop_file(&mut window, base_map::file("british.tif"));
+    assert!(
+        app(&window)
+            .notices
+            .last()
+            .is_some_and(|notice| notice.is_error)
+    );
+    assert!(app(&window).base_map.is_some(), "the one before stays");
+    let close = Command::Do(Action::CloseBaseMap);
+    window.state_mut().app.apply(close);
+    settle(&mut window);
+    assert!(app(&window).base_map.is_none());
+}
+
+#[test]
+fn a_base_map_is_opened_by_its_command() {
+    let mut window = demo_window();
+    by_palette(&mut window, "Open base map");
+    window
+        .get_by_role_and_label(Role::TextInput, "Path of a GeoTIFF")
+        .type_text(&base_map::file("mercator_palette.tif").to_string_lossy());
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_eq!(
+        app(&window)
+            .base_map
+            .as_ref()
+            .map(|map| map.place.crs.epsg()),
+        Some(3857)
     );
 }

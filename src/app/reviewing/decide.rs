@@ -149,6 +149,7 @@ impl App {
             self.tell("select a box first, with Tab or a click".to_owned(), true);
             return;
         }
+        self.leave_measuring();
         let in_hand = self.reviewing.tool == tool;
         self.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }

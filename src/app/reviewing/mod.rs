@@ -148,6 +148,11 @@ impl Reviewing {
         self.review.boxes().len() > 0
     }
 
+    /// Whether a tool is in hand or a box selected.
+    pub fn is_in_use(&self) -> bool {
+        self.tool != Tool::Look || self.selected.is_some()
+    }
+
     /// The selected box.
     pub fn selected_box(&self) -> Option<&Reviewed> {
         self.review.get(self.selected?)

@@ -89,8 +89,10 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (None, EngineStatus::Idle) => {
             let detecting = context.app.detect_fraction();
             let exporting = context.app.export_fraction();
+            let base_map = context.app.base_map_fraction();
             (detecting.map(|share| ("finding objects".to_owned(), share)))
                 .or(exporting.map(|share| ("exporting".to_owned(), share)))
+                .or(base_map.map(|share| ("opening the base map".to_owned(), share)))
         }
     };
     let since = egui::Id::unique("job since");

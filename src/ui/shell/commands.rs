@@ -60,6 +60,7 @@ impl Shell {
             Action::Fit => self.request(ViewRequest::Fit),
             Action::ZoomIn => self.request(ViewRequest::ZoomIn),
             Action::ZoomOut => self.request(ViewRequest::ZoomOut),
+            Action::OpenBaseMap => self.dialogs.pick_base_map(self.app.jobs()),
             Action::SetCorner => self.views.map.set_corner(),
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {

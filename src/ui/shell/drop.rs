@@ -1,8 +1,8 @@
-//! Logs dropped on the window.
+//! Logs and base maps dropped on the window.
 
 use crate::app::Command;
 use egui::Ui;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Opens what was dropped.
 pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
@@ -10,9 +10,21 @@ pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
     });
-    if !dropped.is_empty() {
-        commands.push(Command::OpenFirst(dropped));
+    let (maps, logs): (Vec<_>, Vec<_>) = dropped.into_iter().partition(|path| is_picture(path));
+    if let Some(map) = maps.into_iter().next_back() {
+        commands.push(Command::OpenBaseMap(map));
     }
+    if !logs.is_empty() {
+        commands.push(Command::OpenFirst(logs));
+    }
+}
+
+/// Whether a file is a base map by its name.
+fn is_picture(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    ["tif", "tiff"]
+        .iter()
+        .any(|tiff| extension.eq_ignore_ascii_case(tiff))
 }
 
 /// Says what a drop would do while files hang over the window.

@@ -95,7 +95,7 @@ fn has_meaning(app: &App, action: Action, control_focused: bool, help_open: bool
         Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
         Action::LeaveTool => {
             let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
-            !help_open && (reviewing.tool != Tool::Look || reviewing.selected.is_some() || drawn)
+            !help_open && (reviewing.is_in_use() || drawn)
         }
         Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
         Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),

@@ -7,6 +7,7 @@ use crate::ui::ViewContext;
 use egui::{Button, Ui};
 
 const FILE: &[Action] = &[Action::Open, Action::OpenPath, Action::OpenDemo];
+const BASE_MAP: &[Action] = &[Action::OpenBaseMap, Action::CloseBaseMap];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
     Action::LayoutReview,
@@ -137,6 +138,8 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         });
     });
+    ui.separator();
+    entries(ui, context, BASE_MAP);
     ui.separator();
     let ready = context.app.products.is_some();
     titled(ui, context, Action::Export, Action::Export.label(), ready);

@@ -2,6 +2,7 @@
 
 use super::overlay::Scene;
 use crate::geo::{Axis, CoordinateFormat, Graticule, LonLat, UtmZone};
+use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
@@ -83,6 +84,13 @@ fn name(painter: &Painter, scene: &Scene<'_>, covered: &mut Vec<Rect>, at: Pos2,
     let fits =
         scene.rect.contains_rect(rect) && !covered.iter().any(|other| other.intersects(rect));
     if fits {
+        // Layers of any brightness lie under them.
+        let plate = rect.expand2(vec2(2.0, 0.0));
+        painter.rect_filled(
+            plate,
+            2.0,
+            theme::plate_colour(scene.options).gamma_multiply(0.7),
+        );
         painter.galley(rect.min, words, colour);
         covered.push(rect.expand2(vec2(4.0, 0.0)));
     }

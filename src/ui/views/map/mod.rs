@@ -1,5 +1,6 @@
 //! The map view: the survey from above, in layers.
 
+mod base_map;
 mod flat_spots;
 mod graticule;
 mod isobaths;
@@ -25,6 +26,7 @@ mod warp;
 
 use super::background::{Background, Same};
 use super::empty;
+use crate::app::MapLayer;
 use crate::cloud::Correction;
 use crate::pipeline::Products;
 use crate::render::Uploader;
@@ -239,7 +241,9 @@ fn boxes(context: &ViewContext<'_>) -> String {
 fn layers(context: &ViewContext<'_>) -> String {
     let stack = &context.app.options.map.layers;
     let shown = stack.bottom_up().map(|shown| shown.layer);
-    let shown = shown.filter(|layer| stack.is_visible(*layer));
+    let has_base_map = context.app.base_map.is_some();
+    let is_there = |layer: &MapLayer| *layer != MapLayer::BaseMap || has_base_map;
+    let shown = shown.filter(|layer| stack.is_visible(*layer) && is_there(layer));
     let names: Vec<String> = shown.map(|layer| layer.name().to_lowercase()).collect();
     match names.is_empty() {
         true => String::new(),

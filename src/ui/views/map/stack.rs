@@ -1,5 +1,6 @@
 //! The layers of the map: made off the window's thread when they are shown, and drawn in the order of the stack.
 
+use super::base_map::BaseMapKey;
 use super::isobaths::{self, IsobathKey, IsobathLayer, Labels};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
@@ -28,12 +29,13 @@ type Source = Option<Arc<dyn TileSource>>;
 
 /// What the layers of one map are drawn from.
 pub struct Layers {
+    base_map: Background<BaseMapKey, Arc<dyn TileSource>>,
     relief: Background<ReliefKey, Arc<Relief>>,
     /// Whether something on the map is drawn or measured from `relief`; otherwise it may be older than its settings.
     relief_shown: bool,
     mosaic: Background<MosaicKey, Source>,
     points: Background<PointKey, Source>,
-    tiles: [(MapLayer, TileLayer); 4],
+    tiles: [(MapLayer, TileLayer); 5],
     isobaths: Background<IsobathKey, Arc<IsobathLayer>>,
     labels: Background<(Same<IsobathLayer>, i32), Labels>,
     isobath_picture: LinePicture<IsobathLayer>,
@@ -45,12 +47,14 @@ pub struct Layers {
 impl Default for Layers {
     fn default() -> Self {
         let tiles = [
+            MapLayer::BaseMap,
             MapLayer::DepthMap,
             MapLayer::HillShade,
             MapLayer::Mosaic,
             MapLayer::Points,
         ];
         Self {
+            base_map: Background::default(),
             relief: Background::default(),
             relief_shown: false,
             mosaic: Background::default(),
@@ -95,7 +99,24 @@ impl Layers {
                 points::source(&products, &options, progress)
             });
         }
+        self.ask_for_base_map(context, survey, products);
         self.give_sources(stack);
+    }
+
+    fn ask_for_base_map(
+        &mut self,
+        context: &ViewContext<'_>,
+        survey: &Arc<Survey>,
+        products: &Products,
+    ) {
+        let Some(map) = &context.app.base_map else {
+            self.base_map = Background::default();
+            return;
+        };
+        let key = BaseMapKey::new(map, survey, &products.navigation);
+        let asked = key.clone();
+        let jobs = context.app.jobs();
+        self.base_map.ask(key, jobs, |_| Some(asked.source()));
     }
 
     /// Hands what was made to the tiles that are painted from it; layers that are not shown stop painting.
@@ -106,6 +127,7 @@ impl Layers {
         };
         for (layer, tiles) in &mut self.tiles {
             tiles.set_source(match layer {
+                MapLayer::BaseMap => self.base_map.result().cloned(),
                 MapLayer::DepthMap => depth.clone(),
                 MapLayer::HillShade => shade.clone(),
                 MapLayer::Mosaic => self.mosaic.result().cloned().flatten(),
@@ -177,7 +199,11 @@ impl Layers {
                 track_picture::show(&mut self.track, painter, context.render_state, scene);
             }
             MapLayer::Boxes => objects::paint(painter, scene, context.app),
-            MapLayer::DepthMap | MapLayer::HillShade | MapLayer::Mosaic | MapLayer::Points => {
+            MapLayer::BaseMap
+            | MapLayer::DepthMap
+            | MapLayer::HillShade
+            | MapLayer::Mosaic
+            | MapLayer::Points => {
                 let jobs = context.app.jobs();
                 for (_, tiles) in self.tiles.iter_mut().filter(|(of, _)| *of == layer) {
                     tiles.show(painter, scene.rect, scene.transform, jobs);
@@ -210,6 +236,7 @@ impl Layers {
     /// What is being made before it can be drawn.
     fn making(&self) -> Vec<&'static str> {
         let jobs = [
+            (self.base_map.is_running(), "placing the base map"),
             (self.relief.is_running(), "making the depth map"),
             (self.isobaths.is_running(), "drawing isobaths"),
             (self.mosaic.is_running(), "evening the mosaic's gain"),

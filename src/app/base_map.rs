@@ -1,0 +1,64 @@
+//! The analyst's own picture under the map: opened off the window's thread, kept from survey to survey.
+
+use super::{App, MapLayer, Outcome, Task};
+use crate::base_map::{self, BaseMap};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A base map that is being opened.
+pub(super) type OpeningBaseMap = Task<Result<BaseMap, String>>;
+
+impl App {
+    /// Starts opening a base map; one that is still being opened is dropped.
+    pub(super) fn open_base_map(&mut self, path: PathBuf) {
+        let open = move |progress: &crate::progress::Progress| base_map::open(&path, progress);
+        self.opening_base_map = Some(Task::start(&self.jobs, open));
+    }
+
+    /// Takes the base map off the map.
+    pub(super) fn close_base_map(&mut self) {
+        self.base_map = None;
+        self.opening_base_map = None;
+    }
+
+    /// Done share of the base map that is being opened, 0 to 1.
+    pub fn base_map_fraction(&self) -> Option<f32> {
+        self.opening_base_map.as_ref().map(Task::fraction)
+    }
+
+    /// Collects a base map that was opened.
+    pub(super) fn poll_base_map(&mut self) {
+        let opened = match self.opening_base_map.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => return,
+            Some(Outcome::Done(opened)) => opened,
+            Some(Outcome::Failed) => Err("opening the base map failed unexpectedly".to_owned()),
+        };
+        self.opening_base_map = None;
+        match opened {
+            Ok(map) => {
+                self.tell(self.words_about(&map), false);
+                self.options.map.layers.set_visible(MapLayer::BaseMap, true);
+                self.base_map = Some(Arc::new(map));
+            }
+            Err(text) => self.tell(text, true),
+        }
+    }
+
+    /// What was opened, and what is to be known of it.
+    fn words_about(&self, map: &BaseMap) -> String {
+        let [columns, rows] = map.size;
+        let pixel_m = map.pixel_m();
+        let mut text = format!(
+            "Opened the base map of {columns} by {rows} pixels of {pixel_m:.2} m, {}",
+            map.place.crs
+        );
+        let start = self
+            .survey
+            .as_ref()
+            .map(|survey| survey.track.frame.origin());
+        if start.is_some_and(|start| !map.covers(start)) {
+            text += ", which does not reach the start of this survey";
+        }
+        format!("{text}: {}", map.path.display())
+    }
+}

@@ -1,0 +1,163 @@
+//! The analyst's own picture, painted in tiles under the other layers.
+
+use super::tiles::{SIDE, TileKey, TileSource};
+use super::transform::GroundBounds;
+use super::warp::Warp;
+use crate::base_map::BaseMap;
+use crate::progress::Progress;
+use crate::survey::{Navigation, Survey};
+use crate::ui::views::background::Same;
+use egui::Color32;
+use std::sync::Arc;
+
+/// The plane of the survey reaches no farther than this from its origin, metres.
+const REACH_M: f64 = 300e3;
+/// Points along each edge whose places bound the picture.
+const EDGE: usize = 17;
+/// Looks at the picture along a texel, at most.
+const MOST_LOOKS: usize = 3;
+
+/// What the tiles of a base map are made of.
+#[derive(Clone, PartialEq)]
+pub struct BaseMapKey {
+    map: Same<BaseMap>,
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+}
+
+impl BaseMapKey {
+    /// A base map in the plane of a survey.
+    pub fn new(map: &Arc<BaseMap>, survey: &Arc<Survey>, navigation: &Arc<Navigation>) -> Self {
+        Self {
+            map: Same(map.clone()),
+            survey: Same(survey.clone()),
+            navigation: Same(navigation.clone()),
+        }
+    }
+
+    /// What paints the tiles.
+    pub fn source(self) -> Arc<dyn TileSource> {
+        let bounds = bounds(&self);
+        let pixel_m = self.map.0.pixel_m();
+        Arc::new(BaseTiles {
+            // Finer than the pixels nothing more is seen.
+            finest: pixel_m.log2().floor().clamp(-8.0, 20.0) as i8 - 1,
+            key: self,
+            bounds,
+            pixel_m,
+        })
+    }
+}
+
+/// What of the picture lies near the survey, in its plane.
+fn bounds(key: &BaseMapKey) -> GroundBounds {
+    let BaseMapKey {
+        map,
+        survey,
+        navigation,
+    } = key;
+    let near = [-REACH_M, -REACH_M, REACH_M, REACH_M];
+    let [columns, rows] = map.0.size.map(f64::from);
+    let shares = (0..EDGE).map(|step| step as f64 / (EDGE - 1) as f64);
+    let around = shares.flat_map(|share| {
+        let (x, y) = (share * columns, share * rows);
+        [[x, 0.0], [x, rows], [0.0, y], [columns, y]]
+    });
+    let places = around.map(|pixel| {
+        let at = map.0.place.to_position(pixel);
+        navigation.0.to_plane(&survey.0.track, at)
+    });
+    let nowhere = [
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ];
+    let [west, south, east, north] = places.fold(nowhere, |[w, s, e, n], [x, y]| {
+        [w.min(x), s.min(y), e.max(x), n.max(y)]
+    });
+    // A picture of half the Earth has edges where the plane of the survey has none.
+    match map.0.covers(survey.0.track.frame.origin()) && east - west > REACH_M {
+        true => near,
+        false => [
+            west.max(near[0]),
+            south.max(near[1]),
+            east.min(near[2]),
+            north.min(near[3]),
+        ],
+    }
+}
+
+struct BaseTiles {
+    key: BaseMapKey,
+    bounds: GroundBounds,
+    finest: i8,
+    pixel_m: f64,
+}
+
+impl TileSource for BaseTiles {
+    fn bounds(&self) -> GroundBounds {
+        self.bounds
+    }
+
+    fn finest(&self) -> i8 {
+        self.finest
+    }
+
+    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+        let map = &self.key.map.0;
+        let (survey, navigation) = (&self.key.survey.0, &self.key.navigation.0);
+        let warp = Warp::new(key, |[east_m, north_m]| {
+            map.place
+                .to_pixels(navigation.to_lon_lat(&survey.track, east_m, north_m))
+        });
+        let texel = key.texel_m() / self.pixel_m;
+        let [low, high] = extent(&warp)?;
+        let window = map.window(low, high, texel, progress)?;
+        let looks = ((texel / window.scale[0]).ceil() as usize).clamp(1, MOST_LOOKS);
+        let mut colours = Vec::with_capacity(SIDE * SIDE);
+        for row in 0..SIDE {
+            progress.check().ok()?;
+            colours.extend((0..SIDE).map(|column| {
+                let looks = warp.places(row, column, looks);
+                mean(looks.map(|place| window.at(place)))
+            }));
+        }
+        let seen = colours.iter().any(|colour| colour.a() > 0);
+        seen.then_some(colours)
+    }
+}
+
+/// Least and greatest column and row of the picture under a tile; `None` where that is no number.
+fn extent(warp: &Warp) -> Option<[[f64; 2]; 2]> {
+    let last = SIDE - 1;
+    let edge = (0..=8).map(|step| step * last / 8);
+    let around = edge.flat_map(|at| [[at, 0], [at, last], [0, at], [last, at]]);
+    let places = around.flat_map(|[row, column]| warp.places(row, column, 2));
+    let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let found = places.fold(start, |[low, high], place| {
+        [
+            [low[0].min(place[0]), low[1].min(place[1])],
+            [high[0].max(place[0]), high[1].max(place[1])],
+        ]
+    });
+    found
+        .iter()
+        .flatten()
+        .all(|edge| edge.is_finite())
+        .then_some(found)
+}
+
+/// Colours count as much as they are opaque.
+fn mean(looks: impl Iterator<Item = [u8; 4]>) -> Color32 {
+    let (mut sum, mut count) = ([0u32; 4], 0);
+    for [r, g, b, a] in looks {
+        let opaque = u32::from(a);
+        for (sum, value) in sum.iter_mut().zip([r, g, b, 255]) {
+            *sum += u32::from(value) * opaque;
+        }
+        count += 255;
+    }
+    let [r, g, b, a] = sum.map(|sum| (sum / count.max(1)) as u8);
+    Color32::from_rgba_premultiplied(r, g, b, a)
+}
