@@ -34,6 +34,8 @@ const COARSER: f32 = 2.0;
 const STRAIGHT: usize = 24;
 /// Difference of colour that is not seen along a line, of 255.
 const EVEN_COLOUR: f32 = 6.0;
+/// Tolerances that a piece must extend over to be more than a speck.
+const SPECK: f32 = 2.0;
 /// Levels stop here.
 const FEW: usize = 256;
 
@@ -85,9 +87,18 @@ pub struct LinePyramid {
     pub levels: Vec<LineLevel>,
 }
 
+/// What becomes of pieces that are smaller than a level can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Specks {
+    /// They stay, as a dot: a boat at anchor was there.
+    Kept,
+    /// They go: many of them, as the isobaths of a rough bed have, would fill every level.
+    Dropped,
+}
+
 impl LinePyramid {
     /// Builds all levels of a line and hands the vertices of each to `keep`.
-    pub fn new(vertices: Vec<Vertex>, mut keep: impl FnMut(&[Vertex])) -> Self {
+    pub fn new(vertices: Vec<Vertex>, specks: Specks, mut keep: impl FnMut(&[Vertex])) -> Self {
         let mut tolerance_m = FINEST_M;
         let mut thinned = thin(&vertices, tolerance_m);
         drop(vertices);
@@ -95,7 +106,10 @@ impl LinePyramid {
         keep(&thinned);
         while thinned.len() > FEW {
             tolerance_m *= COARSER;
-            let fewer = thin(&thinned, tolerance_m);
+            let mut fewer = thin(&thinned, tolerance_m);
+            if specks == Specks::Dropped {
+                fewer = without_specks(&fewer, SPECK * tolerance_m);
+            }
             // A level is worth its memory when it is much smaller than the one before.
             if 4 * fewer.len() < 3 * thinned.len() {
                 levels.push(LineLevel::new(tolerance_m, &fewer));
@@ -137,6 +151,19 @@ fn is_place(vertex: &Vertex) -> bool {
 /// The line with fewer vertices: none nearer to the one before than `tolerance_m`, none on a straight piece of even colour.
 fn thin(vertices: &[Vertex], tolerance_m: f32) -> Vec<Vertex> {
     straighten(&space_out(vertices, tolerance_m), 0.5 * tolerance_m)
+}
+
+/// The pieces that extend over at least `least_m`.
+fn without_specks(vertices: &[Vertex], least_m: f32) -> Vec<Vertex> {
+    let extends = |piece: &&[Vertex]| {
+        let [west, south, east, north] = bounds(piece);
+        (east - west).max(north - south) >= least_m
+    };
+    let pieces = vertices.split(|vertex| !is_place(vertex));
+    pieces
+        .filter(extends)
+        .flat_map(|piece| std::iter::once(Vertex::BREAK).chain(piece.iter().copied()))
+        .collect()
 }
 
 /// Joins vertices nearer than `spacing_m` to the first of them, which takes their mean colour; keeps breaks.
@@ -269,10 +296,38 @@ mod tests {
             .collect()
     }
 
+    #[test]
+    fn rings_too_small_to_see_go_where_they_would_be_specks() {
+        // 400 rings of 0.3 m and one of 50 m.
+        let ring = |east_m: f32, radius_m: f32| {
+            let place = move |step: i32| {
+                let (sin, cos) = (step as f32 * std::f32::consts::TAU / 40.0).sin_cos();
+                Vertex {
+                    place: [east_m + radius_m * cos, radius_m * sin],
+                    colour: [255; 4],
+                }
+            };
+            std::iter::once(Vertex::BREAK).chain((0..=40).map(place))
+        };
+        let small = (0..400).flat_map(|index| ring(index as f32, 0.15));
+        let line: Vec<Vertex> = small.chain(ring(0.0, 25.0)).collect();
+        let segments = |specks| {
+            let pyramid = LinePyramid::new(line.clone(), specks, |_| ());
+            let (level, runs) = pyramid.choose(1.0, ALL, u32::MAX);
+            assert!(pyramid.levels[level].tolerance_m <= 1.5);
+            runs.iter().map(|run| run.end - run.start).sum::<u32>()
+        };
+        let (all, seen) = (segments(Specks::Kept), segments(Specks::Dropped));
+        assert!(all > 800, "{all}");
+        assert!((20..100).contains(&seen), "{seen}");
+    }
+
     /// The pyramid, and the vertices of each of its levels.
     fn pyramid(line: &[Vertex]) -> (LinePyramid, Vec<Vec<Vertex>>) {
         let mut kept = Vec::new();
-        let pyramid = LinePyramid::new(line.to_vec(), |vertices| kept.push(vertices.to_vec()));
+        let pyramid = LinePyramid::new(line.to_vec(), Specks::Kept, |vertices| {
+            kept.push(vertices.to_vec())
+        });
         assert_eq!(kept.len(), pyramid.levels.len());
         (pyramid, kept)
     }

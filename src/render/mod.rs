@@ -15,7 +15,7 @@ pub mod waterfall;
 
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
-pub use lod::{LineLevel, LinePyramid, Vertex};
+pub use lod::{LineLevel, LinePyramid, Specks, Vertex};
 pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use ramp::{depth_colour, depth_share};
 pub use target::Target;

@@ -6,7 +6,7 @@ use super::relief::colour_range_m;
 use super::transform::GroundBounds;
 use crate::cloud::Correction;
 use crate::progress::Progress;
-use crate::render::{Uploader, Vertex, depth_colour, depth_share};
+use crate::render::{Specks, Uploader, Vertex, depth_colour, depth_share};
 use crate::survey::{Navigation, PingNav, Survey};
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ impl TrackLayer {
         let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
         progress.check().ok()?;
         let vertices = vertices(records(), origin_m, range_m);
-        let line = Line::new(origin_m, vertices, uploader);
+        let line = Line::new(origin_m, vertices, Specks::Kept, uploader);
         progress.check().ok()?;
         Some(Self {
             bounds,

@@ -1,7 +1,9 @@
 //! Long lines on the map, drawn by the GPU and only when something about them changed.
 
 use super::overlay::Scene;
-use crate::render::{LineDraw, LinePyramid, LineRenderer, LineUniform, TrackBuffers, Vertex};
+use crate::render::{
+    LineDraw, LinePyramid, LineRenderer, LineUniform, Specks, TrackBuffers, Vertex,
+};
 use crate::ui::views::picture::Picture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Color32, Painter};
@@ -22,10 +24,11 @@ impl Line {
     pub fn new(
         origin_m: [f64; 2],
         vertices: Vec<Vertex>,
+        specks: Specks,
         uploader: Option<&crate::render::Uploader>,
     ) -> Self {
         let mut buffers = uploader.map(|_| TrackBuffers::default());
-        let pyramid = LinePyramid::new(vertices, |vertices| {
+        let pyramid = LinePyramid::new(vertices, specks, |vertices| {
             if let Some((uploader, buffers)) = uploader.zip(buffers.as_mut()) {
                 buffers.add(uploader, vertices);
             }

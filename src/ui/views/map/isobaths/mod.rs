@@ -10,7 +10,7 @@ use super::relief::Made;
 use crate::app::ThemeChoice;
 use crate::bathymetry::isobaths::{IsobathSettings, isobaths, smoothed};
 use crate::progress::Progress;
-use crate::render::{Uploader, Vertex};
+use crate::render::{Specks, Uploader, Vertex};
 use crate::ui::views::background::Same;
 use crate::ui::views::{legend, ticks};
 use eframe::egui_wgpu::RenderState;
@@ -21,8 +21,11 @@ use std::sync::Arc;
 
 /// Every so many isobaths one is thick, counted from depth 0.
 const INDEX: f64 = 5.0;
-/// Most segments drawn in a frame, of the thin and of the thick lines.
-const MOST_SEGMENTS: u32 = 20_000;
+/// Most segments drawn in a frame, of the thin and of the thick lines: beyond, coarser levels are taken.
+const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
+
+/// Vertices from which on rings too small to be seen are left out of the coarser levels.
+const MANY: usize = 20_000;
 
 /// What isobaths are made of.
 #[derive(Clone, PartialEq)]
@@ -95,8 +98,14 @@ impl IsobathLayer {
             })
             .collect();
         progress.check().ok()?;
-        let [thin, thick] =
-            [false, true].map(|is_index| Line::new(origin_m, vertices(&lines, is_index), uploader));
+        let [thin, thick] = [false, true].map(|is_index| {
+            let vertices = vertices(&lines, is_index);
+            let specks = match vertices.len() > MANY {
+                true => Specks::Dropped,
+                false => Specks::Kept,
+            };
+            Line::new(origin_m, vertices, specks, uploader)
+        });
         Some(Self {
             origin_m,
             lines,
@@ -173,7 +182,7 @@ fn pen(theme: ThemeChoice, is_index: bool) -> Pen {
     Pen {
         widths: [width + 1.3, width],
         colours: [Some(casing), Some(line.gamma_multiply(strength))],
-        most_segments: MOST_SEGMENTS,
+        most_segments: MOST_SEGMENTS[usize::from(is_index)],
     }
 }
 
