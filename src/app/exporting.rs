@@ -30,18 +30,22 @@ impl Exporting {
 }
 
 impl App {
-    /// Writes all products and the report, with the boxes as they are decided, into a folder.
+    /// Writes the products that are wanted, the report with the boxes as they are decided, into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
             return;
         };
-        let (survey, products) = (survey.clone(), products.clone());
+        let (survey, mut products) = (survey.clone(), products.clone());
+        // No stage depends on it: the results are as good for any system.
+        products.settings.crs = self.settings.crs;
+        let left_out = &self.options.left_out;
+        let wanted = Product::ALL.into_iter();
+        let wanted: Vec<Product> = wanted.filter(|one| !left_out.contains(one)).collect();
         let boxes = (self.reviewing.has_boxes()).then_some(&self.reviewing.review);
         let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let wanted = &Product::ALL;
             let mut written =
-                write_products(&survey, &products, wanted, &folder, progress, |_| ())?;
+                write_products(&survey, &products, &wanted, &folder, progress, |_| ())?;
             let reviewed = boxes.as_ref().map(|(review, raster)| {
                 let rows = reviewed_rows(&survey, &products, review, progress)?;
                 Ok::<_, String>((rows, raster, told(review)))
@@ -52,8 +56,10 @@ impl App {
                 raster,
                 origin: origin.clone(),
             });
-            handover::write_page(&survey, &products, &written, objects, &folder, progress)?;
-            written.files.push(handover::NAME);
+            if wanted.contains(&Product::Report) {
+                handover::write_page(&survey, &products, &written, objects, &folder, progress)?;
+                written.files.push(handover::NAME);
+            }
             let files = written.files.join(", ");
             Ok(format!("Wrote {files} into {}", folder.display()))
         }));

@@ -2,6 +2,7 @@
 
 use super::{LayerStack, Swipe};
 use crate::geo::CoordinateFormat;
+use crate::pipeline::Product;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
@@ -241,4 +242,6 @@ pub struct ViewOptions {
     pub map: MapOptions,
     /// Cloud.
     pub cloud: CloudOptions,
+    /// Products that an export leaves out.
+    pub left_out: Vec<Product>,
 }

@@ -1,7 +1,10 @@
 //! What `bathyscope process --products` chooses from.
 
+use serde::{Deserialize, Serialize};
+
 /// A group of files that `bathyscope process --products` chooses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
 pub enum Product {
     /// cloud.laz, cloud.ply, cloud.xyz
     Cloud,
@@ -30,4 +33,15 @@ impl Product {
         Product::Residuals,
         Product::Report,
     ];
+
+    /// The name that `--products` knows, and the files.
+    pub fn told(self) -> (String, String) {
+        let value = clap::ValueEnum::to_possible_value(&self);
+        let files = value.as_ref().and_then(|value| value.get_help());
+        let files = files.map(ToString::to_string).unwrap_or_default();
+        (
+            value.map_or_else(String::new, |value| value.get_name().to_owned()),
+            files,
+        )
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::support::{demo_log, snapshot_options};
 use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::geo::CrsChoice;
 use bathyscope::pipeline::Preset;
 use bathyscope::ui::Shell;
 use egui::accesskit::Role;
@@ -362,6 +363,40 @@ fn products_are_written_where_the_path_field_says() {
         assert!(into.join(product).is_file(), "{product}");
     }
     assert!(window.query_by_label_contains("Wrote ").is_some());
+}
+
+#[test]
+fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
+    let mut window = demo_window();
+    for product in ["mosaic", "report", "isobaths"] {
+        let tick = window.get_by_role_and_label(Role::CheckBox, product);
+        tick.click_accesskit();
+        window.run();
+    }
+    let mut settings = window.state().app.settings.clone();
+    settings.crs = CrsChoice::Wgs84;
+    window.state_mut().app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "System",
+        live: false,
+    });
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let into = folder.path().join("out");
+    type_export_folder(&mut window, &into);
+    window.get_by_label("Export").click();
+    window.run();
+    for (product, made) in [
+        ("report.json", true),
+        ("depth.tif", true),
+        ("track.gpx", true),
+        ("mosaic.tif", false),
+        ("isobaths.geojson", false),
+        ("report.html", false),
+    ] {
+        assert_eq!(into.join(product).is_file(), made, "{product}");
+    }
+    let record = std::fs::read_to_string(into.join("depth.tif.json")).expect("a record");
+    assert!(record.contains("\"epsg\": 4326"), "{record}");
 }
 
 #[derive(Default)]

@@ -1,7 +1,9 @@
 //! Step 6: what other programs open.
 
-use super::parts::{self, Section, section};
+use super::parts::{self, Choice, Section, choice, section};
 use crate::app::{Action, Command};
+use crate::geo::CrsChoice;
+use crate::pipeline::Product;
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -27,9 +29,67 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let text = "What is written are the last results, which are older than the settings.";
             parts::warning(ui, context, text);
         }
+        system(ui, context);
+        groups(ui, context);
         parts::remark(
             ui,
-            "Points, track, depth maps, isobaths and mosaic for other programs, each with its record",
+            "Beside each lies its record: inputs, settings, system, extent.",
         );
     });
+}
+
+/// The systems that can be chosen here; any other by `crs` in a file of settings.
+const SYSTEMS: &[Choice<CrsChoice>] = &[
+    (
+        CrsChoice::Utm,
+        "UTM",
+        "Metres in the zone of the first fix.",
+    ),
+    (
+        CrsChoice::Wgs84,
+        "WGS84",
+        "Longitude and latitude, degrees.",
+    ),
+    (
+        CrsChoice::WebMercator,
+        "web Mercator",
+        "What maps of the web are drawn in.",
+    ),
+];
+
+fn system(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let current = context.app.settings.crs;
+    choice(
+        ui,
+        context,
+        "System",
+        "The coordinate system of GeoTIFF, LAZ, XYZ and shapefiles.",
+        SYSTEMS,
+        current,
+        |settings, system| settings.crs = system,
+    );
+}
+
+/// What is written: a box to tick for each group of files.
+fn groups(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let mut options = context.app.options.clone();
+    ui.horizontal_wrapped(|ui| {
+        for product in Product::ALL {
+            let (name, files) = product.told();
+            let mut wanted = !options.left_out.contains(&product);
+            if ui
+                .checkbox(&mut wanted, name)
+                .on_hover_text(files)
+                .clicked()
+            {
+                match wanted {
+                    true => options.left_out.retain(|one| *one != product),
+                    false => options.left_out.push(product),
+                }
+            }
+        }
+    });
+    if options.left_out != context.app.options.left_out {
+        context.push(Command::Show(Box::new(options)));
+    }
 }
