@@ -68,6 +68,14 @@ fn sentences(from: &Handover<'_>) -> String {
         )
         .ok();
     }
+    if counts.canopy > 0 && !from.products.settings.surface.canopy {
+        write!(
+            told,
+            " {} first returns are nearer than the recorded depth (weed, fish or boulders); they are in the point cloud, but not in the depth map.",
+            count(counts.canopy)
+        )
+        .ok();
+    }
     told
 }
 
