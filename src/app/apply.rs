@@ -35,6 +35,7 @@ impl App {
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
+            Command::Tabulate => self.tabulate(),
             Command::Measure(wish) => self.measure(wish),
             Command::OpenBaseMap(path) => self.open_base_map(path),
             Command::SaveProfile(path) => self.save_profile(path),

@@ -43,6 +43,8 @@ pub enum Command {
     Reveal(Mark),
     /// The waterfall shows these pings now.
     Visible(Range<usize>),
+    /// The tables of residuals are in view: make them, if they are not there.
+    Tabulate,
     /// Move the keyboard focus to a view.
     Focus(View),
     /// Arrange the views.

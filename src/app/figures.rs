@@ -2,10 +2,9 @@
 
 use crate::cloud::{PointSource, Residuals, residuals};
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Products, ResidualTables, residual_tables};
+use crate::pipeline::Products;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
-use std::sync::Arc;
 
 /// How much of everything there is in a result.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +23,6 @@ pub struct Figures {
     pub removed: usize,
     /// Side-scan depth against recorded depth.
     pub residuals: Option<Residuals>,
-    /// How side-scan differs from soundings; absent where no point lies over them.
-    pub tables: Option<Arc<ResidualTables>>,
 }
 
 impl Figures {
@@ -55,7 +52,6 @@ impl Figures {
                 &products.correction,
                 &products.kept,
             ),
-            tables: residual_tables(products, progress)?.map(Arc::new),
         })
     }
 }

@@ -18,6 +18,7 @@ mod preview;
 mod reviewing;
 mod state;
 mod swipe;
+mod tabulating;
 mod task;
 mod work;
 

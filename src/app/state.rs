@@ -6,6 +6,7 @@ use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Previewer;
 use super::reviewing::{Reviewing, Step};
+use super::tabulating::Tabulating;
 use super::{Action, Figures, History, LoadStatus, Task, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
@@ -115,6 +116,7 @@ pub struct App {
     pub(super) previewer: Previewer,
     pub(super) loading: Option<Loading>,
     pub(super) counting: Option<Task<Option<Figures>>>,
+    pub(super) tabulating: Tabulating,
     pub(super) exporting: Option<Exporting>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
     pub(super) jobs: Jobs,
@@ -151,6 +153,7 @@ impl App {
             previewer: Previewer::default(),
             loading: None,
             counting: None,
+            tabulating: Tabulating::default(),
             exporting: None,
             opening_base_map: None,
             jobs,
@@ -212,6 +215,7 @@ impl App {
             && self.engine_status() == EngineStatus::Idle
             && !self.previewer.is_busy()
             && self.counting.is_none()
+            && !self.tabulating.is_busy()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
             && !self.reviewing.is_busy()

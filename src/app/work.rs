@@ -4,6 +4,7 @@ use super::figures::Figures;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Request;
+use super::tabulating::Tabulating;
 use super::{Action, App, History, Notice, Origin, Outcome, Task};
 use crate::pipeline::{Products, Settings};
 use crate::survey::Survey;
@@ -36,6 +37,7 @@ impl App {
             Some(Outcome::Failed) => self.counting = None,
             Some(Outcome::Pending) | None => {}
         }
+        self.poll_tables();
         self.poll_export();
         self.poll_review();
         self.poll_autosave();
@@ -78,6 +80,7 @@ impl App {
         self.preview = None;
         self.figures = None;
         self.counting = None;
+        self.tabulating = Tabulating::default();
         self.selection = None;
         self.hover = None;
         self.visible = 0..0;

@@ -1,7 +1,7 @@
 //! Side-scan against soundings: how the differences spread, and what they hang on.
 
 use super::parts::{self, Section, section};
-use crate::app::ViewOptions;
+use crate::app::{Command, ViewOptions};
 use crate::bathymetry::compare::{Bin, Histogram};
 use crate::pipeline::{ResidualTables, Stage};
 use crate::ui::{ViewContext, theme};
@@ -55,14 +55,23 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: Some(Stage::Outliers),
     };
     section(ui, context, &heading, |ui, context| {
-        let figures = context.app.figures.as_ref();
-        let Some(tables) = figures.and_then(|figures| figures.tables.clone()) else {
-            parts::remark(ui, "No side-scan point lies over the soundings.");
+        // Tables cost a triangulation of all soundings: they wait until somebody looks.
+        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
+        if context.app.products.is_some() && ui.is_rect_visible(place) {
+            context.push(Command::Tabulate);
+        }
+        let Some(tables) = context.app.residual_tables().cloned() else {
+            let text = match context.app.is_tabulating() {
+                true => "Residuals are being tabulated.",
+                false => "No side-scan point lies over the soundings.",
+            };
+            parts::remark(ui, text);
             return;
         };
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        ui.horizontal(|ui| {
+        // Wrapped: a row that is wider than the panel would widen it when it comes into view.
+        ui.horizontal_wrapped(|ui| {
             for (each, name, hint) in OVERS {
                 ui.selectable_value(&mut over, each, name)
                     .on_hover_text(hint);
