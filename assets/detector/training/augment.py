@@ -37,11 +37,15 @@ class Strength:
 
 
 class Augmenter:
-    """Draws varied batches from chips that lie on a device."""
+    """Draws varied batches from chips that lie on a device.
 
-    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator, side: int | None = None):
+    `side` is that of the pictures: smaller than the chips' for cut-outs at the same scale, each at random or, for the share
+    `focus` of the chips with objects, around one of these.
+    """
+
+    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator, side: int | None = None, focus: float = 0.0):
         self.chips, self.strength, self.generator = chips, strength, generator
-        self.side = side or chips.side  # of the pictures; smaller than the chips' for random cut-outs at the same scale
+        self.side, self.focus = side or chips.side, focus
         self.device = chips.images.device
 
     def uniform(self, *shape: int, low: float = 0.0, high: float = 1.0) -> torch.Tensor:
@@ -77,6 +81,8 @@ class Augmenter:
             source = index if part == 0 else index[torch.randperm(count, generator=self.generator, device=self.device)]
             rectangle = rectangles[:, part]
             scale, offset, mirrored = self.placement(rectangle)
+            if parts == 1 and self.focus:
+                offset = self.around_objects(self.chips.boxes[source], scale, offset, mirrored)
             picture = sample(self.chips.images[source], scale, offset, mirrored, side)
             out = torch.where(inside(rectangle, side), picture, out)
             boxes.append(place(self.chips.boxes[source], rectangle, scale, offset, mirrored, self.chips.side))
@@ -91,6 +97,19 @@ class Augmenter:
         offset = corner - self.uniform(count, 2) * (scale * self.chips.side - size)
         offset = offset + self.uniform(count, 2, low=-1.0, high=1.0) * strength.shift * side * (size >= side)
         return scale, offset, self.uniform(count) < 0.5
+
+    def around_objects(self, boxes, scale, offset, mirrored) -> torch.Tensor:
+        """The offsets that bring one object of each chip well into its picture; those given where it has none, or is left out."""
+        count, here = len(boxes), boxes[..., 0] >= 0
+        slot = (self.uniform(count, boxes.shape[1]) + here.float()).argmax(1)
+        box = boxes[torch.arange(count, device=self.device), slot]
+        centre = (box[:, 1:3] + box[:, 3:5]) / 2
+        centre[:, 1] = torch.where(mirrored, self.chips.side - centre[:, 1], centre[:, 1])
+        wanted = self.uniform(count, 2, low=0.2, high=0.8) * self.side - scale * centre
+        # No black margin but where the chip is smaller than the picture.
+        wanted = torch.minimum(torch.maximum(wanted, self.side - scale * self.chips.side), torch.zeros_like(wanted))
+        chosen = here.any(1) & (self.uniform(count) < self.focus)
+        return torch.where(chosen[:, None], wanted, offset)
 
     def light(self, x: torch.Tensor) -> torch.Tensor:
         """Gamma, gain, a slope over range, gain per ping, speckle, blur and lost pings."""

@@ -123,7 +123,7 @@ class Batches:
             count = round(args.batch * args.real_share)
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
         self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
-        self.calm, self.side, self.occupied = False, args.crop, args.occupied
+        self.calm, self.side, self.occupied, self.focus = False, args.crop, args.occupied, args.focus
         self.holding = {id(chips): torch.nonzero((chips.boxes[..., 0] >= 0).any(1))[:, 0] for chips, _ in self.sources}
 
     def next(self) -> tuple[torch.Tensor, torch.Tensor]:
@@ -131,7 +131,7 @@ class Batches:
         strength, images, boxes = self.strength.calm() if self.calm else self.strength, [], []
         for chips, count in self.sources:
             index = self.draw(chips, count)
-            picture, box = Augmenter(chips, strength, self.generator, self.side).batch(index)
+            picture, box = Augmenter(chips, strength, self.generator, self.side, self.focus).batch(index)
             images.append(picture)
             boxes.append(box)
         slots = max(b.shape[1] for b in boxes)
@@ -235,6 +235,7 @@ def arguments() -> argparse.Namespace:
     add("--decay", type=float, default=0.01, help="weight decay of the convolutions")
     add("--crop", type=int, help="learn from cut-outs of this many pixels (a multiple of 32) at the same scale: faster")
     add("--occupied", type=float, default=0.0, help="share of each batch drawn from chips that hold an object")
+    add("--focus", type=float, default=0.0, help="with --crop and no mosaic: share of the chips with objects that are cut around one")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
@@ -291,6 +292,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
         "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle, "occupied": args.occupied,
+        "crop": args.crop, "focus": args.focus,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
