@@ -53,8 +53,10 @@ pub fn unix_from_iso(text: &str) -> Option<f64> {
     let (date, time) = text.trim().split_once(['T', 't', ' '])?;
     let mut date = date.splitn(3, '-').map(|part| part.parse::<i64>().ok());
     let (year, month, day) = (date.next()??, date.next()??, date.next()??);
-    let days = days_from_civil(year, month, day);
-    let exists = (1..=12).contains(&month) && civil_from_unix(days as f64 * 86_400.0).2 == day;
+    let possible =
+        (0..10_000).contains(&year) && (1..=12).contains(&month) && (1..=31).contains(&day);
+    let days = possible.then(|| days_from_civil(year, month, day))?;
+    let exists = civil_from_unix(days as f64 * 86_400.0).2 == day;
     let time = time.trim_end_matches(['Z', 'z']);
     let (time, offset_s) = match time.rfind(['+', '-']) {
         Some(at) => {
@@ -109,6 +111,8 @@ mod tests {
         for text in [
             "2021-02-29T00:00Z",
             "2021-13-01T00:00Z",
+            "9223372036854775807-01-01T00:00Z",
+            "2021-9223372036854775807-01T00:00Z",
             "2021-10-12",
             "12:00",
             "2021-10-12T25:00Z",

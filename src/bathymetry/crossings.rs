@@ -82,8 +82,9 @@ pub fn crossings(
     progress.start(squares.len() as u64);
     let mut found = Vec::new();
     for (square, inside) in &squares {
-        progress.check()?;
         for (rank, &first) in inside.iter().enumerate() {
+            // A boat that lay at anchor for a day has all its pieces in one square.
+            progress.check()?;
             for &second in &inside[rank + 1..] {
                 let meeting = pieces[first].meets(&pieces[second], *square);
                 let crossing = meeting.map(|at| at.crossing(tracks));
