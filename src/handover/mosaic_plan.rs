@@ -4,6 +4,7 @@ use super::frame::Frame;
 use super::{Handover, objects, raster};
 use crate::bathymetry::Grid;
 use crate::mosaic::{GainTable, Layout, TILE_CELLS, TileIndex, gain_table, tile};
+use crate::pipeline::mosaic_layout;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -18,26 +19,14 @@ pub fn mosaic_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<St
     if !survey.has_side_scan() {
         return Ok(None);
     }
-    let settings = &products.settings.mosaic;
-    let navigation = &products.navigation;
-    let plane = |[east_m, north_m]: [f64; 2]| {
-        let position = navigation.to_lon_lat(&survey.track, east_m, north_m);
-        from.map.place(position)
-    };
-    let layout = Layout::new(
-        survey,
-        navigation,
-        &products.returns,
-        &products.calibration,
-        settings,
-        plane,
-    );
+    let layout = mosaic_layout(survey, products, from.map);
     // Where the ground lies is known from a coarse grid already.
     let Some(coarse) = layout.grid(10.0) else {
         return Ok(None);
     };
     let extent_m = coarse.cell_m * coarse.columns.max(coarse.rows) as f64;
-    let Some(grid) = layout.grid((extent_m / MOST_CELLS).max(settings.cell_m)) else {
+    let Some(grid) = layout.grid((extent_m / MOST_CELLS).max(products.settings.mosaic.cell_m))
+    else {
         return Ok(None);
     };
     let Some(frame) = Frame::around(bounds(&grid), from.map) else {

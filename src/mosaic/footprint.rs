@@ -1,6 +1,7 @@
 //! The outline of the ground that was heard.
 
 use super::Layout;
+use super::scan::spans;
 use crate::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bathymetry::{Grid, Surface};
 use crate::progress::{Cancelled, Progress};
@@ -50,49 +51,12 @@ fn with_margin(grid: Grid) -> Grid {
 fn cover(grid: &Grid, corners: [[f64; 2]; 4], heard: &mut [f32]) {
     let cells = |metres: f64| metres / grid.cell_m - 0.5;
     let corners = corners.map(|[x, y]| [cells(x - grid.west_m), cells(grid.north_m - y)]);
-    let span = |axis: usize| {
-        let ends = corners.map(|corner| corner[axis]);
-        ends.iter().fold([f64::MAX, f64::MIN], |[low, high], &end| {
-            [low.min(end), high.max(end)]
-        })
-    };
-    let [top, bottom] = span(1);
-    let rows =
-        top.ceil().max(0.0) as usize..grid.rows.min((bottom.floor() + 1.0).max(0.0) as usize);
-    for row in rows {
-        let Some([west, east]) = across(&corners, row as f64) else {
-            continue;
-        };
-        let from = west.ceil().max(0.0) as usize;
-        let to = grid.columns.min((east.floor() + 1.0).max(0.0) as usize);
-        if let Some(line) =
-            heard.get_mut(row * grid.columns + from..row * grid.columns + to.max(from))
-        {
+    for (row, columns) in spans(&corners, grid.columns, grid.rows) {
+        let first = row * grid.columns;
+        if let Some(line) = heard.get_mut(first + columns.start..first + columns.end) {
             line.fill(1.0);
         }
     }
-}
-
-/// Where a row enters and leaves a strip.
-fn across(corners: &[[f64; 2]; 4], row: f64) -> Option<[f64; 2]> {
-    let mut ends: Option<[f64; 2]> = None;
-    for side in 0..4 {
-        let ([x0, y0], [x1, y1]) = (corners[side], corners[(side + 1) % 4]);
-        if (y0 - row) * (y1 - row) > 0.0 {
-            continue;
-        }
-        let share = if y1 == y0 {
-            0.0
-        } else {
-            (row - y0) / (y1 - y0)
-        };
-        let x = x0 + share * (x1 - x0);
-        ends = Some(ends.map_or([x, x], |[west, east]| [west.min(x), east.max(x)]));
-        if y1 == y0 {
-            ends = ends.map(|[west, east]| [west.min(x1), east.max(x1)]);
-        }
-    }
-    ends
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ mod footprint;
 mod gain;
 mod layout;
 mod paint;
+mod scan;
 
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};

@@ -1,6 +1,7 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::layout::{Layout, Ray, TileIndex};
+use super::scan::spans;
 use super::{Gain, GainTable, MosaicSettings, Overlap};
 use crate::bathymetry::Grid;
 use crate::progress::{Cancelled, Progress};
@@ -227,19 +228,8 @@ impl<'a> Canvas<'a> {
                 (window.north_m - y) / window.cell_m - 0.5,
             ]
         });
-        let low = corners
-            .iter()
-            .map(|corner| corner[1])
-            .fold(f64::MAX, f64::min);
-        let high = corners
-            .iter()
-            .map(|corner| corner[1])
-            .fold(f64::MIN, f64::max);
-        for row in cells(low, high, window.rows) {
-            let Some([from, to]) = crossing(&corners, row as f64) else {
-                continue;
-            };
-            for column in cells(from, to, window.columns) {
+        for (row, columns) in spans(&corners, window.columns, window.rows) {
+            for column in columns {
                 let place = window.centre(row, column);
                 if let Some([level, weight]) = self.look(strip, lines, place) {
                     self.lay(row * self.stride + column, level, weight);
@@ -291,30 +281,6 @@ impl<'a> Canvas<'a> {
         };
         self.sums.iter().map(level).collect()
     }
-}
-
-/// Whole cells whose middles lie between two places, within `0..count`.
-fn cells(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
-    let start = from.ceil().max(0.0) as usize;
-    let end = ((to.floor() + 1.0).max(0.0) as usize).min(count);
-    start..end.max(start)
-}
-
-/// Where a row crosses a polygon, first and last.
-fn crossing(corners: &[[f64; 2]; 4], row: f64) -> Option<[f64; 2]> {
-    let mut span: Option<[f64; 2]> = None;
-    for index in 0..4 {
-        let (a, b) = (corners[index], corners[(index + 1) % 4]);
-        // The ends of an edge along the row belong to its neighbours too.
-        if a[1] == b[1] || (a[1] - row) * (b[1] - row) > 0.0 {
-            continue;
-        }
-        let column = a[0] + (b[0] - a[0]) * (row - a[1]) / (b[1] - a[1]);
-        span = Some(span.map_or([column; 2], |[low, high]| {
-            [low.min(column), high.max(column)]
-        }));
-    }
-    span
 }
 
 /// Where a place lies in a strip: the share of the way from the first ray to the second, 0 to below 1, and the distance out

@@ -31,7 +31,7 @@ pub use depth::{
 pub use detections::{Proposed, proposed_rows, record_detections, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use merged::Merged;
-pub use mosaic::{MosaicWritten, write_mosaic};
+pub use mosaic::{MosaicWritten, mosaic_layout, write_mosaic};
 pub use outputs::{Written, write_products, write_report};
 pub use product::Product;
 pub use products::{Products, Stage, run};

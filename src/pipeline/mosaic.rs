@@ -24,6 +24,19 @@ pub enum MosaicWritten {
     None(String),
 }
 
+/// Where the echoes of a result fall in the plane of a map.
+pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
+    let navigation = &products.navigation;
+    Layout::new(
+        survey,
+        navigation,
+        &products.returns,
+        &products.calibration,
+        &products.settings.mosaic,
+        |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
+    )
+}
+
 /// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF of
 /// colours, transparent where nothing was heard. Memory does not grow with the area.
 ///
@@ -36,18 +49,7 @@ pub fn write_mosaic(
 ) -> Result<MosaicWritten, String> {
     let settings = &products.settings.mosaic;
     let map = map_plane(survey, &products.settings)?;
-    let navigation = &products.navigation;
-    let plane = |[east_m, north_m]: [f64; 2]| {
-        map.place(navigation.to_lon_lat(&survey.track, east_m, north_m))
-    };
-    let layout = Layout::new(
-        survey,
-        navigation,
-        &products.returns,
-        &products.calibration,
-        settings,
-        plane,
-    );
+    let layout = mosaic_layout(survey, products, &map);
     let Some(grid) = layout.grid(settings.cell_m) else {
         let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
         return Ok(MosaicWritten::None(why.into()));

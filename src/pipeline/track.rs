@@ -1,10 +1,11 @@
 //! The track and the ground that was heard, for plotters and maps.
 
 use super::Products;
+use super::mosaic::mosaic_layout;
 use super::record::{Coordinates, Made};
 use crate::export::{self, ExportError, Line, Summary, TrackPiece};
 use crate::geo::MapPlane;
-use crate::mosaic::{Layout, footprint};
+use crate::mosaic::footprint;
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
@@ -126,15 +127,7 @@ fn write_footprint(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Option<Vec<Made>>, String> {
-    let navigation = &products.navigation;
-    let layout = Layout::new(
-        survey,
-        navigation,
-        &products.returns,
-        &products.calibration,
-        &products.settings.mosaic,
-        |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
-    );
+    let layout = mosaic_layout(survey, products, map);
     let shapes = footprint(&layout, progress).map_err(|error| error.to_string())?;
     let Some(first) = shapes.first().and_then(|shape| shape.outline.first()) else {
         return Ok(None);
