@@ -1,10 +1,11 @@
 //! One box an object, where overlapping tiles have seen it several times.
 //!
 //! A box is *whole* when it ends inside its tile, and *cut* when it touches an edge beyond which the picture goes on. Of whole
-//! boxes the surest is kept, as within a tile. A cut box gives way to a whole one of another tile that covers half of it within
-//! the strip that both tiles saw, whatever their classes and scores: it is a piece of that object. Two cut boxes are pieces of
-//! one object (longer than the strip) when they cover each other by half (IoU) there: the box around both is kept, with the
-//! class and score of the surer. A cut box that has no counterpart stays as it is.
+//! boxes the surest is kept, as within a tile. A cut box is a piece of a whole one of another tile that covers half of it within
+//! the strip that both tiles saw. It gives way to one of its own class, which is then as sure as the surer of both views, and to
+//! one of another class that is at least half as sure: otherwise a whole box that is hardly believed would hide a cut one that
+//! is. Two cut boxes are pieces of one object (longer than the strip) when they cover each other by half (IoU) there: the box
+//! around both is kept, with the class and score of the surer. A cut box that has no counterpart stays as it is.
 
 use super::{Nms, Rect, Scored, suppress};
 use std::collections::HashMap;
@@ -13,6 +14,8 @@ use std::collections::HashMap;
 const EDGE_PX: f32 = 2.0;
 /// Overlap within the strip from which two boxes are the same object.
 const SAME: f32 = 0.5;
+/// How sure a whole box must be, as a share of the score of a piece of another class, to take its place.
+const SURE_ENOUGH: f32 = 0.5;
 /// Rows of the picture whose boxes are looked at together.
 const BAND_PX: f32 = 512.0;
 
@@ -55,6 +58,18 @@ impl Seen {
             .is_some_and(|[mine, theirs]| mine.iou(&theirs) >= SAME)
     }
 
+    /// Whether a whole box takes the place of a cut one.
+    fn yields_to(&self, whole: &Seen) -> bool {
+        let same = whole.found.class == self.found.class;
+        let sure = whole.found.score >= SURE_ENOUGH * self.found.score;
+        (same || sure) && self.is_piece_of(whole)
+    }
+
+    /// What a whole box comes to among those that take the place of a cut one: its own class first, then the surest.
+    fn rank_for(&self, cut: &Seen) -> f32 {
+        self.found.score + f32::from(u8::from(self.found.class == cut.found.class))
+    }
+
     /// Whether a cut box is a piece of a whole one.
     fn is_piece_of(&self, whole: &Seen) -> bool {
         self.in_strip(whole).is_some_and(|[mine, theirs]| {
@@ -66,18 +81,27 @@ impl Seen {
 
 /// The objects, each once, by falling score. Takes time and memory in proportion to the boxes.
 pub fn merge(seen: Vec<Seen>, nms: Nms, iou: f32) -> Vec<Scored> {
-    let (mut cut, whole): (Vec<Seen>, Vec<Seen>) = seen.into_iter().partition(|seen| seen.cut);
+    let (mut cut, mut whole): (Vec<Seen>, Vec<Seen>) = seen.into_iter().partition(|seen| seen.cut);
     cut.sort_by(|a, b| b.found.score.total_cmp(&a.found.score));
 
     let mut wholes = Bands::default();
-    for seen in &whole {
-        wholes.add(&seen.found.rect, *seen);
+    for (index, seen) in whole.iter().enumerate() {
+        wholes.add(&seen.found.rect, (index, *seen));
     }
     let mut pieces = Bands::default();
     let mut joined: Vec<Scored> = Vec::new();
     for seen in cut {
         let rect = seen.found.rect;
-        if wholes.near(&rect).any(|whole| seen.is_piece_of(whole)) {
+        let taken_by = wholes
+            .near(&rect)
+            .filter(|(_, whole)| seen.yields_to(whole));
+        let surest =
+            taken_by.max_by(|(_, a), (_, b)| a.rank_for(&seen).total_cmp(&b.rank_for(&seen)));
+        if let Some(&(index, _)) = surest {
+            let object = &mut whole[index].found;
+            if object.class == seen.found.class {
+                object.score = object.score.max(seen.found.score);
+            }
             continue;
         }
         let piece = pieces
@@ -171,10 +195,21 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_box_gives_way_to_the_whole_one_even_if_surer() {
+    fn a_cut_box_gives_way_to_the_whole_one_and_leaves_it_its_score() {
         let boxes = seen(0, [380.0, 440.0], [Some(0.9), Some(0.6), None]);
         assert!(boxes[0].cut && !boxes[1].cut);
-        assert_eq!(merged(boxes), [(0.6, 380.0, 440.0)]);
+        assert_eq!(merged(boxes), [(0.9, 380.0, 440.0)]);
+    }
+
+    #[test]
+    fn a_whole_box_that_is_hardly_believed_hides_no_cut_one_of_another_class() {
+        let of = |score| {
+            let mut boxes = seen(0, [380.0, 440.0], [Some(0.9), None, None]);
+            boxes.extend(seen(1, [380.0, 440.0], [None, Some(score), None]));
+            merged(boxes)
+        };
+        assert_eq!(of(0.1), [(0.9, 380.0, 416.0), (0.1, 380.0, 440.0)]);
+        assert_eq!(of(0.5), [(0.5, 380.0, 440.0)]);
     }
 
     #[test]
