@@ -1,14 +1,14 @@
 //! `bathyscope simulate --dataset`: pictures of random simulated surveys, with labels for YOLO and COCO tools.
 
-use super::output;
 use super::status_line::StatusLine;
+use super::{output, simulate};
 use crate::detection::dataset::{Boxes, Chip, Known};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::formats;
 use crate::progress::Progress;
 use crate::simulation::{
-    Look, ObjectKind, Simulated, TrainingScene, simulate, training_scene, training_seed,
+    self, Look, ObjectKind, Simulated, TrainingScene, training_scene, training_seed,
 };
 use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 use rayon::prelude::*;
@@ -31,6 +31,9 @@ pub struct DatasetArgs {
     /// Pictures cut out of one survey
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u8).range(1..=40))]
     per_scene: u8,
+    /// Also keep the surveys that the pictures are cut out of, each with its table of objects, for `bathyscope evaluate`
+    #[arg(long, requires = "dataset")]
+    surveys: bool,
     /// Threads; without it, one for each core
     #[arg(long, value_name = "N", requires = "dataset")]
     threads: Option<usize>,
@@ -101,6 +104,7 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
     status.step("simulating pictures");
     progress.start(images.iter().sum::<usize>() as u64);
     let per_scene = usize::from(args.per_scene);
+    let surveys = folder.join("surveys");
     let made = pool.install(|| {
         let parts = Part::ALL.into_iter().zip(images);
         parts
@@ -111,6 +115,7 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
                     seed,
                     per_scene,
                     images,
+                    surveys: args.surveys.then(|| surveys.join(part.name())),
                     progress: &progress,
                 };
                 maker.part()
@@ -154,6 +159,8 @@ struct Maker<'a> {
     seed: u64,
     per_scene: usize,
     images: usize,
+    /// Where the surveys are kept, if they are.
+    surveys: Option<PathBuf>,
     progress: &'a Progress,
 }
 
@@ -169,6 +176,11 @@ struct Made {
 
 impl Maker<'_> {
     fn part(&self) -> Result<Made, String> {
+        if let Some(folder) = &self.surveys {
+            fs::create_dir_all(folder).map_err(|error| {
+                format!("cannot make the folder: {error}: {}", folder.display())
+            })?;
+        }
         let scenes = self.images.div_ceil(self.per_scene);
         let boxes: Vec<Vec<Boxes>> = (0..scenes)
             .into_par_iter()
@@ -193,7 +205,13 @@ impl Maker<'_> {
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
         let first = index * self.per_scene;
         let wanted = self.per_scene.min(self.images - first);
-        let chips = chips(&training, seed, wanted)?;
+        let quiet = Progress::new();
+        let simulated = simulation::simulate(&training.scene, seed, &quiet)
+            .map_err(|error| error.to_string())?;
+        if let Some(folder) = &self.surveys {
+            simulate::write(&simulated, &folder.join(format!("{index:04}")))?;
+        }
+        let chips = chips(&training, &simulated, wanted)?;
         let mut all = Vec::with_capacity(chips.len());
         for (number, chip) in (first..).zip(chips) {
             self.dataset.chip(self.part, number, &chip).map_err(told)?;
@@ -205,9 +223,12 @@ impl Maker<'_> {
 }
 
 /// The first `wanted` pictures of a scene.
-fn chips(training: &TrainingScene, seed: u64, wanted: usize) -> Result<Vec<Chip>, String> {
+fn chips(
+    training: &TrainingScene,
+    simulated: &Simulated,
+    wanted: usize,
+) -> Result<Vec<Chip>, String> {
     let quiet = Progress::new();
-    let simulated = simulate(&training.scene, seed, &quiet).map_err(|error| error.to_string())?;
     let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)
         .map_err(|error| error.to_string())?;
     let navigation = navigate(
@@ -218,7 +239,7 @@ fn chips(training: &TrainingScene, seed: u64, wanted: usize) -> Result<Vec<Chip>
     )
     .map_err(|error| error.to_string())?;
     let raster = Raster::new(&survey, &navigation, PIXEL_M);
-    let known = known(&simulated);
+    let known = known(simulated);
     let looks = training.looks.iter().take(wanted);
     Ok(looks
         .map(|look| chip(&survey, &raster, look, &known))

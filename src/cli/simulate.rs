@@ -88,7 +88,7 @@ fn read_scene(path: &Path) -> Result<Scene, String> {
 }
 
 /// Writes the three files; returns their names.
-fn write(survey: &Simulated, prefix: &Path) -> Result<String, String> {
+pub fn write(survey: &Simulated, prefix: &Path) -> Result<String, String> {
     let log = written(prefix, "sl2", |out| survey.write_sl2(out))?;
     let truth = written(prefix, "truth.csv", |out| survey.write_truth_csv(out))?;
     let objects = written(prefix, "objects.csv", |out| survey.write_objects_csv(out))?;

@@ -5,12 +5,10 @@ use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
 use crate::detection::Raster;
 use crate::detection::review::{Identity, read_text};
-use crate::detection::truth::{Comparison, LaidTruth, Mistake, Standing, Truth};
+use crate::detection::truth::{self, Comparison, LaidTruth, Mistake, Standing, Truth};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// End of the name of the table of objects that `bathyscope simulate` writes beside a log.
-const SUFFIX: &str = "objects.csv";
 /// What lies in the bundled demo survey: what `bathyscope simulate` writes for its scene.
 const DEMO_TRUTH: &str = include_str!("../../../assets/demo.objects.csv");
 
@@ -211,7 +209,7 @@ impl App {
             return self.read_truth(Source::Demo, true);
         }
         let log = (self.survey.as_ref()).and_then(|survey| survey.source.files.first());
-        let beside = log.map(|log| log.with_extension(SUFFIX));
+        let beside = log.map(|log| log.with_extension(truth::BESIDE));
         if let Some(beside) = beside.filter(|beside| beside.is_file()) {
             self.read_truth(Source::File(beside), true);
         }

@@ -138,7 +138,7 @@ struct Mistake<'a> {
 }
 
 /// False alarms by falling score, then misses by falling size.
-fn list<'a>(outcome: &'a Outcome<'_>) -> Vec<Mistake<'a>> {
+fn list<'a>(outcome: &'a Outcome) -> Vec<Mistake<'a>> {
     let (paired, evaluation) = (&outcome.paired, &outcome.darknet);
     let alarms = evaluation.false_alarms.iter().map(|one| {
         let predicted = &paired.images[one.image].predicted[one.predicted];

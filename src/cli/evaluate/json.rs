@@ -1,8 +1,7 @@
 //! The figures as JSON. What has nothing to divide by is null.
 
-use super::Outcome;
+use super::{Outcome, Source};
 use crate::detection::Rect;
-use crate::detection::labels::LabelSet;
 use crate::detection::metrics::{Counts, CurvePoint};
 use serde_json::{Value, json};
 
@@ -28,8 +27,8 @@ pub fn of(outcome: &Outcome) -> Value {
     all["map_coco_50_95"] = json!(coco.map_50_95);
     all["curve"] = curve(&darknet.curve);
     json!({
-        "truth": source(outcome.truth),
-        "predicted": source(outcome.predicted),
+        "truth": source(&outcome.truth),
+        "predicted": source(&outcome.predicted),
         "iou": outcome.iou,
         "score": outcome.score,
         "all": all,
@@ -42,12 +41,12 @@ pub fn of(outcome: &Outcome) -> Value {
     })
 }
 
-fn source(set: &LabelSet) -> Value {
+fn source(source: &Source) -> Value {
     json!({
-        "path": set.path.to_string_lossy(),
-        "format": set.format.name(),
-        "pictures": set.pictures.len(),
-        "boxes": set.boxes(),
+        "path": source.path,
+        "format": source.format,
+        "pictures": source.pictures,
+        "boxes": source.boxes,
     })
 }
 

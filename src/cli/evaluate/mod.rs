@@ -1,26 +1,33 @@
-//! `bathyscope evaluate`: predicted boxes against true ones.
+//! `bathyscope evaluate`: proposed boxes against true ones, of label files or of whole logs.
 
 mod html;
 mod json;
+mod surveys;
 mod svg;
 mod table;
 
 use super::output;
 use crate::detection::labels::{self, LabelSet, Paired};
-use crate::detection::metrics::{ApMethod, Evaluation, MetricSettings, evaluate};
+use crate::detection::metrics::{ApMethod, Evaluation, Image, MetricSettings, evaluate};
 use crate::export::write_aside;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
+/// `bathyscope evaluate SURVEY... [--truth FILE]`, `bathyscope evaluate --truth DIR --predicted DIR [-o PAGE.html]`.
 #[derive(Debug, clap::Args)]
 pub struct EvaluateArgs {
-    /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file
-    #[arg(long, value_name = "DIR")]
-    truth: PathBuf,
+    /// Logs to search, each held against the objects that are known to lie in it: those of LOG.objects.csv beside it
+    #[arg(conflicts_with = "predicted", value_name = "SURVEY")]
+    surveys: Vec<PathBuf>,
+    /// True boxes: a folder of YOLO labels (class cx cy w h), or a COCO file; of one log its table of objects, or a review
+    #[arg(long, value_name = "DIR|FILE", required_unless_present = "surveys")]
+    truth: Option<PathBuf>,
     /// Predicted boxes: a folder of YOLO labels (class cx cy w h score), or COCO results
-    #[arg(long, value_name = "DIR")]
-    predicted: PathBuf,
+    #[arg(long, value_name = "DIR", required_unless_present = "surveys")]
+    predicted: Option<PathBuf>,
+    /// Another YOLO model to search logs with than the one that comes with the program
+    #[arg(long, value_name = "MODEL.onnx", requires = "surveys")]
+    model: Option<PathBuf>,
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
@@ -30,10 +37,13 @@ pub struct EvaluateArgs {
     /// Intersection over union that makes a match
     #[arg(long, default_value_t = 0.5, value_parser = parse_share)]
     iou: f64,
-    /// Confidence from which boxes are counted; average precision counts all
-    #[arg(long, default_value_t = 0.25, value_parser = parse_share)]
-    score: f64,
+    /// Confidence from which boxes are counted (average precision counts all); without it the model's own, of labels 0.25
+    #[arg(long, value_parser = parse_share)]
+    score: Option<f64>,
 }
+
+/// Score of labels from which boxes are counted, as Darknet has it.
+const LABEL_SCORE: f64 = 0.25;
 
 fn parse_share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok();
@@ -42,10 +52,40 @@ fn parse_share(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it is a number from 0 to 1".to_owned())
 }
 
+/// Where one of the two sets of boxes comes from.
+struct Source {
+    /// What was read, in words.
+    format: String,
+    pictures: usize,
+    boxes: usize,
+    path: String,
+}
+
+impl Source {
+    fn of_labels(set: &LabelSet) -> Self {
+        Self {
+            format: set.format.name().to_owned(),
+            pictures: set.pictures.len(),
+            boxes: set.boxes(),
+            path: set.path.display().to_string(),
+        }
+    }
+}
+
+/// Boxes ready to be measured.
+struct Boxes {
+    truth: Source,
+    predicted: Source,
+    paired: Paired,
+    /// The same pictures with the boxes that average precision and curves are made of, where these are others.
+    ranked: Option<Vec<Image>>,
+    score: f64,
+}
+
 /// What was read and what came of it.
-struct Outcome<'a> {
-    truth: &'a LabelSet,
-    predicted: &'a LabelSet,
+struct Outcome {
+    truth: Source,
+    predicted: Source,
     paired: Paired,
     iou: f64,
     score: f64,
@@ -57,37 +97,54 @@ struct Outcome<'a> {
     coco: Evaluation,
 }
 
+impl Outcome {
+    /// Counts, confusion and mistakes are of the boxes that are shown; average precision and curves of the ranked ones.
+    fn of(boxes: Boxes, iou: f64) -> Self {
+        let classes = boxes.paired.classes.len();
+        let measure = |settings: MetricSettings| {
+            let settings = MetricSettings {
+                iou,
+                score: boxes.score as f32,
+                ..settings
+            };
+            let shown = evaluate(&boxes.paired.images, classes, &settings);
+            match &boxes.ranked {
+                Some(ranked) => evaluate(ranked, classes, &settings).counted_as(shown),
+                None => shown,
+            }
+        };
+        let darknet = MetricSettings::darknet();
+        Self {
+            eleven: measure(MetricSettings {
+                ap: ApMethod::Voc11,
+                ..darknet.clone()
+            }),
+            darknet: measure(darknet),
+            coco: measure(MetricSettings::coco()),
+            truth: boxes.truth,
+            predicted: boxes.predicted,
+            paired: boxes.paired,
+            iou,
+            score: boxes.score,
+        }
+    }
+}
+
 /// Measures, prints and draws.
 pub fn run(args: EvaluateArgs) -> Result<(), String> {
     if let Some(page) = &args.output {
         check_page(page)?;
     }
-    let truth = labels::read_truth(&args.truth).map_err(|error| error.to_string())?;
-    let predicted =
-        labels::read_predicted(&args.predicted, &truth).map_err(|error| error.to_string())?;
-    let paired = labels::pair(&truth, &predicted).map_err(|error| error.to_string())?;
-    let measure = |settings: MetricSettings| {
-        let settings = MetricSettings {
-            iou: args.iou,
-            score: args.score as f32,
-            ..settings
-        };
-        evaluate(&paired.images, paired.classes.len(), &settings)
+    let boxes = match (&args.truth, &args.predicted) {
+        (Some(truth), Some(predicted)) => of_labels(truth, predicted, args.score)?,
+        (truth, _) => surveys::search(
+            &args.surveys,
+            truth.as_deref(),
+            args.model.as_deref(),
+            args.score,
+        )?,
     };
-    let darknet = MetricSettings::darknet();
-    let outcome = Outcome {
-        eleven: measure(MetricSettings {
-            ap: ApMethod::Voc11,
-            ..darknet.clone()
-        }),
-        darknet: measure(darknet),
-        coco: measure(MetricSettings::coco()),
-        truth: &truth,
-        predicted: &predicted,
-        paired,
-        iou: args.iou,
-        score: args.score,
-    };
+    let outcome = Outcome::of(boxes, args.iou);
     if let Some(page) = &args.output {
         write_page(page, &html::of(&outcome))?;
     }
@@ -98,6 +155,18 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
         output::tell(format_args!("note: {note}"));
     }
     output::results(table::of(&outcome).trim_end())
+}
+
+fn of_labels(truth: &Path, predicted: &Path, score: Option<f64>) -> Result<Boxes, String> {
+    let truth = labels::read_truth(truth).map_err(|error| error.to_string())?;
+    let predicted = labels::read_predicted(predicted, &truth).map_err(|error| error.to_string())?;
+    Ok(Boxes {
+        paired: labels::pair(&truth, &predicted).map_err(|error| error.to_string())?,
+        truth: Source::of_labels(&truth),
+        predicted: Source::of_labels(&predicted),
+        ranked: None,
+        score: score.unwrap_or(LABEL_SCORE),
+    })
 }
 
 /// Refuses a name that is no page's before any work: labels of that name would be replaced.

@@ -1,7 +1,6 @@
 //! The figures as text.
 
-use super::Outcome;
-use crate::detection::labels::LabelSet;
+use super::{Outcome, Source};
 use crate::detection::metrics::{Cause, Counts};
 use std::fmt::Write as _;
 
@@ -38,16 +37,19 @@ fn width(outcome: &Outcome) -> usize {
 }
 
 fn read(outcome: &Outcome, text: &mut String) -> Written {
-    let mut line = |what: &str, set: &LabelSet| {
-        let (format, path) = (set.format.name(), set.path.display());
-        let (pictures, boxes) = (set.pictures.len(), set.boxes());
+    for (what, source) in [("truth", &outcome.truth), ("predicted", &outcome.predicted)] {
+        let Source {
+            format,
+            pictures,
+            boxes,
+            path,
+        } = source;
         writeln!(
             text,
             "{what:<10} {format}, {pictures} pictures, {boxes} boxes: {path}"
-        )
-    };
-    line("truth", outcome.truth)?;
-    line("predicted", outcome.predicted)
+        )?;
+    }
+    Ok(())
 }
 
 fn counts(outcome: &Outcome, text: &mut String) -> Written {

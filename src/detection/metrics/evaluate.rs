@@ -56,6 +56,33 @@ pub struct Evaluation {
     pub misses: Vec<Miss>,
 }
 
+impl Evaluation {
+    /// The same average precisions and curves with the counts, confusion and mistakes of others: of the boxes of the same
+    /// pictures that an analyst is shown.
+    pub fn counted_as(self, shown: Evaluation) -> Self {
+        let classes = self.classes.into_iter().zip(shown.classes);
+        let sizes = self.sizes.into_iter().zip(shown.sizes);
+        Self {
+            classes: classes
+                .map(|(ranked, shown)| ClassReport {
+                    counts: shown.counts,
+                    ..ranked
+                })
+                .collect(),
+            sizes: sizes
+                .map(|(ranked, shown)| SizeReport {
+                    counts: shown.counts,
+                    ..ranked
+                })
+                .collect(),
+            map: self.map,
+            map_50_95: self.map_50_95,
+            curve: self.curve,
+            ..shown
+        }
+    }
+}
+
 /// Measures predictions against truths of `classes` classes; boxes of classes beyond that are left out.
 pub fn evaluate(images: &[Image], classes: usize, settings: &MetricSettings) -> Evaluation {
     let matched = Matched::new(images, classes, settings);

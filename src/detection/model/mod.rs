@@ -106,6 +106,11 @@ impl Model {
         self.nms
     }
 
+    /// The same model with another rule of which boxes hide which.
+    pub fn with_nms(self, nms: Nms) -> Self {
+        Self { nms, ..self }
+    }
+
     /// One line: what the file was taken for, and by what.
     pub fn description(&self) -> &str {
         &self.description

@@ -2,10 +2,10 @@
 
 use super::LaidTruth;
 use crate::detection::metrics::{
-    AtScore, Cause, Confusion, Counts, CurvePoint, Image, Matched, MetricSettings, Truth,
+    AtScore, Cause, Confusion, Counts, CurvePoint, Matched, MetricSettings,
 };
 use crate::detection::review::{BoxId, Review, Reviewed};
-use crate::detection::{Raster, Rect, Scored, class_index};
+use crate::detection::{Raster, Rect, Scored};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -81,26 +81,15 @@ impl Comparison {
     /// when their names are.
     pub fn new(review: &Review, laid: Arc<LaidTruth>, raster: &Raster) -> Self {
         let mut classes = review.classes().to_vec();
-        let truth = laid.truth();
-        let class_of: Vec<usize> = (truth.classes.iter())
-            .map(|name| class_index(&mut classes, name))
-            .collect();
+        let mut images = laid.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];
-        let mut images = [Image::default(), Image::default()];
         for (index, side) in Side::BOTH.into_iter().enumerate() {
-            let image = &mut images[index];
-            image
-                .truth
-                .extend(laid.sides[index].iter().map(|(one, _)| Truth {
-                    class: class_of.get(one.class).copied().unwrap_or(usize::MAX),
-                    ..*one
-                }));
             let of_side = |one: &&Reviewed| one.mark.side == side;
             for (one, score) in
                 (review.boxes().filter(of_side)).filter_map(|one| Some((one, one.score?)))
             {
                 boxes[index].push(one.id);
-                image.predicted.push(Scored {
+                images[index].predicted.push(Scored {
                     class: one.class,
                     score,
                     rect: raster.rect_of(&one.mark),

@@ -2,7 +2,7 @@
 
 use super::Truth;
 use crate::detection::dataset::{Chip, Known};
-use crate::detection::{Raster, metrics};
+use crate::detection::{Raster, class_index, metrics};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -52,6 +52,25 @@ impl LaidTruth {
         Ok(Self {
             sides: Side::BOTH.map(on),
             truth,
+        })
+    }
+
+    /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the same where their names are;
+    /// those that only the truth has are added to them.
+    pub fn images(&self, classes: &mut Vec<String>) -> [metrics::Image; 2] {
+        let names = self.truth.classes.iter();
+        let class_of: Vec<usize> = names.map(|name| class_index(classes, name)).collect();
+        [0, 1].map(|side: usize| {
+            let of_side = self.sides[side].iter();
+            metrics::Image {
+                truth: of_side
+                    .map(|(one, _)| metrics::Truth {
+                        class: class_of.get(one.class).copied().unwrap_or(usize::MAX),
+                        ..*one
+                    })
+                    .collect(),
+                predicted: Vec::new(),
+            }
         })
     }
 

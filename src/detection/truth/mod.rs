@@ -15,6 +15,9 @@ pub use laid::LaidTruth;
 
 use super::dataset::Known;
 
+/// End of the name of the table of objects that `bathyscope simulate` writes beside a log, in place of the log's own.
+pub const BESIDE: &str = "objects.csv";
+
 /// Objects whose place in a survey is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {

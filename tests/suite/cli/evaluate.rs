@@ -117,3 +117,53 @@ fn evaluate_refuses_what_it_cannot_use() {
     args.extend(["--iou", "50"]);
     assert_eq!(bathyscope(folder, &args).status.code(), Some(2));
 }
+
+#[test]
+fn evaluate_searches_logs_whose_objects_are_known() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let make = [
+        "simulate",
+        "--dataset",
+        "set",
+        "--split",
+        "0/0/4",
+        "--per-scene",
+        "2",
+        "--seed",
+        "41",
+        "--surveys",
+    ];
+    run(folder, &make);
+    let logs = ["set/surveys/test/0000.sl2", "set/surveys/test/0001.sl2"];
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let text = run(folder, &[&["evaluate", "--json"], arguments].concat());
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let both = json(&logs);
+    assert_eq!(both["truth"]["pictures"], 4);
+    assert_eq!(both["all"]["truths"], both["truth"]["boxes"]);
+    let each = logs.map(|log| json(&[log]));
+    for what in ["truths", "found", "false_alarms"] {
+        let of = |one: &serde_json::Value| one["all"][what].as_u64().expect("a count");
+        assert_eq!(of(&both), each.iter().map(of).sum::<u64>(), "{what}");
+    }
+    let found = both["all"]["found"].as_u64().expect("a count");
+    assert!(found > 0, "{both:#}");
+    // A lower score finds no less; what average precision is made of does not hang on it.
+    let low = json(&[&logs[..], &["--score", "0.05"]].concat());
+    assert!(low["all"]["found"].as_u64() >= Some(found));
+    assert_eq!(low["all"]["map_coco"], both["all"]["map_coco"]);
+
+    fs::rename(
+        folder.join("set/surveys/test/0001.objects.csv"),
+        folder.join("known.csv"),
+    )
+    .expect("renamed");
+    let named = json(&[logs[1], "--truth", "known.csv"]);
+    assert_eq!(named["all"], each[1]["all"]);
+    let refused = |arguments: &[&str]| refusal(folder, &[&["evaluate"], arguments].concat(), 1);
+    assert!(refused(&[logs[1]]).contains("with --truth"));
+    let of_another = refused(&[logs[0], "--truth", "known.csv", logs[1]]);
+    assert!(of_another.contains("about one log"));
+}

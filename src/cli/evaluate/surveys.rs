@@ -1,0 +1,190 @@
+//! Logs whose objects are known: searched as `bathyscope detect` does, and held against them.
+
+use super::{Boxes, Source};
+use crate::cli::detect::load;
+use crate::cli::status_line::StatusLine;
+use crate::detection::labels::Paired;
+use crate::detection::metrics::Image;
+use crate::detection::review::{Identity, read_text};
+use crate::detection::truth::{self, LaidTruth, Truth};
+use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
+use crate::formats;
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use crate::survey::{Navigation, Side, Survey, navigate};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Confidence from which boxes take part in average precision, as in `training/evaluate.py`.
+const LEAST_SCORE: f32 = 0.01;
+
+/// Searches every log twice: at the score, by the model's own rule of which boxes hide which, for what an analyst is shown; and
+/// for average precision down to [`LEAST_SCORE`], where a box hides only others of its class, as Darknet and COCO have it.
+pub fn search(
+    logs: &[PathBuf],
+    truth: Option<&Path>,
+    model: Option<&Path>,
+    score: Option<f64>,
+) -> Result<Boxes, String> {
+    if let (Some(_), [_, _, ..]) = (truth, logs) {
+        return Err(
+            "--truth is about one log; of several each has its LOG.objects.csv beside it".into(),
+        );
+    }
+    let shown = load(model)?;
+    let nms = Nms {
+        across_classes: false,
+        ..shown.nms()
+    };
+    let score = score.unwrap_or(f64::from(shown.score()));
+    let mut found = Found::new(&shown);
+    let searches = [
+        (load(model)?.with_nms(nms), LEAST_SCORE),
+        (shown, score as f32),
+    ];
+    let status = StatusLine::new(&Progress::new());
+    for (number, log) in (1..).zip(logs) {
+        status.step(&format!("log {number} of {}", logs.len()));
+        let fail = |error: String| format!("{error}: {}", log.display());
+        let known = Known::open(log, truth, searches[0].0.pixel_m())?;
+        found.add(&known, &searches).map_err(fail)?;
+    }
+    drop(status);
+    Ok(found.finish(logs, score))
+}
+
+/// A log and what lies in it.
+struct Known {
+    survey: Survey,
+    navigation: Navigation,
+    raster: Raster,
+    laid: LaidTruth,
+}
+
+impl Known {
+    fn open(log: &Path, truth: Option<&Path>, pixel_m: f64) -> Result<Self, String> {
+        let progress = Progress::new();
+        let survey = formats::open(log, &progress).map_err(|error| error.to_string())?;
+        let beside = log.with_extension(truth::BESIDE);
+        let path = truth.unwrap_or(&beside);
+        if truth.is_none() && !path.is_file() {
+            return Err(format!(
+                "nothing is known of the objects in this log; name a table of them or a review with --truth: {}",
+                log.display()
+            ));
+        }
+        let text = read_text(path, "truth").map_err(|error| error.to_string())?;
+        let truth = Truth::parse(&text, &Identity::of(&survey))
+            .map_err(|error| format!("{error}: {}", path.display()))?;
+        let settings = Settings::default();
+        let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)
+            .map_err(|error| error.to_string())?;
+        let raster = Raster::new(&survey, &navigation, pixel_m);
+        let laid = LaidTruth::new(&survey, &raster, Arc::new(truth), &progress)
+            .map_err(|error| error.to_string())?;
+        Ok(Self {
+            survey,
+            navigation,
+            raster,
+            laid,
+        })
+    }
+
+    /// The boxes of a search, by side.
+    fn search(&self, model: &Model, score: f32) -> Result<[Vec<Scored>; 2], String> {
+        let settings = DetectorSettings {
+            score: Some(score),
+            ..DetectorSettings::default()
+        };
+        let progress = Progress::new();
+        let found = find(
+            &self.survey,
+            &self.navigation,
+            model,
+            &settings,
+            &progress,
+            |_| (),
+        )
+        .map_err(|error| error.to_string())?;
+        Ok(Side::BOTH.map(|side| {
+            let of_side = found.iter().filter(|one| one.mark.side == side);
+            let scored = of_side.map(|one| Scored {
+                class: one.class,
+                score: one.score,
+                rect: self.raster.rect_of(&one.mark),
+            });
+            scored.collect()
+        }))
+    }
+}
+
+/// What was found so far: a picture for each side of each log.
+struct Found {
+    classes: Vec<String>,
+    names: Vec<String>,
+    ranked: Vec<Image>,
+    shown: Vec<Image>,
+}
+
+impl Found {
+    fn new(model: &Model) -> Self {
+        Self {
+            classes: model.names().to_vec(),
+            names: Vec::new(),
+            ranked: Vec::new(),
+            shown: Vec::new(),
+        }
+    }
+
+    /// Searches a log with both.
+    fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), String> {
+        let name = known.survey.name();
+        let images = known.laid.images(&mut self.classes);
+        for ((model, score), into) in searches.iter().zip([&mut self.ranked, &mut self.shown]) {
+            let boxes = known.search(model, *score)?;
+            let pictures = images.iter().zip(boxes).map(|(image, predicted)| Image {
+                truth: image.truth.clone(),
+                predicted,
+            });
+            into.extend(pictures);
+        }
+        let sides = Side::BOTH.map(|side| format!("{name}, {}", side.name()));
+        self.names.extend(sides);
+        Ok(())
+    }
+
+    fn finish(self, logs: &[PathBuf], score: f64) -> Boxes {
+        let path = match logs {
+            [log] => log.display().to_string(),
+            [first, rest @ ..] => format!("{} and {} more", first.display(), rest.len()),
+            [] => String::new(),
+        };
+        let source = |format: &str, boxes: usize| Source {
+            format: format.to_owned(),
+            pictures: self.names.len(),
+            boxes,
+            path: path.clone(),
+        };
+        let counted = |image: &Image| image.truth.iter().filter(|one| !one.ignored).count();
+        let unseen = |image: &Image| image.truth.iter().filter(|one| one.ignored).count();
+        let unseen: usize = self.shown.iter().map(unseen).sum();
+        let note = format!(
+            "{unseen} more objects lie there that nobody could see in the echoes; they count neither as found nor as missed"
+        );
+        Boxes {
+            truth: source("known objects", self.shown.iter().map(counted).sum()),
+            predicted: source(
+                "objects found",
+                self.shown.iter().map(|image| image.predicted.len()).sum(),
+            ),
+            paired: Paired {
+                names: self.names,
+                images: self.shown,
+                classes: self.classes,
+                notes: if unseen > 0 { vec![note] } else { Vec::new() },
+            },
+            ranked: Some(self.ranked),
+            score,
+        }
+    }
+}
