@@ -215,6 +215,9 @@ impl App {
         let Some(text) = self.profile_csv() else {
             return;
         };
+        if self.refuses_log(&path) {
+            return;
+        }
         match export::write_profile_csv(&path, &text) {
             Ok(()) => self.tell(
                 format!("Wrote the depth profile to {}", path.display()),

@@ -6,9 +6,10 @@ use super::measuring::Measuring;
 use super::preview::Request;
 use super::tabulating::Tabulating;
 use super::{Action, App, History, Notice, Origin, Outcome, Task};
+use crate::export::is_same_file;
 use crate::pipeline::{Products, Settings};
 use crate::survey::Survey;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Logs remembered.
@@ -167,6 +168,21 @@ impl App {
             is_error,
             offer: None,
         });
+    }
+
+    /// Whether a file that is to be written is one of the open log's, which nothing is written over; says so.
+    pub(super) fn refuses_log(&mut self, path: &Path) -> bool {
+        let is_this = |file: &PathBuf| is_same_file(file, path);
+        let is_log =
+            (self.survey.as_ref()).is_some_and(|survey| survey.source.files.iter().any(is_this));
+        if is_log {
+            let path = path.display();
+            self.tell(
+                format!("that is the log itself; choose another name: {path}"),
+                true,
+            );
+        }
+        is_log
     }
 
     /// Tells the analyst a sentence, and what can be done about it.

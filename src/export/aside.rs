@@ -14,6 +14,12 @@ pub struct ExportError {
     pub source: io::Error,
 }
 
+/// Whether two paths name the same file, which is there: by whatever folder, link or spelling.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let there = [one, other].map(fs::canonicalize);
+    matches!(there, [Ok(one), Ok(other)] if one == other)
+}
+
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
 /// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
 /// handed on.
@@ -48,6 +54,21 @@ pub fn write_aside<T>(
 mod tests {
     use super::*;
     use std::io::Write as _;
+
+    #[test]
+    fn one_file_by_two_names_is_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let [log, other] = ["pond.sl2", "bay.sl2"].map(|name| folder.path().join(name));
+        fs::write(&log, b"log").unwrap();
+        fs::write(&other, b"log").unwrap();
+        assert!(is_same_file(
+            &log,
+            &folder.path().join(".").join("pond.sl2")
+        ));
+        assert!(!is_same_file(&log, &other));
+        let missing = folder.path().join("none");
+        assert!(!is_same_file(&missing, &missing));
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

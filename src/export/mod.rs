@@ -27,7 +27,7 @@ mod summary;
 mod track;
 mod vector;
 
-pub use aside::{ExportError, write_aside};
+pub use aside::{ExportError, is_same_file, write_aside};
 pub use chip_folder::ChipFolder;
 pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;

@@ -32,14 +32,7 @@ impl App {
 
     /// Writes the review.
     pub(in crate::app) fn save_review(&mut self, path: PathBuf) {
-        if let Some(survey) = &self.survey
-            && survey.source.files.contains(&path)
-        {
-            let text = format!(
-                "that is the log itself; choose another name: {}",
-                path.display()
-            );
-            self.tell(text, true);
+        if self.refuses_log(&path) {
             return;
         }
         let text = self.reviewing.review.to_json();

@@ -276,7 +276,10 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     });
     let beside = app_now.review_path().expect("a place for the review");
     assert_eq!(beside, folder.path().join("other.review.json"));
-    app_now.apply(Command::SaveReview(log.clone()));
+    // The same file, spelt in another way.
+    app_now.apply(Command::SaveReview(
+        folder.path().join(".").join("other.sl2"),
+    ));
     assert_eq!(
         fs::read(&log).expect("the log").len(),
         bytes.len() / 2,
