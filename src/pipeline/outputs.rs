@@ -8,12 +8,12 @@ use super::{
     MosaicWritten, NamedComparison, Product, Products, Settings, write_depth, write_mosaic,
 };
 use crate::bathymetry::Surface;
-use crate::export;
+use crate::export::{self, is_same_file};
 use crate::geo::MapPlane;
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What was written.
 #[derive(Clone, Debug)]
@@ -45,6 +45,7 @@ pub fn write_products(
     on_step("writing");
     // Before the work: a system that does not fit should not cost a hash of all inputs first.
     let map = map_plane(survey, &products.settings)?;
+    spare_inputs(survey, products, folder)?;
     let mut report = Report::new(survey, products, progress).map_err(|error| error.to_string())?;
     std::fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
@@ -84,6 +85,43 @@ pub fn write_products(
         surface: depth.surface,
         comparisons: depth.comparisons,
     })
+}
+
+/// Names of products without their endings.
+const STEMS: [&str; 15] = [
+    "cloud",
+    "depth",
+    "depth_areas",
+    "detections",
+    "distance",
+    "first_returns",
+    "footprint",
+    "isobaths",
+    "merged",
+    "mosaic",
+    "report",
+    "residuals",
+    "storage",
+    "track",
+    "uncertainty",
+];
+
+/// Refuses a folder in which a product would be written over a file that it is made from: `track.gpx` of another receiver.
+fn spare_inputs(survey: &Survey, products: &Products, folder: &Path) -> Result<(), String> {
+    let gauge = products.correction.gauge().map(|gauge| &gauge.path);
+    let at_risk = |input: &&PathBuf| {
+        let stem = input.file_stem().unwrap_or_default();
+        STEMS.iter().any(|name| stem.eq_ignore_ascii_case(name))
+            && (input.file_name()).is_some_and(|name| is_same_file(&folder.join(name), input))
+    };
+    let mut inputs = survey.source.files.iter().chain(gauge);
+    match inputs.find(at_risk) {
+        Some(input) => Err(format!(
+            "a product might be written over this input; choose another folder, or rename it: {}",
+            input.display()
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Writes `report.json`; again once more products, and warnings about them, have come.

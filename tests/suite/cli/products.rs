@@ -278,6 +278,11 @@ fn another_receivers_track_takes_the_place_of_the_recorders() {
             .contains("rtk.csv, 1 s later")
     );
     assert_eq!(report["inputs"].as_array().unwrap().len(), 2);
+    // Beside its products it would be written over.
+    fs::copy(folder.join("rtk.csv"), folder.join("rtk/track.csv")).unwrap();
+    let over = ["rtk", "--track", "rtk/track.csv"];
+    let refused = refusal(folder, &[&process[..], &over].concat(), 1);
+    assert!(refused.contains("written over"), "{refused}");
     let late = ["late", "--track", "rtk.csv", "--set", "track.offset_s=9000"];
     assert!(refusal(folder, &[&process[..], &late].concat(), 1).contains("covers no ping"));
 }
