@@ -189,6 +189,19 @@ impl Layout {
         .boxed()
     }
 
+    /// The same with all ranges times a factor: where sound runs at another speed than the recorder took.
+    pub fn with_range_factor(mut self, factor: f64) -> Self {
+        for ranges in self.ranges.iter_mut().flatten().flatten() {
+            ranges.start_m = (f64::from(ranges.start_m) * factor) as f32;
+            ranges.step_m = (f64::from(ranges.step_m) * factor) as f32;
+        }
+        for altitude_m in self.altitudes_m.iter_mut().flatten() {
+            *altitude_m = (f64::from(*altitude_m) * factor) as f32;
+        }
+        self.far_m *= factor;
+        self.boxed()
+    }
+
     /// How far the boat and the ends of its swath are from one ping to another, metres.
     fn moved_m(&self, from: usize, to: usize) -> f64 {
         let (Some(from), Some(to)) = (self.placed[from], self.placed[to]) else {

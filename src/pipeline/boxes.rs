@@ -1,11 +1,10 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
-use super::Products;
 use super::detections::number_objects;
 use super::lessons::Lessons;
+use super::{Placing, Products};
 use crate::detection::Raster;
 use crate::detection::review::{Review, State};
-use crate::detection::targets::Placer;
 use crate::export::{self, ObjectRow, Part};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -86,11 +85,12 @@ pub fn reviewed_rows<'a>(
     review: &'a Review,
     progress: &Progress,
 ) -> Result<Vec<ObjectRow<'a>>, String> {
-    let placer = Placer::new(
+    let placing = Placing::new(
         survey,
         &products.navigation,
         &products.returns,
         &products.calibration,
+        &products.correction,
     );
     let mut rows = Vec::with_capacity(review.boxes().len());
     for one in review.boxes() {
@@ -101,7 +101,7 @@ pub fn reviewed_rows<'a>(
             score: one.score,
             state: one.state.name(),
             mark: &one.mark,
-            target: placer.place(&one.mark),
+            target: placing.place(&one.mark),
             object: None,
             note: &one.note,
         });

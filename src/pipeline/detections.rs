@@ -1,8 +1,8 @@
 //! Searches a survey for objects and writes what was found.
 
 use super::record::{Coordinates, Made, write_record};
-use super::{Products, Report};
-use crate::detection::targets::{GroupSettings, Placer, Sighting, group};
+use super::{Placing, Products, Report};
+use crate::detection::targets::{GroupSettings, Sighting, group};
 use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
 use crate::export::{self, ObjectRow, Summary};
 use crate::progress::Progress;
@@ -113,9 +113,10 @@ pub fn proposed_rows<'a>(
         navigation,
         returns,
         calibration,
+        correction,
         ..
     } = products;
-    let placer = Placer::new(survey, navigation, returns, calibration);
+    let placing = Placing::new(survey, navigation, returns, calibration, correction);
     let mut rows: Vec<ObjectRow<'a>> = (1..)
         .zip(found)
         .map(|(id, one)| ObjectRow {
@@ -124,7 +125,7 @@ pub fn proposed_rows<'a>(
             score: Some(one.score),
             state: State::Proposed.name(),
             mark: &one.mark,
-            target: placer.place(&one.mark),
+            target: placing.place(&one.mark),
             object: None,
             note: "",
         })

@@ -35,6 +35,7 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> La
         &products.settings.mosaic,
         |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
     )
+    .with_range_factor(products.correction.range_factor())
 }
 
 /// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF of
@@ -100,9 +101,11 @@ fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
         regardless_of: &[
             "cloud",
             "detector",
+            "draft_m",
             "isobaths",
             "outliers",
             "surface",
+            "water_level",
             "water_level_m",
         ],
     }

@@ -1,12 +1,14 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
 use bathyscope::calibration::{Calibration, CalibrationSettings, calibrate};
+use bathyscope::cloud::Correction;
 use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{
     Group, GroupSettings, Placer, Sighting as Claim, Target, group, passes_over,
 };
 use bathyscope::first_return::{self, FirstReturnSettings, FirstReturns, ImageSettings};
 use bathyscope::formats;
+use bathyscope::pipeline::{Placing, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Sighting, Simulated, simulate};
 use bathyscope::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
@@ -83,6 +85,48 @@ fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
         }
     }
     all
+}
+
+#[test]
+fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
+    let sailed = sail(&Scene::default(), 3);
+    let mut settings = Settings::default();
+    for known in ["draft_m=0.3", "water_level_m=0.5", "sound_speed.m_s=1455"] {
+        settings = settings.with_assignment(known).expect("a setting");
+    }
+    let [plain, corrected] = [Settings::default(), settings]
+        .map(|settings| Correction::new(settings.depth(), &sailed.survey));
+    let placing = |correction| {
+        let Sailed {
+            survey,
+            navigation,
+            returns,
+            calibration,
+            ..
+        } = &sailed;
+        Placing::new(survey, navigation, returns, calibration, correction)
+    };
+    let (plain, corrected) = (placing(&plain), placing(&corrected));
+    let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
+    let marks: Vec<Mark> = seen
+        .filter_map(|seen| true_box(&sailed.survey, seen))
+        .collect();
+    assert!(marks.len() > 3);
+    let factor = 1455.0 / 1500.0;
+    for mark in &marks {
+        let (Some(before), Some(after)) = (plain.place(mark), corrected.place(mark)) else {
+            continue;
+        };
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-9;
+        assert!(near(after.slant_m, factor * before.slant_m));
+        // The height of an object is held to limits in metres.
+        assert!((after.ground_m - factor * before.ground_m).abs() < 0.02);
+        assert!(near(after.altitude_m, factor * before.altitude_m));
+        assert!(near(before.depth_m, before.altitude_m));
+        assert!(near(after.depth_m, after.altitude_m + 0.3 - 0.5));
+        let off_m = f64::hypot(after.east_m - before.east_m, after.north_m - before.north_m);
+        assert!(near(off_m, (before.ground_m - after.ground_m).abs()));
+    }
 }
 
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {

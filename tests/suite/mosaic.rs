@@ -9,7 +9,7 @@ use bathyscope::mosaic::{
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate};
-use bathyscope::survey::Survey;
+use bathyscope::survey::{Side, Survey};
 use std::sync::Arc;
 
 struct Sailed {
@@ -398,4 +398,38 @@ fn a_turned_plane_turns_the_mosaic() {
         }
     }
     assert!(all > 1000 && same * 100 > all * 98, "{same} of {all}");
+}
+
+#[test]
+fn ranges_follow_the_speed_of_sound() {
+    let sailed = sail(&quiet_line(), 4);
+    let products = &sailed.products;
+    let layout = Layout::new(
+        &sailed.survey,
+        &products.navigation,
+        &products.returns,
+        &products.calibration,
+        &MosaicSettings::default(),
+        |place| place,
+    );
+    let slower = layout.clone().with_range_factor(0.97);
+    let mut seen = 0;
+    for ping in 0..sailed.survey.side_scan.len() {
+        let rays = [&layout, &slower].map(|layout| layout.ray(ping, Side::Port));
+        let [Some(before), Some(after)] = rays else {
+            continue;
+        };
+        seen += 1;
+        let near = |found: f64, expected: f64| (found - expected).abs() < 1e-4;
+        assert!(near(after.altitude_m, 0.97 * before.altitude_m));
+        assert!(near(after.reach_m(false), 0.97 * before.reach_m(false)));
+        assert!(near(after.range_m(100.0), 0.97 * before.range_m(100.0)));
+        assert_eq!(after.at, before.at);
+    }
+    assert!(seen > 50);
+    let width = |layout: &Layout| {
+        let [west, south, east, north] = layout.bounds().expect("ground");
+        (east - west).min(north - south)
+    };
+    assert!(width(&slower) < width(&layout));
 }

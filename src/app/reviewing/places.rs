@@ -4,11 +4,12 @@
 use super::Reviewing;
 use crate::app::{App, Outcome, Task};
 use crate::calibration::Calibration;
+use crate::cloud::Correction;
 use crate::detection::Mark;
 use crate::detection::review::BoxId;
-use crate::detection::targets::{Placer, Target};
+use crate::detection::targets::Target;
 use crate::first_return::FirstReturns;
-use crate::pipeline::Products;
+use crate::pipeline::{Placing, Products};
 use crate::survey::Navigation;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -29,6 +30,7 @@ struct Ground {
     navigation: Arc<Navigation>,
     returns: Arc<FirstReturns>,
     calibration: Arc<Calibration>,
+    correction: Arc<Correction>,
 }
 
 impl Ground {
@@ -37,6 +39,7 @@ impl Ground {
             navigation: products.navigation.clone(),
             returns: products.returns.clone(),
             calibration: products.calibration.clone(),
+            correction: products.correction.clone(),
         }
     }
 
@@ -44,6 +47,8 @@ impl Ground {
         Arc::ptr_eq(&self.navigation, &other.navigation)
             && Arc::ptr_eq(&self.returns, &other.returns)
             && Arc::ptr_eq(&self.calibration, &other.calibration)
+            && (Arc::ptr_eq(&self.correction, &other.correction)
+                || self.correction == other.correction)
     }
 }
 
@@ -140,10 +145,11 @@ impl App {
                 navigation,
                 returns,
                 calibration,
+                correction,
             } = &from;
-            let placer = Placer::new(&survey, navigation, returns, calibration);
+            let placing = Placing::new(&survey, navigation, returns, calibration, correction);
             let entry = |(id, mark): (BoxId, Mark)| {
-                let placed = placer.place(&mark).map(|target| {
+                let placed = placing.place(&mark).map(|target| {
                     let corners = corners(navigation, &target);
                     Arc::new(Placed { target, corners })
                 });

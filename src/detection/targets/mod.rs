@@ -52,7 +52,7 @@ pub struct Target {
     /// is from the box's, a bottom that slopes by two degrees, and a top that may be flat or round. What casts no shadow of
     /// its own (the far side of a wide object, a branch in the shadow of the trunk) cannot be known.
     pub height_sigma_m: f64,
-    /// Depth of the bottom below the transducer.
+    /// Depth of the bottom below the transducer; below the level that depths count from, once the pipeline has corrected it.
     pub depth_m: f64,
     /// Standard deviation of the position in the worse direction. It holds the resolution in range, the heading and the
     /// rounding of the fixes, not the receiver's own error, which is the same for all objects of a line.

@@ -22,6 +22,8 @@ pub struct Placer<'a> {
     navigation: &'a Navigation,
     returns: &'a FirstReturns,
     calibration: &'a Calibration,
+    /// What recorded ranges and depths are multiplied with.
+    range_factor: f64,
     /// Distance sailed up to each ping, metres.
     sailed_m: Vec<f64>,
 }
@@ -49,7 +51,16 @@ impl<'a> Placer<'a> {
             navigation,
             returns,
             calibration,
+            range_factor: 1.0,
             sailed_m,
+        }
+    }
+
+    /// The same with all ranges and depths times a factor: where sound runs at another speed than the recorder took.
+    pub fn with_range_factor(self, range_factor: f64) -> Self {
+        Self {
+            range_factor,
+            ..self
         }
     }
 
@@ -121,7 +132,7 @@ impl<'a> Placer<'a> {
                 .filter(|depth_m| *depth_m > 0.0)
                 .collect();
         }
-        let altitude_m = median(&mut depths_m);
+        let altitude_m = median(&mut depths_m) * self.range_factor;
         (altitude_m > 0.0).then_some(altitude_m)
     }
 
@@ -129,7 +140,7 @@ impl<'a> Placer<'a> {
     fn seen(&self, mark: &Mark, span: &SideSpan, altitude_m: f64) -> Seen {
         let calibrated = |recorded_m: f64| {
             let sample = span.sample_at(recorded_m);
-            self.calibration.range_m(span, sample).max(0.0)
+            self.calibration.range_m(span, sample).max(0.0) * self.range_factor
         };
         let found = parts(self.survey, mark);
         // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.

@@ -27,6 +27,7 @@ pub struct MosaicKey {
     navigation: Same<Navigation>,
     returns: Same<FirstReturns>,
     calibration: Same<Calibration>,
+    range_factor: f64,
     settings: MosaicSettings,
 }
 
@@ -39,6 +40,7 @@ impl MosaicKey {
             navigation: Same(products.navigation.clone()),
             returns: Same(products.returns.clone()),
             calibration: Same(products.calibration.clone()),
+            range_factor: products.correction.range_factor(),
             settings: MosaicSettings {
                 cell_m: fresh.cell_m,
                 ..products.settings.mosaic.clone()
@@ -61,7 +63,8 @@ pub fn source(
         &products.calibration,
         &settings,
         |place| place,
-    );
+    )
+    .with_range_factor(products.correction.range_factor());
     let Some(bounds) = layout.bounds() else {
         return Some(None);
     };

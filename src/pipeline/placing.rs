@@ -1,0 +1,44 @@
+//! Objects on the bottom, with what is known of water and transducer: as the points of the cloud are.
+
+use crate::calibration::Calibration;
+use crate::cloud::Correction;
+use crate::detection::Mark;
+use crate::detection::targets::{Placer, Target};
+use crate::first_return::FirstReturns;
+use crate::survey::{Navigation, Survey};
+
+/// Places boxes of one survey.
+pub struct Placing<'a> {
+    placer: Placer<'a>,
+    survey: &'a Survey,
+    correction: &'a Correction,
+}
+
+impl<'a> Placing<'a> {
+    /// Gets ready for the boxes of a survey.
+    pub fn new(
+        survey: &'a Survey,
+        navigation: &'a Navigation,
+        returns: &'a FirstReturns,
+        calibration: &'a Calibration,
+        correction: &'a Correction,
+    ) -> Self {
+        let placer = Placer::new(survey, navigation, returns, calibration);
+        Self {
+            placer: placer.with_range_factor(correction.range_factor()),
+            survey,
+            correction,
+        }
+    }
+
+    /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
+    pub fn place(&self, mark: &Mark) -> Option<Target> {
+        let target = self.placer.place(mark)?;
+        let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+        let ping = self.survey.side_scan.get(middle)?;
+        Some(Target {
+            depth_m: -self.correction.z_m(ping.time_s, target.altitude_m),
+            ..target
+        })
+    }
+}
