@@ -40,6 +40,8 @@ actions! {
     OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";
     CloseBaseMap, "Remove the base map", None, "Takes the picture under the map away.";
     Export, "Export products…", Some("Ctrl+E"), "Writes points, track, depth maps, isobaths and mosaic into a folder.";
+    CompareWith, "Compare with…", None, "Holds the points against a reference: points of a file, a GeoTIFF, or another log over the same water.";
+    CloseReference, "Leave the reference", None, "Compares side-scan with the survey's own soundings again.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
@@ -75,6 +77,7 @@ actions! {
     MosaicLayer, "Layer: mosaic", None, "Shows or hides the side-scan mosaic on the map.";
     IsobathLayer, "Layer: isobaths", None, "Shows or hides the lines of equal depth on the map.";
     PointLayer, "Layer: points", None, "Shows or hides the points of the cloud on the map.";
+    ResidualLayer, "Layer: residuals", None, "Shows or hides on the map how each point differs from a reference.";
     TrackLayer, "Layer: track", None, "Shows or hides the boat's track on the map.";
     BoxLayer, "Layer: boxes", None, "Shows or hides the objects on the map.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";

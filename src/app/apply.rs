@@ -36,6 +36,8 @@ impl App {
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
             Command::Tabulate => self.tabulate(),
+            Command::CompareWith(path) => self.compare_with(path),
+            Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(wish) => self.measure(wish),
             Command::OpenBaseMap(path) => self.open_base_map(path),
             Command::SaveProfile(path) => self.save_profile(path),
@@ -168,6 +170,7 @@ impl App {
             Action::MosaicLayer => self.options.map.layers.toggle(MapLayer::Mosaic),
             Action::IsobathLayer => self.options.map.layers.toggle(MapLayer::Isobaths),
             Action::PointLayer => self.options.map.layers.toggle(MapLayer::Points),
+            Action::ResidualLayer => self.options.map.layers.toggle(MapLayer::Residuals),
             Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
             Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
             Action::SideColours => {
@@ -177,6 +180,7 @@ impl App {
                 }
             }
             Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
+            Action::CloseReference => self.leave_reference(),
             Action::CloseBaseMap => self.close_base_map(),
             Action::Swipe => self.options.map.swipe.toggle(&mut self.options.map.layers),
             Action::Graticule => self.options.map.graticule = !self.options.map.graticule,
@@ -238,6 +242,7 @@ impl App {
     }
 
     fn update(&mut self) {
+        self.tabulating.resume();
         if self.products.is_none() || self.stale().is_some() {
             self.process();
         }

@@ -1,6 +1,8 @@
 //! Everything the window can ask for.
 
-use super::{Action, LayoutPreset, Mark, Measure, MistakeSort, Nudge, View, ViewOptions};
+use super::{
+    Action, LayoutPreset, Mark, Measure, MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
+};
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
@@ -43,8 +45,17 @@ pub enum Command {
     Reveal(Mark),
     /// The waterfall shows these pings now.
     Visible(Range<usize>),
-    /// The tables of residuals are in view: make them, if they are not there.
+    /// Residuals are in view: compare the points, if that is not done.
     Tabulate,
+    /// Hold the points against a file of points (with its columns, perhaps: `FILE:x,y,z`) or against another log.
+    CompareWith(PathBuf),
+    /// Take the reference of a point from elsewhere.
+    MatchBy {
+        /// From where.
+        by: ReferenceBy,
+        /// How far the nearest point may be, metres.
+        radius_m: f64,
+    },
     /// Move the keyboard focus to a view.
     Focus(View),
     /// Arrange the views.

@@ -3,7 +3,7 @@
 use super::{App, Jobs, Outcome, Task};
 use crate::detection::review::{Review, State};
 use crate::handover::{self, Objects};
-use crate::pipeline::{Product, reviewed_rows, write_products};
+use crate::pipeline::{Agreement, Product, reviewed_rows, write_comparison, write_products};
 use crate::progress::Progress;
 use std::path::PathBuf;
 
@@ -30,7 +30,8 @@ impl Exporting {
 }
 
 impl App {
-    /// Writes the products that are wanted, the report with the boxes as they are decided, into a folder.
+    /// Writes the products that are wanted, the comparison with the reference among them, and the report with the boxes as they
+    /// are decided, into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
             return;
@@ -41,11 +42,21 @@ impl App {
         let left_out = &self.options.left_out;
         let wanted = Product::ALL.into_iter();
         let wanted: Vec<Product> = wanted.filter(|one| !left_out.contains(one)).collect();
+        let against = self.comparing.against(&products);
+        let against = against.filter(|_| wanted.contains(&Product::Residuals));
         let boxes = (self.reviewing.has_boxes()).then_some(&self.reviewing.review);
         let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
             let mut written =
                 write_products(&survey, &products, &wanted, &folder, progress, |_| ())?;
+            if let Some((reference, matching)) = &against {
+                let agreement =
+                    Agreement::with_reference(&survey, &products, reference, *matching, progress)?;
+                let report = &written.report;
+                let names =
+                    write_comparison(&survey, &products, &agreement, report, &folder, progress)?;
+                written.files.extend(names);
+            }
             let reviewed = boxes.as_ref().map(|(review, raster)| {
                 let rows = reviewed_rows(&survey, &products, review, progress)?;
                 Ok::<_, String>((rows, raster, told(review)))

@@ -20,13 +20,15 @@ pub enum MapLayer {
     Points,
     /// The boat's track.
     Track,
+    /// How points differ from a reference.
+    Residuals,
     /// Boxes of objects.
     Boxes,
 }
 
 impl MapLayer {
     /// All layers in their order at first, bottom first.
-    pub const ALL: [MapLayer; 8] = [
+    pub const ALL: [MapLayer; 9] = [
         MapLayer::BaseMap,
         MapLayer::DepthMap,
         MapLayer::HillShade,
@@ -34,6 +36,7 @@ impl MapLayer {
         MapLayer::Isobaths,
         MapLayer::Points,
         MapLayer::Track,
+        MapLayer::Residuals,
         MapLayer::Boxes,
     ];
 
@@ -46,6 +49,7 @@ impl MapLayer {
             MapLayer::Mosaic => "Mosaic",
             MapLayer::Isobaths => "Isobaths",
             MapLayer::Points => "Points",
+            MapLayer::Residuals => "Residuals",
             MapLayer::Track => "Track",
             MapLayer::Boxes => "Boxes",
         }
@@ -62,6 +66,9 @@ impl MapLayer {
             MapLayer::Mosaic => "All side-scan echoes at their place on the ground.",
             MapLayer::Isobaths => "Lines of equal depth, with their depths.",
             MapLayer::Points => "Where on the ground the points of the cloud lie, by side.",
+            MapLayer::Residuals => {
+                "How each point differs from a reference: red is shallower, blue deeper."
+            }
             MapLayer::Track => "The boat's track, coloured by depth.",
             MapLayer::Boxes => "Objects on the bottom, marked by what was decided about them.",
         }
@@ -83,8 +90,11 @@ impl LayerShown {
     fn at_first(layer: MapLayer) -> Self {
         Self {
             layer,
-            // A mosaic hides the depths that it lies on; points are for a closer look.
-            visible: !matches!(layer, MapLayer::Mosaic | MapLayer::Points),
+            // A mosaic hides the depths that it lies on; points and what they are worth are for a closer look.
+            visible: !matches!(
+                layer,
+                MapLayer::Mosaic | MapLayer::Points | MapLayer::Residuals
+            ),
             opacity: 1.0,
         }
     }

@@ -7,6 +7,7 @@ mod action;
 mod apply;
 mod base_map;
 mod command;
+mod comparing;
 mod exporting;
 mod figures;
 mod history;
@@ -24,6 +25,7 @@ mod work;
 
 pub use action::{Action, Keys};
 pub use command::Command;
+pub use comparing::{Comparing, ReferenceBy};
 pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};

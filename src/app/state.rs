@@ -1,6 +1,7 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
 use super::base_map::OpeningBaseMap;
+use super::comparing::Comparing;
 use super::exporting::Exporting;
 use super::loader::Loading;
 use super::measuring::Measuring;
@@ -107,6 +108,8 @@ pub struct App {
     pub figures: Option<Figures>,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
+    /// What the points are held against.
+    pub comparing: Comparing,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
     /// The boxes and what is decided about them.
@@ -146,6 +149,7 @@ impl App {
             notices: Vec::new(),
             figures: None,
             base_map: None,
+            comparing: Comparing::default(),
             measuring: Measuring::default(),
             reviewing: Reviewing::default(),
             history: History::default(),
@@ -216,6 +220,7 @@ impl App {
             && !self.previewer.is_busy()
             && self.counting.is_none()
             && !self.tabulating.is_busy()
+            && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
             && !self.reviewing.is_busy()

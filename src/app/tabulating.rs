@@ -1,29 +1,107 @@
-//! The tables of residuals: made when they come into view, for they triangulate all soundings.
+//! How points agree with a reference: found out when somebody looks, for it takes a triangulation of all soundings.
 
 use super::{App, Outcome, Task};
-use crate::pipeline::{ResidualTables, residual_tables};
+use crate::bathymetry::SurfaceSettings;
+use crate::bathymetry::compare::Matching;
+use crate::pipeline::{Agreement, Products, Reference};
 use std::sync::Arc;
 
-/// Tables, and the work on them.
+/// Said when comparing was stopped, and what to do.
+const STOPPED: &str = "Comparing was stopped; Update results starts it again.";
+
+/// An agreement, or why there is none.
+type Found = Result<Option<Agreement>, String>;
+
+/// An agreement, and the work on it.
 #[derive(Default)]
 pub(super) struct Tabulating {
-    /// The kept points that the tables are of, or will be.
-    of: Option<Arc<Vec<bool>>>,
-    task: Option<Task<Option<ResidualTables>>>,
-    tables: Option<Arc<ResidualTables>>,
+    of: Option<Of>,
+    task: Option<Task<Found>>,
+    agreement: Option<Arc<Agreement>>,
+    problem: Option<String>,
+}
+
+/// What an agreement is of, or will be.
+#[derive(Clone)]
+pub(super) struct Of {
+    kept: Arc<Vec<bool>>,
+    /// Which of them count, and how wide a gap a surface spans.
+    surface: SurfaceSettings,
+    /// A reference, and how points find it; without one the survey's own soundings.
+    reference: Option<(Arc<Reference>, Matching)>,
+}
+
+impl Of {
+    /// The kept points of a result.
+    pub fn new(products: &Products, reference: Option<(Arc<Reference>, Matching)>) -> Self {
+        Self {
+            kept: products.kept.clone(),
+            surface: products.settings.surface.clone(),
+            reference,
+        }
+    }
+}
+
+impl PartialEq for Of {
+    fn eq(&self, other: &Self) -> bool {
+        let same_reference = match (&self.reference, &other.reference) {
+            (Some((one, matching)), Some((other, other_matching))) => {
+                Arc::ptr_eq(one, other) && matching == other_matching
+            }
+            (None, None) => true,
+            _ => false,
+        };
+        let same_points = Arc::ptr_eq(&self.kept, &other.kept) && self.surface == other.surface;
+        same_points && same_reference
+    }
 }
 
 impl Tabulating {
-    /// Whether tables are being made.
+    /// Whether points are being compared.
     pub fn is_busy(&self) -> bool {
         self.task.is_some()
+    }
+
+    /// Done share, 0 to 1.
+    pub fn fraction(&self) -> Option<f32> {
+        self.task.as_ref().map(Task::fraction)
+    }
+
+    /// Takes an agreement over that was found elsewhere.
+    pub fn take(&mut self, of: Of, agreement: Agreement) {
+        *self = Self {
+            of: Some(of),
+            agreement: Some(Arc::new(agreement)),
+            ..Self::default()
+        };
+    }
+
+    /// Stops comparing.
+    pub fn stop(&mut self) {
+        if self.task.take().is_some() {
+            self.agreement = None;
+            self.problem = Some(STOPPED.to_owned());
+        }
+    }
+
+    /// Lets what was stopped be started again.
+    pub fn resume(&mut self) {
+        if self.problem.take().is_some() {
+            self.of = None;
+        }
     }
 }
 
 impl App {
-    /// How side-scan differs from soundings; `None` until they were asked for, and where no point lies over them.
-    pub fn residual_tables(&self) -> Option<&Arc<ResidualTables>> {
-        self.tabulating.tables.as_ref()
+    /// How the points differ from the reference, or side-scan from soundings while there is none; `None` until it was asked
+    /// for, and where no point lies over them.
+    pub fn agreement(&self) -> Option<&Arc<Agreement>> {
+        self.tabulating.agreement.as_ref()
+    }
+
+    /// Why there is no agreement, in a sentence.
+    pub fn agreement_problem(&self) -> Option<&str> {
+        self.tabulating.problem.as_deref()
     }
 
     /// Whether residuals are being tabulated.
@@ -31,30 +109,44 @@ impl App {
         self.tabulating.is_busy()
     }
 
-    /// Starts the tables of the result in force, unless they are there or under way.
+    /// Starts comparing the result in force, unless that is done or under way.
     pub(super) fn tabulate(&mut self) {
-        let Some(products) = &self.products else {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
             return;
         };
+        let of = Of::new(products, self.comparing.against(products));
         let made = &mut self.tabulating;
-        if (made.of.as_ref()).is_some_and(|of| Arc::ptr_eq(of, &products.kept)) {
+        if made.of.as_ref() == Some(&of) {
             return;
         }
-        made.of = Some(products.kept.clone());
-        let products = products.clone();
+        made.of = Some(of.clone());
+        let (survey, products) = (survey.clone(), products.clone());
         made.task = Some(Task::start(&self.jobs, move |progress| {
-            residual_tables(&products, progress).ok().flatten()
+            match &of.reference {
+                Some((reference, matching)) => {
+                    let found = Agreement::with_reference(
+                        &survey, &products, reference, *matching, progress,
+                    );
+                    found.map(Some)
+                }
+                None => Agreement::with_soundings(&products, progress)
+                    .map_err(|error| error.to_string()),
+            }
         }));
     }
 
-    /// Takes tables that are ready.
+    /// Takes an agreement that is ready.
     pub(super) fn poll_tables(&mut self) {
         let made = &mut self.tabulating;
-        match made.task.as_ref().map(Task::poll) {
-            Some(Outcome::Done(tables)) => made.tables = tables.map(Arc::new),
-            Some(Outcome::Failed) => made.tables = None,
+        let found = match made.task.as_ref().map(Task::poll) {
+            Some(Outcome::Done(found)) => found,
+            Some(Outcome::Failed) => Err("comparing failed unexpectedly".to_owned()),
             Some(Outcome::Pending) | None => return,
-        }
+        };
         made.task = None;
+        (made.agreement, made.problem) = match found {
+            Ok(agreement) => (agreement.map(Arc::new), None),
+            Err(problem) => (None, Some(problem)),
+        };
     }
 }

@@ -38,6 +38,7 @@ impl App {
             Some(Outcome::Failed) => self.counting = None,
             Some(Outcome::Pending) | None => {}
         }
+        self.poll_comparing();
         self.poll_tables();
         self.poll_export();
         self.poll_review();
@@ -82,6 +83,7 @@ impl App {
         self.figures = None;
         self.counting = None;
         self.tabulating = Tabulating::default();
+        self.comparing.leave();
         self.selection = None;
         self.hover = None;
         self.visible = 0..0;
@@ -159,6 +161,8 @@ impl App {
         self.loading = None;
         self.exporting = None;
         self.opening_base_map = None;
+        self.comparing.stop();
+        self.tabulating.stop();
     }
 
     /// Tells the analyst a sentence.

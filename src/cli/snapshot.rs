@@ -45,6 +45,9 @@ pub struct SnapshotArgs {
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
+    /// What the points are compared with, as `compare` takes it: the layer `residuals` shows the differences
+    #[arg(long, value_name = "FILE")]
+    reference: Option<PathBuf>,
     /// How positions are written
     #[arg(long, value_enum, default_value_t = Coordinates::Dd)]
     coordinates: Coordinates,
@@ -127,6 +130,15 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     if let Some(path) = args.base_map {
         app.apply(Command::OpenBaseMap(path));
         wait(&mut app)?;
+    }
+    if let Some(path) = args.reference {
+        let layers = app.options.map.layers.clone();
+        app.apply(Command::CompareWith(path));
+        wait(&mut app)?;
+        if args.layers.is_some() {
+            // Those that were named, and no other.
+            app.options.map.layers = layers;
+        }
     }
     if args.objects {
         app.apply(Command::Do(Action::FindObjects));

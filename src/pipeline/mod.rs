@@ -6,8 +6,9 @@
 //! each of them and `report` the whole. `detections`
 //! searches for objects and writes them, `boxes` writes what was decided about boxes, `lessons` as pictures for training,
 //! `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `merged` that
-//! of several logs.
+//! of several logs, `agreement` how points differ from a reference.
 
+mod agreement;
 mod boxes;
 mod clouds;
 mod depth;
@@ -25,10 +26,12 @@ mod report;
 mod settings;
 mod track;
 
-pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
-pub use depth::{
-    DepthChart, DepthWritten, NamedComparison, ResidualTables, residual_tables, write_depth,
+pub use agreement::{
+    Agreement, ComparisonRecord, Reference, ResidualTables, matching_in_words, positions,
+    write_comparison, write_differences,
 };
+pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
+pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
 pub use detections::{Proposed, proposed_rows, record_detections, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use merged::Merged;

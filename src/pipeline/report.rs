@@ -7,6 +7,12 @@ use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+/// Bytes hashed between two looks at whether the work was cancelled.
+const CHUNK: usize = 1 << 20;
 
 /// The record written beside the products. Field names are the contract of `report.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -285,27 +291,51 @@ fn inputs(
     Ok(inputs)
 }
 
-fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
+pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
     progress.start(survey.source.byte_count);
     let files = survey.source.files.iter().zip(&survey.bytes);
     files
         .map(|(path, bytes)| {
             let mut hash = Sha256::new();
-            for chunk in bytes.chunks(1 << 20) {
+            for chunk in bytes.chunks(CHUNK) {
                 progress.check()?;
                 hash.update(chunk);
                 progress.advance(chunk.len() as u64);
             }
-            let sha256 = hash
-                .finalize()
-                .iter()
-                .map(|byte| format!("{byte:02x}"))
-                .collect();
             Ok(Input {
                 file: path.display().to_string(),
                 bytes: bytes.len(),
-                sha256,
+                sha256: in_hexadecimal(hash),
             })
         })
         .collect()
+}
+
+/// A file that is no log; the error is one sentence.
+pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, String> {
+    let fail = |error: io::Error| format!("cannot read the file: {error}: {}", path.display());
+    let mut file = File::open(path).map_err(fail)?;
+    progress.start(file.metadata().map_err(fail)?.len());
+    let (mut hash, mut bytes) = (Sha256::new(), 0);
+    let mut chunk = vec![0; CHUNK];
+    loop {
+        progress.check().map_err(|error| error.to_string())?;
+        let count = file.read(&mut chunk).map_err(fail)?;
+        if count == 0 {
+            break;
+        }
+        hash.update(&chunk[..count]);
+        bytes += count;
+        progress.advance(count as u64);
+    }
+    Ok(Input {
+        file: path.display().to_string(),
+        bytes,
+        sha256: in_hexadecimal(hash),
+    })
+}
+
+fn in_hexadecimal(hash: Sha256) -> String {
+    let digits = hash.finalize();
+    digits.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,11 +1,13 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
 //! `cloud` draws points and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
-//! `upload` fills buffers, `camera` orbits, `lod` thins long lines, `ramp` and `colour_map` turn depths and echoes into colours.
+//! `upload` fills buffers, `camera` orbits, `lod` thins long lines, `ramp`, `diverging` and `colour_map` turn depths, differences and
+//! echoes into colours.
 
 mod camera;
 mod cloud;
 pub mod colour_map;
+mod diverging;
 mod lod;
 mod map;
 mod ramp;
@@ -15,6 +17,7 @@ pub mod waterfall;
 
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
+pub use diverging::{diverging_colour, diverging_reach_m};
 pub use lod::{LineLevel, LinePyramid, Specks, Vertex};
 pub use map::{LineDraw, LineRenderer, LineUniform, TrackBuffers};
 pub use ramp::{depth_colour, depth_share};

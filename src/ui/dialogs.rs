@@ -21,6 +21,7 @@ enum Purpose {
     OpenModel,
     SaveProfile,
     OpenBaseMap,
+    OpenReference,
 }
 
 /// What a system dialog came back with.
@@ -106,6 +107,11 @@ impl Dialogs {
         self.ask(Purpose::OpenBaseMap, jobs);
     }
 
+    /// Asks for what the points are to be compared with.
+    pub fn pick_reference(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenReference, jobs);
+    }
+
     /// Asks for a detector.
     pub fn pick_model(&mut self, jobs: &Jobs) {
         self.ask(Purpose::OpenModel, jobs);
@@ -183,6 +189,11 @@ impl Dialogs {
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
             Purpose::OpenBaseMap => ("Open a base map", "Path of a GeoTIFF", "Open"),
+            Purpose::OpenReference => (
+                "Compare with",
+                "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
+                "Compare",
+            ),
             Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
@@ -228,6 +239,7 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::OpenModel => Command::UseModel(path),
         Purpose::SaveProfile => Command::SaveProfile(path),
         Purpose::OpenBaseMap => Command::OpenBaseMap(path),
+        Purpose::OpenReference => Command::CompareWith(path),
     }
 }
 
@@ -257,6 +269,10 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
         Purpose::OpenBaseMap => rfd::FileDialog::new()
             .set_title("Open a base map")
             .add_filter("GeoTIFF", &["tif", "TIF", "tiff", "TIFF"])
+            .pick_file(),
+        Purpose::OpenReference => rfd::FileDialog::new()
+            .set_title("Compare with points, a GeoTIFF or another log")
+            .add_filter("All files", &["*"])
             .pick_file(),
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")

@@ -26,6 +26,7 @@ mod missions;
 mod mosaic;
 mod navigation;
 mod real_window;
+mod residuals;
 mod review;
 mod river;
 mod shipped_model;

@@ -23,6 +23,23 @@ pub enum Plane {
     Degrees,
     /// Metres of a zone that the file names.
     Utm(UtmZone),
+    /// Those of another system that the file names by EPSG's number.
+    Epsg(u16),
+}
+
+impl Plane {
+    /// What a file means that names a system by its number, and what it is where it does not.
+    pub(super) fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
+        // From here on numbers are private: what they mean stands elsewhere in the file.
+        const PRIVATE: u16 = 32_767;
+        const WGS84: u16 = 4326;
+        match epsg.map(|number| (UtmZone::from_epsg(number), u16::try_from(number))) {
+            Some((Some(zone), _)) => Plane::Utm(zone),
+            Some((None, Ok(WGS84))) => Plane::Degrees,
+            Some((None, Ok(number @ 1..PRIVATE))) => Plane::Epsg(number),
+            _ => otherwise,
+        }
+    }
 }
 
 /// Points with elevations.
@@ -44,7 +61,7 @@ pub struct Elevations {
 /// latitude and elevation are taken where there are any. Columns named lon or longitude are degrees.
 ///
 /// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
-/// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which UTM zone they are in.
+/// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
 pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let (path, mut names) = split_columns(argument);
     let downwards = names
@@ -80,10 +97,9 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     Ok(Elevations {
         path,
         points: turned(file.points, downwards),
-        plane: match file.epsg.and_then(UtmZone::from_epsg) {
-            Some(zone) => Plane::Utm(zone),
-            None if degrees => Plane::Degrees,
-            None => Plane::Metres,
+        plane: match degrees {
+            true => Plane::Degrees,
+            false => Plane::of_epsg(file.epsg, Plane::Metres),
         },
         blank: file.blank,
         note: file.note,

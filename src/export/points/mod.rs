@@ -96,6 +96,17 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
     (argument.into(), None)
 }
 
+/// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps with its columns.
+pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
+    let (path, _) = split_columns(argument);
+    let suffix = path.extension().unwrap_or_default().to_string_lossy();
+    let others = ["tif", "tiff", "geojson", "json"];
+    Kind::of(&path).is_ok()
+        || others
+            .iter()
+            .any(|other| suffix.eq_ignore_ascii_case(other))
+}
+
 /// Refuses a name that no point file has, before the work.
 pub fn check_name(path: &Path) -> Result<(), PointFileError> {
     match Kind::of(path) {

@@ -2,7 +2,6 @@
 
 use super::elevations::Plane;
 use crate::contained::contained;
-use crate::geo::UtmZone;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -161,13 +160,9 @@ impl GeoKeys {
     fn plane(&self) -> Plane {
         let is_geographic = self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
             || self.value(PROJECTED).is_none() && self.value(GEOGRAPHIC).is_some();
-        let zone = self
-            .value(PROJECTED)
-            .and_then(|epsg| UtmZone::from_epsg(u32::from(epsg)));
-        match zone {
-            Some(zone) => Plane::Utm(zone),
-            None if is_geographic => Plane::Degrees,
-            None => Plane::Metres,
+        match is_geographic {
+            true => Plane::Degrees,
+            false => Plane::of_epsg(self.value(PROJECTED).map(u32::from), Plane::Metres),
         }
     }
 }

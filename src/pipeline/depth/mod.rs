@@ -8,7 +8,6 @@ mod crossed;
 mod plane;
 mod rasters;
 mod residuals;
-mod tables;
 
 use super::record::Made;
 use super::{Product, Products};
@@ -20,7 +19,6 @@ pub use residuals::NamedComparison;
 use std::path::Path;
 
 pub use chart::DepthChart;
-pub use tables::{ResidualTables, residual_tables};
 
 /// What was written, and why the rest was not.
 #[derive(Clone, Debug, Default)]

@@ -4,12 +4,11 @@ use super::DepthWritten;
 use super::choices::{Choice, choices};
 use super::crossed::{Crossed, crossed};
 use super::plane::Plane;
-use super::tables::{ResidualTables, residual_tables};
 use crate::bathymetry::compare::{Comparison, Matching, match_points};
 use crate::cloud::{CloudPoint, PointSource};
 use crate::export::{self, Summary};
 use crate::pipeline::record::{Coordinates, Made};
-use crate::pipeline::{Products, Settings};
+use crate::pipeline::{Agreement, Products, ResidualTables, Settings};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
@@ -66,12 +65,13 @@ pub(super) fn write(
         written.warnings.push(why.to_owned());
         return Ok(());
     }
+    let side_scan = Agreement::with_soundings(products, progress).map_err(cancelled)?;
     let record = Record {
         program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
         sign: SIGN,
         statement: format!("{} {STATEMENT}", products.correction.statement()),
         comparisons,
-        side_scan: residual_tables(products, progress).map_err(cancelled)?,
+        side_scan: side_scan.map(|found| found.tables),
         choices: choices(survey, products, progress).map_err(cancelled)?,
         crossings,
         settings: &products.settings,

@@ -75,7 +75,10 @@ fn groups(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut options = context.app.options.clone();
     ui.horizontal_wrapped(|ui| {
         for product in Product::ALL {
-            let (name, files) = product.told();
+            let (name, mut files) = product.told();
+            if product == Product::Residuals && context.app.comparing.reference.is_some() {
+                files += "; comparison.json, comparison.csv";
+            }
             let mut wanted = !options.left_out.contains(&product);
             if ui
                 .checkbox(&mut wanted, name)

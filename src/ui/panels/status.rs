@@ -90,8 +90,10 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             let detecting = context.app.detect_fraction();
             let exporting = context.app.export_fraction();
             let base_map = context.app.base_map_fraction();
+            let comparing = context.app.comparing_fraction();
             (detecting.map(|share| ("finding objects".to_owned(), share)))
                 .or(exporting.map(|share| ("exporting".to_owned(), share)))
+                .or(comparing.map(|share| ("comparing".to_owned(), share)))
                 .or(base_map.map(|share| ("opening the base map".to_owned(), share)))
         }
     };

@@ -41,6 +41,11 @@ impl Shell {
             Action::OpenTruth if self.app.survey.is_some() => {
                 self.dialogs.pick_truth(self.app.jobs());
             }
+            Action::CompareWith if self.app.products.is_none() => {
+                let text = "open a log first, then what it is to be compared with";
+                self.app.apply(Command::Tell(text.to_owned()));
+            }
+            Action::CompareWith => self.dialogs.pick_reference(self.app.jobs()),
             Action::ChooseModel => self.dialogs.pick_model(self.app.jobs()),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),

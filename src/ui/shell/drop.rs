@@ -1,6 +1,7 @@
-//! Logs and base maps dropped on the window.
+//! Logs, base maps and points to compare with, dropped on the window.
 
 use crate::app::Command;
+use crate::export::points::is_named_as_elevations;
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,11 @@ pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
     let (maps, logs): (Vec<_>, Vec<_>) = dropped.into_iter().partition(|path| is_picture(path));
     if let Some(map) = maps.into_iter().next_back() {
         commands.push(Command::OpenBaseMap(map));
+    }
+    let named = |path: &PathBuf| is_named_as_elevations(path);
+    let (points, logs): (Vec<_>, Vec<_>) = logs.into_iter().partition(named);
+    if let Some(points) = points.into_iter().next_back() {
+        commands.push(Command::CompareWith(points));
     }
     if !logs.is_empty() {
         commands.push(Command::OpenFirst(logs));

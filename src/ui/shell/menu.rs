@@ -42,6 +42,7 @@ const MEASURING: &[Action] = &[
     Action::SaveProfile,
     Action::CopyProfile,
 ];
+const COMPARING: &[Action] = &[Action::CompareWith, Action::CloseReference];
 const PROCESSING: &[Action] = &[
     Action::PresetRecommended,
     Action::PresetPublished,
@@ -208,6 +209,13 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
+    for &action in COMPARING {
+        let enabled = match action {
+            Action::CompareWith => context.app.products.is_some(),
+            _ => context.app.comparing.reference.is_some(),
+        };
+        titled(ui, context, action, action.label(), enabled);
+    }
     ui.separator();
     entries(ui, context, STEPS);
 }

@@ -1,8 +1,8 @@
-//! Legends that lie on a view: the colour scale of depth, and plates of text.
+//! Legends that lie on a view: scales of colours, and plates of text.
 
 use super::ticks;
 use crate::app::ViewOptions;
-use crate::render::{depth_colour, depth_share};
+use crate::render::{depth_colour, diverging_colour};
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
@@ -54,46 +54,79 @@ pub fn frame(options: &ViewOptions) -> egui::Frame {
         .inner_margin(2.0)
 }
 
-/// Draws the scale of depth upright, shallow on top, with its right bottom corner at `corner`; returns what it covers.
-pub fn depth_scale(
-    painter: &Painter,
-    options: &ViewOptions,
-    corner: Pos2,
-    height: f32,
-    range_m: [f32; 2],
-) -> Rect {
-    let plate = Rect::from_min_max(corner - vec2(64.0, height + 34.0), corner);
-    painter.rect_filled(plate, 3.0, theme::plate_colour(options));
-    let text = theme::canvas_text_colour(options);
-    let title = plate.min + vec2(6.0, 4.0);
-    painter.text(title, Align2::LEFT_TOP, "depth, m", font(), text);
-    let bar = Rect::from_min_size(plate.min + vec2(8.0, 24.0), vec2(BAR, height));
-    painter.add(bar_shape(bar));
-    let [shallow, deep] = range_m.map(f64::from);
-    let step = ticks::round_step(
-        (deep - shallow).max(1e-3),
-        f64::from(height / 22.0).max(2.0),
-    );
-    for depth in ticks::multiples(shallow, deep, step) {
-        let y = bar.top() + height * depth_share(depth as f32, range_m);
-        painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, text));
-        let at = pos2(bar.right() + 7.0, y);
-        painter.text(
-            at,
-            Align2::LEFT_CENTER,
-            ticks::label(depth, step),
-            font(),
-            text,
-        );
-    }
-    plate
+/// Colours and what they stand for.
+pub struct Scale {
+    title: &'static str,
+    /// Values at the top and at the bottom.
+    ends: [f64; 2],
+    /// Colour at a share of the way from the top.
+    colour: fn(f32) -> [u8; 3],
+    /// Whether values above zero carry a sign.
+    signed: bool,
 }
 
-fn bar_shape(bar: Rect) -> Shape {
+impl Scale {
+    /// Depths, shallow on top.
+    pub fn of_depth(range_m: [f32; 2]) -> Self {
+        Self {
+            title: "depth, m",
+            ends: range_m.map(f64::from),
+            colour: depth_colour,
+            signed: false,
+        }
+    }
+
+    /// Residuals up to `reach_m` to either side of zero, the higher on top.
+    pub fn of_residuals(reach_m: f64) -> Self {
+        Self {
+            title: "residual, m",
+            ends: [reach_m, -reach_m],
+            colour: |share| diverging_colour(1.0 - share),
+            signed: true,
+        }
+    }
+
+    /// Draws it upright with its right bottom corner at `corner`; returns what it covers.
+    pub fn show(
+        &self,
+        painter: &Painter,
+        options: &ViewOptions,
+        corner: Pos2,
+        height: f32,
+    ) -> Rect {
+        let text = theme::canvas_text_colour(options);
+        let title = painter.layout_no_wrap(self.title.to_owned(), font(), text);
+        let width = (title.size().x + 10.0).max(64.0);
+        let plate = Rect::from_min_max(corner - vec2(width, height + 34.0), corner);
+        painter.rect_filled(plate, 3.0, theme::plate_colour(options));
+        painter.galley(plate.min + vec2(6.0, 4.0), title, text);
+        let bar = Rect::from_min_size(plate.min + vec2(8.0, 24.0), vec2(BAR, height));
+        painter.add(bar_shape(bar, self.colour));
+        let [top, bottom] = self.ends;
+        let (low, high) = (top.min(bottom), top.max(bottom));
+        let parts = f64::from(height / 22.0).max(2.0);
+        let step = ticks::round_step((high - low).max(1e-3), parts);
+        for value in ticks::multiples(low, high, step) {
+            let share = match high > low {
+                true => ((value - top) / (bottom - top)) as f32,
+                false => 0.5,
+            };
+            let y = bar.top() + height * share;
+            painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, text));
+            let sign = if self.signed && value > 0.0 { "+" } else { "" };
+            let label = format!("{sign}{}", ticks::label(value, step));
+            let at = pos2(bar.right() + 7.0, y);
+            painter.text(at, Align2::LEFT_CENTER, label, font(), text);
+        }
+        plate
+    }
+}
+
+fn bar_shape(bar: Rect, colour: fn(f32) -> [u8; 3]) -> Shape {
     let mut mesh = Mesh::default();
     for step in 0..STEPS {
         let [top, bottom] = [step, step + 1].map(|step| step as f32 / STEPS as f32);
-        let [r, g, b] = depth_colour(0.5 * (top + bottom));
+        let [r, g, b] = colour(0.5 * (top + bottom));
         let band = Rect::from_min_max(
             pos2(bar.left(), bar.top() + top * bar.height()),
             pos2(bar.right(), bar.top() + bottom * bar.height()),

@@ -24,7 +24,7 @@ fn bathyscope(folder: &Path, args: &[&str]) -> Output {
         .expect("the program starts")
 }
 
-fn run(folder: &Path, args: &[&str]) -> String {
+pub(crate) fn run(folder: &Path, args: &[&str]) -> String {
     let output = bathyscope(folder, args);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{args:?} failed: {errors}");

@@ -5,7 +5,7 @@ use crate::app::{App, CloudColour, Command, ViewOptions};
 use crate::pipeline::Products;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
-use crate::ui::views::legend;
+use crate::ui::views::legend::{self, Scale};
 use crate::ui::{ViewContext, ViewRequest, theme};
 use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
 
@@ -123,7 +123,7 @@ pub fn paint_legend(
     {
         let corner = rect.right_bottom() - vec2(8.0, 8.0);
         let height = (rect.height() * 0.4).clamp(50.0, 160.0);
-        legend::depth_scale(painter, options, corner, height, range_m);
+        Scale::of_depth(range_m).show(painter, options, corner, height);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The map view: the survey from above, in layers.
 
 mod base_map;
+mod dots;
 mod flat_spots;
 mod graticule;
 mod isobaths;
@@ -16,6 +17,7 @@ mod pointer;
 mod points;
 mod relief;
 mod relief_tiles;
+mod residuals;
 mod stack;
 mod swipe;
 mod tiles;
@@ -26,7 +28,7 @@ mod warp;
 
 use super::background::{Background, Same};
 use super::empty;
-use crate::app::MapLayer;
+use crate::app::{Command, MapLayer};
 use crate::cloud::Correction;
 use crate::pipeline::Products;
 use crate::render::Uploader;
@@ -115,6 +117,15 @@ impl MapView {
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
         };
+        if context
+            .app
+            .options
+            .map
+            .layers
+            .is_visible(MapLayer::Residuals)
+        {
+            context.push(Command::Tabulate);
+        }
         self.ask_for_layers(context, &survey, &products);
         let Some(track) = self.track.result().cloned() else {
             if !self.track.is_running() {
@@ -131,6 +142,7 @@ impl MapView {
             track: &track,
             depth: self.layers.relief(),
             isobaths: self.layers.isobaths(&context.app.options.map.layers),
+            residuals: self.layers.residuals(&context.app.options.map.layers),
             lost_soundings: context.app.lost_soundings,
             options: &context.app.options,
         };

@@ -39,6 +39,9 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     if shows(MapLayer::Points) {
         notes.push(points::note(scene.options.side_colours).to_owned());
     }
+    if let Some(residuals) = scene.residuals.as_deref().filter(|_| explained) {
+        notes.push(residuals.note());
+    }
     let made = depth.and_then(|depth| depth.made.as_deref());
     if let Some(made) = made.filter(|_| shows(MapLayer::HillShade)) {
         let light = &made.light;

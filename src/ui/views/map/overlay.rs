@@ -4,12 +4,14 @@ use super::isobaths::IsobathLayer;
 use super::layers::TrackLayer;
 use super::notes;
 use super::relief::Relief;
+use super::residuals::ResidualLayer;
 use super::transform::MapTransform;
 use crate::app::{App, MapLayer, Mark, ViewOptions};
 use crate::geo::LonLat;
 use crate::pipeline::Products;
 use crate::survey::Survey;
-use crate::ui::views::{legend, ticks};
+use crate::ui::views::legend::{self, Scale};
+use crate::ui::views::ticks;
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use std::sync::Arc;
@@ -28,6 +30,8 @@ pub struct Scene<'a> {
     pub depth: Option<Arc<Relief>>,
     /// The isobaths, while they are shown and once they are drawn.
     pub isobaths: Option<Arc<IsobathLayer>>,
+    /// The residuals, while they are shown and once they are placed.
+    pub residuals: Option<Arc<ResidualLayer>>,
     /// Soundings after the recorder had lost the bottom: they leave the track grey.
     pub lost_soundings: usize,
     pub options: &'a ViewOptions,
@@ -68,17 +72,31 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
     north_arrow(painter, scene);
     let mut covered = vec![scale_bar(painter, scene)];
     let mut corner = scene.rect.right_bottom() - vec2(8.0, 18.0);
-    let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
-    if let Some(range_m) = scene.range_m().filter(|_| coloured) {
-        let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
-        let scale = legend::depth_scale(painter, scene.options, corner, height, range_m);
-        corner = scale.right_top() - vec2(0.0, 3.0);
-        covered.push(scale);
+    let scales = scales(painter, scene, corner);
+    if let Some(last) = scales.last() {
+        corner.y = last.top() - 3.0;
     }
+    covered.extend(scales);
     let room = corner.y - scene.rect.top() - BELOW_ARROW;
     if let Some(text) = notes::fitting(painter, scene, room) {
         let (anchor, colour) = (Align2::RIGHT_BOTTOM, scene.text_colour());
         let plate = legend::plate(painter, scene.options, corner, anchor, &text, colour);
+        covered.push(plate);
+    }
+    covered
+}
+
+/// The scales of depths and of residuals, side by side from the right; what they cover.
+fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
+    let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
+    let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
+    let depths = scene.range_m().filter(|_| coloured).map(Scale::of_depth);
+    let residuals = scene.residuals.as_deref();
+    let residuals = residuals.map(|layer| Scale::of_residuals(layer.reach_m));
+    let mut covered = Vec::new();
+    for scale in depths.into_iter().chain(residuals) {
+        let plate = scale.show(painter, scene.options, corner, height);
+        corner.x = plate.left() - 3.0;
         covered.push(plate);
     }
     covered

@@ -13,6 +13,9 @@ use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
 /// How near the pointer must come to the track, points.
 const REACH: f32 = 30.0;
 
+/// How near the pointer must come to a point whose residual is told, points.
+const NEAR: f32 = 6.0;
+
 /// Width in which a place stands in one line in degrees and in metres, points.
 const TWO_PLACES: f32 = 360.0;
 /// Width in which the whole read-out stands in one line, points.
@@ -265,6 +268,12 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> Stri
     if let Some((depth_m, distance_m)) = depth.and_then(|depth| depth.at([east_m, north_m])) {
         text += gap(ONE_LINE);
         text += &format!("depth {depth_m:.2} m (interpolated, nearest {distance_m:.1} m away)");
+    }
+    let residuals = scene.residuals.as_deref();
+    let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;
+    if let Some(difference_m) = residuals.and_then(|layer| layer.at([east_m, north_m], reach_m)) {
+        text += gap(ONE_LINE);
+        text += &format!("residual {difference_m:+.3} m");
     }
     if let Some(ping) = ping {
         text += &format!("   ping {ping}");

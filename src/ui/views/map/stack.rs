@@ -8,10 +8,11 @@ use super::mosaic::{self, MosaicKey};
 use super::overlay::Scene;
 use super::points::{self, PointKey};
 use super::relief::{Relief, ReliefKey};
+use super::residuals::ResidualLayer;
 use super::tiles::{TileLayer, TileSource};
 use super::{objects, track_picture};
 use crate::app::{LayerStack, MapLayer};
-use crate::pipeline::Products;
+use crate::pipeline::{Agreement, Products};
 use crate::render::Uploader;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
@@ -35,7 +36,10 @@ pub struct Layers {
     relief_shown: bool,
     mosaic: Background<MosaicKey, Source>,
     points: Background<PointKey, Source>,
-    tiles: [(MapLayer, TileLayer); 5],
+    residuals: Background<Same<Agreement>, Option<Arc<ResidualLayer>>>,
+    /// Whether residuals are shown and points are still being compared for them.
+    comparing: bool,
+    tiles: [(MapLayer, TileLayer); 6],
     isobaths: Background<IsobathKey, Arc<IsobathLayer>>,
     labels: Background<(Same<IsobathLayer>, i32), Labels>,
     isobath_picture: LinePicture<IsobathLayer>,
@@ -52,6 +56,7 @@ impl Default for Layers {
             MapLayer::HillShade,
             MapLayer::Mosaic,
             MapLayer::Points,
+            MapLayer::Residuals,
         ];
         Self {
             base_map: Background::default(),
@@ -59,6 +64,8 @@ impl Default for Layers {
             relief_shown: false,
             mosaic: Background::default(),
             points: Background::default(),
+            residuals: Background::default(),
+            comparing: false,
             tiles: tiles.map(|layer| (layer, TileLayer::new(layer.name()))),
             isobaths: Background::default(),
             labels: Background::default(),
@@ -99,8 +106,27 @@ impl Layers {
                 points::source(&products, &options, progress)
             });
         }
+        self.ask_for_residuals(context);
         self.ask_for_base_map(context, survey, products);
         self.give_sources(stack);
+    }
+
+    fn ask_for_residuals(&mut self, context: &ViewContext<'_>) {
+        let is_shown = (context.app.options.map.layers).is_visible(MapLayer::Residuals);
+        self.comparing = is_shown && context.app.is_tabulating();
+        let agreement = context.app.agreement().filter(|_| is_shown).cloned();
+        match agreement {
+            Some(agreement) => {
+                let key = Same(agreement.clone());
+                self.residuals
+                    .ask(key, context.app.jobs(), move |progress| {
+                        let layer = ResidualLayer::new(agreement, progress)?;
+                        Some(layer.map(Arc::new))
+                    });
+            }
+            None if is_shown => self.residuals = Background::default(),
+            None => {}
+        }
     }
 
     fn ask_for_base_map(
@@ -131,6 +157,10 @@ impl Layers {
                 MapLayer::DepthMap => depth.clone(),
                 MapLayer::HillShade => shade.clone(),
                 MapLayer::Mosaic => self.mosaic.result().cloned().flatten(),
+                MapLayer::Residuals => {
+                    let layer = self.residuals.result().cloned().flatten();
+                    layer.map(|layer| layer.tiles())
+                }
                 _ => self.points.result().cloned().flatten(),
             });
             if !stack.is_visible(*layer) {
@@ -169,6 +199,12 @@ impl Layers {
         self.isobaths.result().filter(|_| shown).cloned()
     }
 
+    /// The residuals, once they are placed, while they are shown.
+    pub fn residuals(&self, stack: &LayerStack) -> Option<Arc<ResidualLayer>> {
+        let shown = stack.is_visible(MapLayer::Residuals);
+        self.residuals.result().filter(|_| shown).cloned().flatten()
+    }
+
     /// Whether everything visible is there.
     pub fn is_settled(&self) -> bool {
         self.making().is_empty()
@@ -203,7 +239,8 @@ impl Layers {
             | MapLayer::DepthMap
             | MapLayer::HillShade
             | MapLayer::Mosaic
-            | MapLayer::Points => {
+            | MapLayer::Points
+            | MapLayer::Residuals => {
                 let jobs = context.app.jobs();
                 for (_, tiles) in self.tiles.iter_mut().filter(|(of, _)| *of == layer) {
                     tiles.show(painter, scene.rect, scene.transform, jobs);
@@ -241,6 +278,8 @@ impl Layers {
             (self.isobaths.is_running(), "drawing isobaths"),
             (self.mosaic.is_running(), "evening the mosaic's gain"),
             (self.points.is_running(), "sorting points"),
+            (self.comparing, "comparing points"),
+            (self.residuals.is_running(), "placing residuals"),
         ];
         let running = jobs.into_iter().filter(|(is_running, _)| *is_running);
         running.map(|(_, what)| what).collect()

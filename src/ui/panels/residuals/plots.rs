@@ -1,17 +1,16 @@
-//! Side-scan against soundings: how the differences spread, and what they hang on.
+//! The pictures of differences: how often each size occurs, and what they hang on.
 
-use super::parts::{self, Section, section};
-use crate::app::{Command, ViewOptions};
+use crate::app::ViewOptions;
 use crate::bathymetry::compare::{Bin, Histogram};
-use crate::pipeline::{ResidualTables, Stage};
-use crate::ui::{ViewContext, theme};
+use crate::pipeline::ResidualTables;
+use crate::ui::theme;
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// What the differences are drawn over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Over {
+pub enum Over {
     #[default]
     Count,
     Depth,
@@ -19,7 +18,8 @@ enum Over {
     Heading,
 }
 
-const OVERS: [(Over, &str, &str); 4] = [
+/// Each of them with its name and what it shows.
+pub const OVERS: [(Over, &str, &str); 4] = [
     (
         Over::Count,
         "Histogram",
@@ -43,50 +43,12 @@ const OVERS: [(Over, &str, &str); 4] = [
 ];
 
 /// Height of the picture, points.
-const HEIGHT: f32 = 110.0;
+pub const HEIGHT: f32 = 110.0;
 /// Room for the numbers below and to the left, points.
 const MARGIN: [f32; 2] = [34.0, 26.0];
 
-/// Draws the section.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let heading = Section {
-        number: None,
-        title: "Residuals",
-        stage: Some(Stage::Outliers),
-    };
-    section(ui, context, &heading, |ui, context| {
-        // Tables cost a triangulation of all soundings: they wait until somebody looks.
-        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
-        if context.app.products.is_some() && ui.is_rect_visible(place) {
-            context.push(Command::Tabulate);
-        }
-        let Some(tables) = context.app.residual_tables().cloned() else {
-            let text = match context.app.is_tabulating() {
-                true => "Residuals are being tabulated.",
-                false => "No side-scan point lies over the soundings.",
-            };
-            parts::remark(ui, text);
-            return;
-        };
-        let id = egui::Id::unique("residuals over");
-        let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        // Wrapped: a row that is wider than the panel would widen it when it comes into view.
-        ui.horizontal_wrapped(|ui| {
-            for (each, name, hint) in OVERS {
-                ui.selectable_value(&mut over, each, name)
-                    .on_hover_text(hint);
-            }
-        });
-        ui.data_mut(|data| data.insert_temp(id, over));
-        picture(ui, &tables, over, &context.app.options);
-        parts::remark(
-            ui,
-            "Elevation of side-scan points minus that of the soundings at their place: above 0 is shallower.",
-        );
-    });
-}
-
-fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
+/// Draws one of them.
+pub fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
     let (rect, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let painter = ui.painter_at(rect);

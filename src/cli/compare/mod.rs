@@ -1,14 +1,19 @@
-//! `bathyscope compare`: residual statistics of points against a reference.
+//! `bathyscope compare`: residual statistics of points, or of a log, against a reference.
+
+mod logs;
+mod plane;
 
 use super::output;
+use super::process::SettingsArgs;
 use super::status_line::StatusLine;
 use crate::bathymetry::compare::{Comparison, Match, Matching, match_points};
-use crate::export::points::{Elevations, Plane, read_elevations};
+use crate::export::points::{Elevations, is_named_as_elevations, read_elevations};
 use crate::export::write_aside;
-use crate::geo::{LocalFrame, LonLat};
+use crate::pipeline::matching_in_words;
 use crate::progress::Progress;
+use plane::into_one_plane;
 use serde::Serialize;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -16,9 +21,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct CompareArgs {
     /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
-    /// its columns, a `-` before the third says that it is a depth, positive down
+    /// its columns, a `-` before the third says that it is a depth, positive down. Or a log, whose kept points are taken
     measured: OsString,
-    /// The reference, named likewise; it may be other columns of the same file
+    /// The reference, named likewise; it may be other columns of the same file, or a log of another mission over the same water
     reference: OsString,
     /// Where the reference of a point is taken from
     #[arg(long, value_enum, default_value_t = By::Nearest)]
@@ -29,7 +34,7 @@ pub struct CompareArgs {
     /// Widest gap that the surface spans for `--by surface`, metres to the nearest reference point
     #[arg(long, value_name = "METRES", default_value_t = 20.0, value_parser = parse_metres)]
     max_gap: f64,
-    /// Elevation of the water's surface, metres, for the depths that the S-44 orders depend on
+    /// Elevation of the water's surface, metres, for the depths that the S-44 orders depend on; of a measured log it is known
     #[arg(
         long,
         value_name = "METRES",
@@ -43,6 +48,22 @@ pub struct CompareArgs {
     /// Also write each matched point with its reference and difference into a CSV file
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+    /// How logs are processed
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+impl CompareArgs {
+    fn matching(&self) -> Matching {
+        match self.by {
+            By::Nearest => Matching::Nearest {
+                radius_m: self.radius,
+            },
+            By::Surface => Matching::Surface {
+                max_gap_m: self.max_gap,
+            },
+        }
+    }
 }
 
 /// Where the reference of a point is taken from.
@@ -74,24 +95,24 @@ struct Printed<'a> {
 
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 
-/// Compares the files and prints the statistics.
+/// Compares and prints the statistics.
 pub fn run(args: CompareArgs) -> Result<(), String> {
-    let [mut measured, mut reference] = [read(&args.measured)?, read(&args.reference)?];
-    into_one_plane(&mut measured, &mut reference)?;
-    let (matching, by) = match args.by {
-        By::Nearest => (
-            Matching::Nearest {
-                radius_m: args.radius,
-            },
-            format!("nearest point within {} m", args.radius),
-        ),
-        By::Surface => (
-            Matching::Surface {
-                max_gap_m: args.max_gap,
-            },
-            format!("triangulated surface, gap {} m", args.max_gap),
-        ),
+    match is_named_as_elevations(&args.measured) {
+        true => points(&args),
+        false => logs::run(&args),
+    }
+}
+
+/// Compares a file of points.
+fn points(args: &CompareArgs) -> Result<(), String> {
+    let mut measured = read(&args.measured)?;
+    let mut reference = match is_named_as_elevations(&args.reference) {
+        true => read(&args.reference)?,
+        false => logs::elevations(&args.reference, &args.settings)?,
     };
+    into_one_plane(&mut measured, &mut reference)?;
+    let matching = args.matching();
+    let by = matching_in_words(matching);
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("matching");
@@ -108,23 +129,26 @@ pub fn run(args: CompareArgs) -> Result<(), String> {
     if let Some(path) = &args.output {
         write_matches(path, &measured, &matches)?;
     }
-    let printed = Printed {
+    if !args.json {
+        return output::results(table(&comparison, &by));
+    }
+    print_json(&Printed {
         measured_file: measured.path.display().to_string(),
         reference_file: reference.path.display().to_string(),
         sign: SIGN,
         by,
         comparison: &comparison,
-    };
-    if args.json {
-        return match serde_json::to_string_pretty(&printed) {
-            Ok(text) => output::results(text),
-            Err(error) => Err(format!("cannot print the statistics as JSON: {error}")),
-        };
-    }
-    output::results(table(&printed))
+    })
 }
 
-fn read(argument: &OsString) -> Result<Elevations, String> {
+fn print_json(printed: &impl Serialize) -> Result<(), String> {
+    match serde_json::to_string_pretty(printed) {
+        Ok(text) => output::results(text),
+        Err(error) => Err(format!("cannot print the statistics as JSON: {error}")),
+    }
+}
+
+fn read(argument: &OsStr) -> Result<Elevations, String> {
     let file = read_elevations(argument).map_err(|error| error.to_string())?;
     let shown = file.path.display();
     if let Some(note) = &file.note {
@@ -139,47 +163,9 @@ fn read(argument: &OsString) -> Result<Elevations, String> {
     Ok(file)
 }
 
-/// Both files in one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres of
-/// different zones, become metres about the first reference point.
-fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), String> {
-    match (measured.plane, reference.plane) {
-        (Plane::Metres, Plane::Metres | Plane::Utm(_)) | (Plane::Utm(_), Plane::Metres) => {
-            return Ok(());
-        }
-        (Plane::Utm(one), Plane::Utm(other)) if one == other => return Ok(()),
-        (Plane::Degrees, Plane::Metres) | (Plane::Metres, Plane::Degrees) => {
-            return Err(format!(
-                "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
-                measured.path.display(),
-                reference.path.display()
-            ));
-        }
-        _ => (),
-    }
-    let position = |plane: Plane, &[x, y, _]: &[f64; 3]| match plane {
-        Plane::Utm(zone) => zone.to_lon_lat([x, y]),
-        Plane::Metres | Plane::Degrees => LonLat {
-            lon_deg: x,
-            lat_deg: y,
-        },
-    };
-    let first = reference.points.first();
-    let Some(frame) = first.map(|point| LocalFrame::new(position(reference.plane, point))) else {
-        return Ok(());
-    };
-    for file in [measured, reference] {
-        for point in &mut file.points {
-            let [east_m, north_m] = frame.to_enu(position(file.plane, point));
-            *point = [east_m, north_m, point[2]];
-        }
-    }
-    Ok(())
-}
-
-fn table(printed: &Printed<'_>) -> String {
-    let comparison = printed.comparison;
+fn table(comparison: &Comparison, by: &str) -> String {
     let mut lines = vec![
-        format!("measured minus reference (up is positive), {}", printed.by),
+        format!("measured minus reference (up is positive), {by}"),
         format!(
             "matched   {} of {} points, {} without a reference",
             comparison.measured - comparison.unmatched,

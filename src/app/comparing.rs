@@ -1,0 +1,187 @@
+//! What the survey is held against: a file of points or another mission, opened off the window's thread.
+
+use super::tabulating::{Of, Tabulating};
+use super::{App, MapLayer, Outcome, Task};
+use crate::bathymetry::compare::Matching;
+use crate::export::points::is_named_as_elevations;
+use crate::formats;
+use crate::pipeline::{Agreement, Products, Reference, Settings};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where the reference of a point is taken from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReferenceBy {
+    /// The triangulated points of the reference, across gaps as wide as the depth map spans.
+    #[default]
+    Surface,
+    /// The nearest point of the reference within a radius.
+    Nearest,
+}
+
+/// How far a nearest point may be at first, metres.
+const RADIUS_M: f64 = 1.0;
+
+/// The reference, and how points find it.
+pub struct Comparing {
+    /// What the survey is held against; its own soundings without.
+    pub reference: Option<Arc<Reference>>,
+    /// Where the reference of a point is taken from.
+    pub by: ReferenceBy,
+    /// Farthest point for [`ReferenceBy::Nearest`], metres.
+    pub radius_m: f64,
+    opening: Option<Opening>,
+}
+
+/// A reference, and how the survey agrees with it.
+struct Opened {
+    of: Of,
+    agreement: Agreement,
+}
+
+type Opening = Task<Result<Opened, String>>;
+
+impl Default for Comparing {
+    fn default() -> Self {
+        Self {
+            reference: None,
+            by: ReferenceBy::default(),
+            radius_m: RADIUS_M,
+            opening: None,
+        }
+    }
+}
+
+impl Comparing {
+    /// Whether a reference is being opened.
+    pub fn is_opening(&self) -> bool {
+        self.opening.is_some()
+    }
+
+    /// Stops opening.
+    pub(super) fn stop(&mut self) {
+        self.opening = None;
+    }
+
+    /// Leaves the reference, and whatever is being opened.
+    pub(super) fn leave(&mut self) {
+        self.reference = None;
+        self.opening = None;
+    }
+
+    fn matching(&self, settings: &Settings) -> Matching {
+        match self.by {
+            ReferenceBy::Surface => Matching::Surface {
+                max_gap_m: settings.surface.max_gap_m,
+            },
+            ReferenceBy::Nearest => Matching::Nearest {
+                radius_m: self.radius_m,
+            },
+        }
+    }
+
+    /// The reference, and how the points of a result find it.
+    pub(super) fn against(&self, products: &Products) -> Option<(Arc<Reference>, Matching)> {
+        let reference = self.reference.clone()?;
+        Some((reference, self.matching(&products.settings)))
+    }
+}
+
+impl App {
+    /// Starts opening a reference; one that is still being opened is dropped.
+    pub(super) fn compare_with(&mut self, path: PathBuf) {
+        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+            let text = "open a log first, then what it is to be compared with";
+            self.tell(format!("{text}: {}", path.display()), true);
+            return;
+        };
+        let matching = self.comparing.matching(&products.settings);
+        let (survey, mut products) = (survey.clone(), products.clone());
+        // No stage depends on it: the results are as good for any system.
+        products.settings.crs = self.settings.crs;
+        self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
+            open(&path, &survey, &products, matching, progress)
+        }));
+    }
+
+    /// Compares side-scan with soundings again.
+    pub(super) fn leave_reference(&mut self) {
+        self.comparing.leave();
+        self.tabulating = Tabulating::default();
+    }
+
+    /// Takes the reference of a point from elsewhere.
+    pub(super) fn match_by(&mut self, by: ReferenceBy, radius_m: f64) {
+        self.comparing.by = by;
+        if radius_m > 0.0 && radius_m.is_finite() {
+            self.comparing.radius_m = radius_m;
+        }
+    }
+
+    /// Done share of a comparison with a reference under way, 0 to 1.
+    pub fn comparing_fraction(&self) -> Option<f32> {
+        let opening = self.comparing.opening.as_ref().map(Task::fraction);
+        let has_reference = self.comparing.reference.is_some();
+        let tabulating = || self.tabulating.fraction().filter(|_| has_reference);
+        opening.or_else(tabulating)
+    }
+
+    /// Collects a reference that was opened.
+    pub(super) fn poll_comparing(&mut self) {
+        let opened = match self.comparing.opening.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => return,
+            Some(Outcome::Done(opened)) => opened,
+            Some(Outcome::Failed) => Err("opening the reference failed unexpectedly".to_owned()),
+        };
+        self.comparing.opening = None;
+        match opened {
+            Ok(Opened { of, agreement }) => {
+                self.tell(words_about(&agreement), false);
+                let layers = &mut self.options.map.layers;
+                layers.set_visible(MapLayer::Residuals, true);
+                self.comparing.reference = agreement.reference.clone();
+                self.tabulating.take(of, agreement);
+            }
+            Err(text) => self.tell(text, true),
+        }
+    }
+}
+
+/// Opens a file of points or a log, by its name, and holds the survey against it.
+fn open(
+    path: &Path,
+    survey: &Survey,
+    products: &Products,
+    matching: Matching,
+    progress: &Progress,
+) -> Result<Opened, String> {
+    let reference = match is_named_as_elevations(path) {
+        true => Reference::of_points(path.as_os_str(), survey, &products.settings)?,
+        false => {
+            let other = formats::open(path, progress).map_err(|error| error.to_string())?;
+            Reference::of_mission(other)
+        }
+    };
+    let reference = Arc::new(reference);
+    let agreement = Agreement::with_reference(survey, products, &reference, matching, progress)?;
+    let of = Of::new(products, Some((reference, matching)));
+    Ok(Opened { of, agreement })
+}
+
+/// What was opened, what came out, and what is to be known of it.
+fn words_about(agreement: &Agreement) -> String {
+    let mut words = Vec::new();
+    if let Some(found) = &agreement.comparison.residuals {
+        words.push(format!(
+            "Compared {} points: mean {:+.3} m, 95 % within {:.3} m, above 0 is shallower than the reference",
+            found.n, found.mean_m, found.p95_m
+        ));
+    }
+    let Some(reference) = &agreement.reference else {
+        return words.join("; ");
+    };
+    words.extend(reference.notes.iter().cloned());
+    format!("{}: {}", words.join("; "), reference.path().display())
+}

@@ -1,0 +1,77 @@
+//! Logs on either side of a comparison: processed as `bathyscope process` would, all with the same settings.
+
+use super::{CompareArgs, print_json, table};
+use crate::cli::output;
+use crate::cli::process::{SettingsArgs, check_against};
+use crate::cli::status_line::StatusLine;
+use crate::export::points::{Elevations, Plane, is_named_as_elevations};
+use crate::formats;
+use crate::pipeline::{
+    self, Agreement, ComparisonRecord, Products, Reference, Settings, write_differences,
+};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::ffi::OsStr;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Compares the points that a log's depth map is made of, and prints the statistics.
+pub fn run(args: &CompareArgs) -> Result<(), String> {
+    let settings = args.settings.resolve()?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    let (survey, products) = processed(&args.measured, &settings, &status, &progress)?;
+    let reference = match is_named_as_elevations(&args.reference) {
+        true => Reference::of_points(&args.reference, &survey, &settings)?,
+        false => Reference::of_mission(open(&args.reference, &progress)?),
+    };
+    status.step("comparing");
+    let (reference, matching) = (Arc::new(reference), args.matching());
+    let agreement = Agreement::with_reference(&survey, &products, &reference, matching, &progress)?;
+    if let Some(path) = &args.output {
+        write_differences(path, &survey, &products, &agreement)?;
+    }
+    let record = ComparisonRecord::new(&survey, &products, &agreement, &progress)?;
+    drop(status);
+    for note in &reference.notes {
+        let path = reference.path().display();
+        output::tell(format_args!("warning: {note}: {path}"));
+    }
+    match args.json {
+        true => print_json(&record),
+        false => output::results(table(&agreement.comparison, record.by())),
+    }
+}
+
+/// The same points of a log as a file of points would hold them.
+pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, String> {
+    let settings = settings.resolve()?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    let (survey, products) = processed(argument, &settings, &status, &progress)?;
+    Ok(Elevations {
+        path: argument.into(),
+        points: pipeline::positions(&survey, &products),
+        plane: Plane::Degrees,
+        blank: 0,
+        note: None,
+    })
+}
+
+fn processed(
+    argument: &OsStr,
+    settings: &Settings,
+    status: &StatusLine,
+    progress: &Progress,
+) -> Result<(Survey, Products), String> {
+    let survey = open(argument, progress)?;
+    check_against(&survey, settings)?;
+    let products = pipeline::run(&survey, settings, None, progress, |stage| {
+        status.step(stage.name());
+    });
+    Ok((survey, products.map_err(|error| error.to_string())?))
+}
+
+fn open(argument: &OsStr, progress: &Progress) -> Result<Survey, String> {
+    formats::open(Path::new(argument), progress).map_err(|error| error.to_string())
+}

@@ -1,0 +1,55 @@
+//! Two files of points in one plane.
+
+use crate::export::points::{Elevations, Plane};
+use crate::geo::{Crs, LocalFrame, LonLat};
+
+/// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres
+/// of different systems, become metres about the first reference point.
+pub fn into_one_plane(measured: &mut Elevations, reference: &mut Elevations) -> Result<(), String> {
+    match (measured.plane, reference.plane) {
+        (Plane::Degrees, Plane::Metres) | (Plane::Metres, Plane::Degrees) => {
+            return Err(format!(
+                "one file is in degrees and the other in metres, so they do not fit onto each other; name columns of one kind: {} and {}",
+                measured.path.display(),
+                reference.path.display()
+            ));
+        }
+        (Plane::Metres, _) | (_, Plane::Metres) => return Ok(()),
+        (Plane::Degrees, Plane::Degrees) => {}
+        (one, other) if one == other => return Ok(()),
+        _ => {}
+    }
+    let systems = [system(measured)?, system(reference)?];
+    let first = reference.points.first();
+    let Some(frame) = first.map(|&[x, y, _]| LocalFrame::new(position(&systems[1], [x, y]))) else {
+        return Ok(());
+    };
+    for (file, system) in [measured, reference].into_iter().zip(&systems) {
+        for point in &mut file.points {
+            let [east_m, north_m] = frame.to_enu(position(system, [point[0], point[1]]));
+            *point = [east_m, north_m, point[2]];
+        }
+    }
+    Ok(())
+}
+
+/// `None` for degrees; the error is a sentence.
+fn system(file: &Elevations) -> Result<Option<Crs>, String> {
+    let epsg = match file.plane {
+        Plane::Utm(zone) => zone.epsg() as u16,
+        Plane::Epsg(epsg) => epsg,
+        Plane::Metres | Plane::Degrees => return Ok(None),
+    };
+    let crs = Crs::from_epsg(epsg).map_err(|error| format!("{error}: {}", file.path.display()))?;
+    Ok(Some(crs))
+}
+
+fn position(system: &Option<Crs>, [x, y]: [f64; 2]) -> LonLat {
+    match system {
+        Some(crs) => crs.to_lon_lat([x, y]),
+        None => LonLat {
+            lon_deg: x,
+            lat_deg: y,
+        },
+    }
+}

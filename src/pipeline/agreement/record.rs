@@ -1,0 +1,184 @@
+//! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
+
+use super::{Agreement, ResidualTables, matching_in_words};
+use crate::bathymetry::compare::{Comparison, Match};
+use crate::cloud::PointSource;
+use crate::export::{self, Summary};
+use crate::pipeline::record::{Coordinates, Made, write_record};
+use crate::pipeline::report::Input;
+use crate::pipeline::{Products, Report, Settings};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use serde::Serialize;
+use std::io::Write as _;
+use std::path::Path;
+
+/// What is written and printed about a survey against a reference.
+#[derive(Debug, Serialize)]
+pub struct ComparisonRecord<'a> {
+    program: String,
+    sign: &'static str,
+    statement: String,
+    measured_file: String,
+    reference_file: String,
+    reference: ReferenceRecord<'a>,
+    by: String,
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// The same for each source of points.
+    sources: Vec<OfSource>,
+    #[serde(flatten)]
+    tables: &'a ResidualTables,
+    settings: &'a Settings,
+}
+
+#[derive(Debug, Serialize)]
+struct ReferenceRecord<'a> {
+    /// `mission` or `points`.
+    kind: &'static str,
+    inputs: Vec<Input>,
+    notes: &'a [String],
+}
+
+#[derive(Debug, Serialize)]
+struct OfSource {
+    source: &'static str,
+    #[serde(flatten)]
+    comparison: Comparison,
+}
+
+const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
+const MISSION: &str = "The reference is another mission, processed with the same settings.";
+const POINTS: &str = "The reference is taken as it stands in its file.";
+const PARTS: [(&str, &[PointSource]); 4] = [
+    ("down-scan", &[PointSource::DownScan]),
+    ("side-scan", &[PointSource::Port, PointSource::Starboard]),
+    ("port", &[PointSource::Port]),
+    ("starboard", &[PointSource::Starboard]),
+];
+/// What a comparison does not depend on.
+const REGARDLESS_OF: [&str; 3] = ["detector", "isobaths", "mosaic"];
+
+impl<'a> ComparisonRecord<'a> {
+    /// Of an agreement with a reference; reads every byte of the reference once for its hash. The error is one sentence.
+    pub fn new(
+        survey: &Survey,
+        products: &'a Products,
+        agreement: &'a Agreement,
+        progress: &Progress,
+    ) -> Result<Self, String> {
+        let Some(reference) = &agreement.reference else {
+            return Err("the survey was not held against a reference".to_owned());
+        };
+        let (kind, how) = match reference.is_mission() {
+            true => ("mission", MISSION),
+            false => ("points", POINTS),
+        };
+        let log = survey.source.files.first();
+        Ok(Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            sign: SIGN,
+            statement: format!("{} {how}", products.correction.statement()),
+            measured_file: log.map_or_else(String::new, |log| log.display().to_string()),
+            reference_file: reference.path().display().to_string(),
+            reference: ReferenceRecord {
+                kind,
+                inputs: reference.inputs(progress)?,
+                notes: &reference.notes,
+            },
+            by: matching_in_words(agreement.matching),
+            comparison: &agreement.comparison,
+            sources: of_sources(products, agreement),
+            tables: &agreement.tables,
+            settings: &products.settings,
+        })
+    }
+
+    /// How a point found its reference, in words.
+    pub fn by(&self) -> &str {
+        &self.by
+    }
+}
+
+/// The comparison of each source that has points.
+fn of_sources(products: &Products, agreement: &Agreement) -> Vec<OfSource> {
+    let counted = super::counted(products);
+    let points = &agreement.cloud.points;
+    let level_m = products.correction.middle_level_m();
+    let part = |(source, sources): (&'static str, &[PointSource])| {
+        let is_of = |index: usize| sources.contains(&points[index].source);
+        let measured = counted.iter().filter(|index| is_of(**index)).count();
+        let matches = agreement.differences.iter();
+        let matches: Vec<Match> = matches.filter(|one| is_of(one.measured)).copied().collect();
+        (!matches.is_empty()).then(|| OfSource {
+            source,
+            comparison: Comparison::new(measured, &matches, level_m),
+        })
+    };
+    PARTS.into_iter().filter_map(part).collect()
+}
+
+/// Writes the points and how they differ, as CSV. The error is one sentence.
+pub fn write_differences(
+    path: &Path,
+    survey: &Survey,
+    products: &Products,
+    agreement: &Agreement,
+) -> Result<Summary, String> {
+    let (navigation, cloud) = (&products.navigation, &agreement.cloud);
+    export::differences_csv(path, survey, navigation, cloud, &agreement.differences)
+        .map_err(|error| error.to_string())
+}
+
+/// Writes `comparison.json` and `comparison.csv` into a folder that exists, each with its record; gives back their names. The error
+/// is one sentence.
+pub fn write_comparison(
+    survey: &Survey,
+    products: &Products,
+    agreement: &Agreement,
+    report: &Report,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<&'static str>, String> {
+    let record = ComparisonRecord::new(survey, products, agreement, progress)?;
+    let (json, csv) = ("comparison.json", "comparison.csv");
+    export::write_aside(&folder.join(json), |mut file| {
+        let text = serde_json::to_vec_pretty(&record)?;
+        file.write_all(&text)?;
+        file.write_all(b"\n")
+    })
+    .map_err(|error| error.to_string())?;
+    let points = write_differences(&folder.join(csv), survey, products, agreement)?;
+    let made = [
+        Made {
+            name: json,
+            what: "The survey against a reference",
+            coordinates: Coordinates::None,
+            counted: "points",
+            measured: "",
+            summary: Summary {
+                count: points.count,
+                ..Summary::default()
+            },
+            regardless_of: &REGARDLESS_OF,
+        },
+        Made {
+            name: csv,
+            what: "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
+            coordinates: Coordinates::Degrees,
+            counted: "points",
+            measured: "difference_m",
+            summary: points,
+            regardless_of: &REGARDLESS_OF,
+        },
+    ];
+    let inputs = report.inputs.iter().chain(&record.reference.inputs);
+    let report = Report {
+        inputs: inputs.cloned().collect(),
+        ..report.clone()
+    };
+    for one in &made {
+        write_record(one, &report, folder)?;
+    }
+    Ok(vec![json, csv])
+}

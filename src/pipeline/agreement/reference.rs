@@ -1,0 +1,242 @@
+//! What a survey can be held against: points of a file, or another mission over the same water.
+
+use crate::cloud::Correction;
+use crate::export::points::{Elevations, Plane, read_elevations};
+use crate::geo::{Crs, LocalFrame, LonLat};
+use crate::pipeline::report::{Input, hash_file, hash_inputs};
+use crate::pipeline::{Products, Settings, run};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use rayon::prelude::*;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a survey is held against.
+#[derive(Debug)]
+pub struct Reference {
+    path: PathBuf,
+    /// What is to be known about how it was read, in sentences.
+    pub notes: Vec<String>,
+    held: Held,
+}
+
+/// Longitude, latitude, degrees, and elevation, metres.
+type Position = [f64; 3];
+
+#[derive(Debug)]
+enum Held {
+    Points(Vec<Position>),
+    Mission {
+        survey: Arc<Survey>,
+        /// What the pipeline made of it last: most changes of a setting leave most stages as they were.
+        made: Mutex<Option<Products>>,
+    },
+}
+
+impl Reference {
+    /// The points of a file that [`read_elevations`] reads. Metres of a file that does not say whose they are count as those of
+    /// the system that `crs` names, or else as metres east and north of the survey's first fix: as those where they lie over the
+    /// survey. The error is one sentence.
+    pub fn of_points(
+        argument: &OsStr,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<Self, String> {
+        let file = read_elevations(argument).map_err(|error| error.to_string())?;
+        let fail = |what: String| format!("{what}: {}", file.path.display());
+        let (system, guess) = System::of(&file, survey, settings).map_err(fail)?;
+        let blank = (file.blank > 0).then(|| {
+            let count = file.blank;
+            format!("{count} lines or features without a coordinate are left out")
+        });
+        let positions = file.points.par_iter().map(|&[x, y, z_m]| {
+            let at = system.to_lon_lat([x, y]);
+            [at.lon_deg, at.lat_deg, z_m]
+        });
+        Ok(Self {
+            held: Held::Points(positions.collect()),
+            notes: [file.note, guess, blank].into_iter().flatten().collect(),
+            path: file.path,
+        })
+    }
+
+    /// Another mission, which is processed with the settings of the survey that it is held against.
+    pub fn of_mission(survey: Survey) -> Self {
+        Self {
+            path: survey.source.files.first().cloned().unwrap_or_default(),
+            notes: Vec::new(),
+            held: Held::Mission {
+                survey: Arc::new(survey),
+                made: Mutex::default(),
+            },
+        }
+    }
+
+    /// Name of its file.
+    pub fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether it is another mission.
+    pub fn is_mission(&self) -> bool {
+        matches!(self.held, Held::Mission { .. })
+    }
+
+    /// East, north and elevation of its points in the plane of a survey, metres. The error is one sentence.
+    pub(super) fn places(
+        &self,
+        survey: &Survey,
+        products: &Products,
+        progress: &Progress,
+    ) -> Result<Vec<[f64; 3]>, String> {
+        let place = |&[lon_deg, lat_deg, z_m]: &Position| {
+            let at = LonLat { lon_deg, lat_deg };
+            let [east_m, north_m] = products.navigation.to_plane(&survey.track, at);
+            [east_m, north_m, z_m]
+        };
+        match &self.held {
+            Held::Points(points) => Ok(points.par_iter().map(place).collect()),
+            Held::Mission {
+                survey: other,
+                made,
+            } => {
+                let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+                let now = processed(other, &products.settings, made.as_ref(), progress)
+                    .map_err(|what| format!("{what}: {}", self.path.display()))?;
+                let points = positions(other, &now);
+                *made = Some(now);
+                Ok(points.par_iter().map(place).collect())
+            }
+        }
+    }
+
+    /// The files that it was read from.
+    pub(super) fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, String> {
+        match &self.held {
+            Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
+            Held::Mission { survey, .. } => {
+                hash_inputs(survey, progress).map_err(|error: Cancelled| error.to_string())
+            }
+        }
+    }
+}
+
+/// What the pipeline makes of another mission. A flat spot that was picked in the one survey means nothing in the other.
+fn processed(
+    survey: &Survey,
+    settings: &Settings,
+    before: Option<&Products>,
+    progress: &Progress,
+) -> Result<Products, String> {
+    let mut settings = settings.clone();
+    settings.calibration.pings = None;
+    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
+        return Err(sentence.to_owned());
+    }
+    run(survey, &settings, before, progress, |_| ()).map_err(|error| error.to_string())
+}
+
+/// Longitude, latitude and elevation of the points that a depth map of a survey is made of.
+pub fn positions(survey: &Survey, products: &Products) -> Vec<Position> {
+    let counted = super::counted(products).into_iter();
+    let points = counted.map(|index| &products.cloud.points[index]);
+    let positions = points.map(|point| {
+        let (east_m, north_m) = (point.east_m, point.north_m);
+        let at = products
+            .navigation
+            .to_lon_lat(&survey.track, east_m, north_m);
+        [at.lon_deg, at.lat_deg, point.z_m]
+    });
+    positions.collect()
+}
+
+/// What the coordinates of a file mean.
+enum System {
+    Crs(Crs),
+    /// Metres east and north of the survey's first fix.
+    Local(LocalFrame),
+}
+
+impl System {
+    /// The system of a file, and in words where it is a guess; the error is a sentence without the path.
+    fn of(
+        file: &Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<(Self, Option<String>), String> {
+        let named = |epsg: u16| {
+            let crs = Crs::from_epsg(epsg).map_err(|error| error.to_string())?;
+            Ok((Self::Crs(crs), None))
+        };
+        match file.plane {
+            Plane::Degrees => named(4326),
+            Plane::Utm(zone) => named(zone.epsg() as u16),
+            Plane::Epsg(epsg) => named(epsg),
+            Plane::Metres => Self::guessed(file, survey, settings),
+        }
+    }
+
+    fn guessed(
+        file: &Elevations,
+        survey: &Survey,
+        settings: &Settings,
+    ) -> Result<(Self, Option<String>), String> {
+        let frame = &survey.track.frame;
+        let map = settings.crs.at(frame.origin()).ok();
+        let map = map.unwrap_or_else(|| Crs::utm(frame.origin()));
+        let asked = format!("the file does not say so, but its metres are taken as those of {map}");
+        let local =
+            "the file does not say so, but its metres are taken as east and north of the first fix";
+        let whats = [
+            (Self::Crs(map.clone()), asked),
+            (Self::Local(frame.clone()), local.to_owned()),
+        ];
+        let fixes = survey.track.fixes.iter();
+        let track = bounds(fixes.map(|fix| frame.to_enu(fix.position)));
+        for (system, words) in whats {
+            let points = file.points.iter();
+            let points = points.map(|&[x, y, _]| frame.to_enu(system.to_lon_lat([x, y])));
+            if distance_m(track, bounds(points)) < NEAR_M {
+                return Ok((system, Some(words)));
+            }
+        }
+        Err(format!(
+            "the file does not say which system its metres are in, and they lie over this survey neither as {map} nor as metres from its first fix; give longitude and latitude, or set crs to the file's system"
+        ))
+    }
+
+    fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {
+        match self {
+            Self::Crs(crs) => crs.to_lon_lat([x, y]),
+            Self::Local(frame) => frame.to_lon_lat(x, y),
+        }
+    }
+}
+
+/// A file this far from the track may be one of the same water in the wrong place, and is told to be that far away.
+const NEAR_M: f64 = 20_000.0;
+
+/// West, south, east and north of what has a place.
+pub(super) fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    let placed = places.filter(|[x, y]| x.is_finite() && y.is_finite());
+    placed.fold(start, |[west, south, east, north], [x, y]| {
+        [west.min(x), south.min(y), east.max(x), north.max(y)]
+    })
+}
+
+/// Distance between two rectangles, 0 where they meet.
+pub(super) fn distance_m(one: [f64; 4], other: [f64; 4]) -> f64 {
+    let apart = |low: usize, high: usize| {
+        let gap = (other[low] - one[high]).max(one[low] - other[high]);
+        gap.max(0.0)
+    };
+    apart(0, 2).hypot(apart(1, 3))
+}

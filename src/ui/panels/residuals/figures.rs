@@ -1,0 +1,60 @@
+//! The statistics of differences, in rows.
+
+use crate::bathymetry::compare::Comparison;
+use crate::ui::panels::parts::fact;
+use crate::ui::text;
+use egui::Ui;
+
+/// Draws them.
+pub fn ui(ui: &mut Ui, comparison: &Comparison) {
+    let matched = comparison.measured - comparison.unmatched;
+    fact(
+        ui,
+        "Compared",
+        "Points that have a reference, of all that could have one.",
+        format!(
+            "{} of {}",
+            text::count(matched),
+            text::count(comparison.measured)
+        ),
+    );
+    if let Some(found) = &comparison.residuals {
+        let pairs = [
+            (
+                "Mean, median",
+                "Of the differences: above 0 is shallower than the reference.",
+                [signed(found.mean_m), signed(found.median_m)],
+            ),
+            (
+                "SD, RMS",
+                "Standard deviation about the mean, and root mean square about 0.",
+                [found.sd_m, found.rms_m].map(text::difference),
+            ),
+            (
+                "MAE, 95 %",
+                "Mean absolute difference, and the one that 95 % do not exceed.",
+                [found.mae_m, found.p95_m].map(text::difference),
+            ),
+        ];
+        for (name, hint, [first, second]) in pairs {
+            fact(ui, name, hint, format!("{first}, {second}"));
+        }
+    }
+    for within in &comparison.orders {
+        let name = format!("S-44 {}", within.order.order);
+        let verdict = match within.share >= 0.95 {
+            true => "",
+            false => ", 95 % wanted",
+        };
+        let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
+        let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";
+        fact(ui, &name, hint, share);
+    }
+}
+
+fn signed(metres: f64) -> String {
+    match metres > 0.0 {
+        true => format!("+{}", text::difference(metres)),
+        false => text::difference(metres),
+    }
+}

@@ -1,0 +1,69 @@
+//! How the points of the survey differ from a reference: statistics, how the differences spread, and what they hang on.
+
+mod figures;
+mod plots;
+mod reference;
+
+use super::parts::{self, Section, section};
+use crate::app::{Action, App, Command, MapLayer};
+use crate::pipeline::Stage;
+use crate::ui::ViewContext;
+use egui::{Rect, Ui, vec2};
+use plots::{HEIGHT, OVERS};
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Residuals",
+        stage: Some(Stage::Outliers),
+    };
+    section(ui, context, &heading, |ui, context| {
+        // Comparing costs a triangulation of all soundings: it waits until somebody looks.
+        let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
+        if context.app.products.is_some() && ui.is_rect_visible(place) {
+            context.push(Command::Tabulate);
+        }
+        reference::ui(ui, context);
+        let Some(agreement) = context.app.agreement().cloned() else {
+            return parts::remark(ui, lack(context.app));
+        };
+        figures::ui(ui, &agreement.comparison);
+        let id = egui::Id::unique("residuals over");
+        let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        // Wrapped: a row that is wider than the panel would widen it when it comes into view.
+        ui.horizontal_wrapped(|ui| {
+            for (each, name, hint) in OVERS {
+                ui.selectable_value(&mut over, each, name)
+                    .on_hover_text(hint);
+            }
+        });
+        ui.data_mut(|data| data.insert_temp(id, over));
+        plots::picture(ui, &agreement.tables, over, &context.app.options);
+        let of = match agreement.reference.is_some() {
+            true => "Elevation of the points minus that of the reference at their place",
+            false => "Elevation of side-scan points minus that of the soundings at their place",
+        };
+        parts::remark(ui, format!("{of}: above 0 is shallower."));
+        on_map(ui, context);
+    });
+}
+
+/// Why there is nothing to show.
+fn lack(app: &App) -> &str {
+    match app.agreement_problem() {
+        _ if app.is_tabulating() => "Residuals are being tabulated.",
+        Some(problem) => problem,
+        None => "No side-scan point lies over the soundings.",
+    }
+}
+
+/// Whether the map shows them, point by point.
+fn on_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let layers = &context.app.options.map.layers;
+    let mut is_shown = layers.is_visible(MapLayer::Residuals);
+    let check = ui.checkbox(&mut is_shown, "Residuals on the map");
+    if check.on_hover_text(MapLayer::Residuals.hint()).clicked() {
+        context.push(Command::Do(Action::ResidualLayer));
+    }
+}

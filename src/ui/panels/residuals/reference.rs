@@ -1,0 +1,83 @@
+//! What the points are held against, and how a point finds its reference.
+
+use crate::app::{Action, Command, ReferenceBy};
+use crate::ui::ViewContext;
+use crate::ui::panels::parts::{self, fact};
+use egui::{Button, Slider, Ui};
+
+/// Radii that can be chosen, metres.
+const RADII_M: std::ops::RangeInclusive<f64> = 0.1..=20.0;
+
+const BYS: [(ReferenceBy, &str, &str); 2] = [
+    (
+        ReferenceBy::Surface,
+        "Surface",
+        "The triangulated points of the reference, across gaps as wide as the depth map spans.",
+    ),
+    (
+        ReferenceBy::Nearest,
+        "Nearest point",
+        "The nearest point of the reference, seen from above, within a radius.",
+    ),
+];
+
+/// Draws it.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let reference = context.app.comparing.reference.clone();
+    let (name, hint) = match &reference {
+        Some(reference) => (reference.name(), reference.path().display().to_string()),
+        None => (
+            "own soundings".to_owned(),
+            "Side-scan against the soundings of the same log.".to_owned(),
+        ),
+    };
+    fact(ui, "Reference", &hint, name);
+    buttons(ui, context, reference.is_some());
+    let Some(reference) = reference else {
+        return;
+    };
+    matching(ui, context);
+    if reference.is_mission() {
+        parts::remark(ui, "Another mission, processed with the same settings.");
+    }
+    for note in &reference.notes {
+        parts::remark(ui, note.as_str());
+    }
+}
+
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
+    let ready = context.app.products.is_some() && !context.app.comparing.is_opening();
+    ui.horizontal_wrapped(|ui| {
+        for (action, enabled) in [
+            (Action::CompareWith, ready),
+            (Action::CloseReference, is_open),
+        ] {
+            let button = ui.add_enabled(enabled, Button::new(action.label()));
+            if button.on_hover_text(action.hint()).clicked() {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
+
+fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let comparing = &context.app.comparing;
+    let (before, mut by, mut radius_m) = (comparing.by, comparing.by, comparing.radius_m);
+    ui.horizontal_wrapped(|ui| {
+        for (each, name, hint) in BYS {
+            ui.selectable_value(&mut by, each, name).on_hover_text(hint);
+        }
+    });
+    let mut moved = false;
+    if by == ReferenceBy::Nearest {
+        let hint = "How far the nearest point may be.";
+        let slider = parts::row(ui, "Radius", hint, |ui| {
+            let slider = Slider::new(&mut radius_m, RADII_M).logarithmic(true);
+            ui.add(slider.fixed_decimals(1).suffix(" m"))
+        });
+        moved = slider.changed();
+    }
+    if by != before || moved {
+        context.push(Command::MatchBy { by, radius_m });
+    }
+}

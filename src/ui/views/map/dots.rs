@@ -1,0 +1,220 @@
+//! Tiles of coloured dots, and which of them is nearest to a place.
+
+use super::tiles::{SIDE, TileKey, TileSource};
+use super::transform::GroundBounds;
+use crate::progress::Progress;
+use egui::Color32;
+
+/// Dots in a box that tells whether they need to be looked at. A boat cannot jump: those in a row lie close together.
+const BOXED: usize = 512;
+/// Radius of a dot, texels.
+const RADIUS: f64 = 1.5;
+/// The finest level worth painting, 2 to this in metres.
+const FINEST: i8 = -7;
+
+/// A dot on the ground.
+pub struct Dot {
+    pub east_m: f64,
+    pub north_m: f64,
+    /// Index of its colour.
+    pub colour: u8,
+}
+
+impl Dot {
+    fn has_place(&self) -> bool {
+        self.east_m.is_finite() && self.north_m.is_finite()
+    }
+}
+
+/// Dots in the order of the track, and their colours.
+pub struct Dots {
+    dots: Vec<Dot>,
+    /// Around every [`BOXED`] dots.
+    boxes: Vec<GroundBounds>,
+    bounds: GroundBounds,
+    colours: Vec<Color32>,
+}
+
+impl Dots {
+    /// `None` where no dot has a place; such dots are not painted.
+    pub fn new(dots: Vec<Dot>, colours: Vec<Color32>) -> Option<Self> {
+        if !dots.iter().any(Dot::has_place) {
+            return None;
+        }
+        Some(Self {
+            bounds: around(&dots),
+            boxes: dots.chunks(BOXED).map(around).collect(),
+            dots,
+            colours,
+        })
+    }
+
+    /// Index of the dot nearest to a place, if one is within `reach_m`.
+    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
+        let away = |index: usize| away_m(place, &self.boxes[index]);
+        // The nearest box first: what it holds rules out most of the others.
+        let first = (0..self.boxes.len()).min_by(|a, b| away(*a).total_cmp(&away(*b)))?;
+        let others = (0..self.boxes.len()).filter(|index| *index != first);
+        let mut best = (reach_m, None);
+        for index in std::iter::once(first).chain(others) {
+            if away(index) > best.0 {
+                continue;
+            }
+            let start = index * BOXED;
+            for (dot, at) in (start..).zip(self.dots[start..].iter().take(BOXED)) {
+                let off_m = (at.east_m - place[0]).hypot(at.north_m - place[1]);
+                if off_m < best.0 || (off_m == best.0 && best.1.is_none()) {
+                    best = (off_m, Some(dot));
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// West, south, east and north of the dots that have a place.
+fn around(dots: &[Dot]) -> GroundBounds {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    let placed = dots.iter().filter(|dot| dot.has_place());
+    placed.fold(start, |[west, south, east, north], dot| {
+        [
+            west.min(dot.east_m),
+            south.min(dot.north_m),
+            east.max(dot.east_m),
+            north.max(dot.north_m),
+        ]
+    })
+}
+
+/// Distance from a place to a box, 0 inside.
+fn away_m([east_m, north_m]: [f64; 2], [west, south, east, north]: &GroundBounds) -> f64 {
+    let beside = (west - east_m).max(east_m - east).max(0.0);
+    let beyond = (south - north_m).max(north_m - north).max(0.0);
+    beside.hypot(beyond)
+}
+
+impl TileSource for Dots {
+    fn bounds(&self) -> GroundBounds {
+        let [west, south, east, north] = self.bounds;
+        // A single dot has an extent too.
+        [west - 0.01, south - 0.01, east + 0.01, north + 0.01]
+    }
+
+    fn finest(&self) -> i8 {
+        FINEST
+    }
+
+    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+        let (texel_m, [west_m, north_m]) = (key.texel_m(), key.corner());
+        let far = SIDE as f64 + RADIUS;
+        let inside = |[west, south, east, north]: &GroundBounds| {
+            let across = [(west - west_m) / texel_m, (east - west_m) / texel_m];
+            let down = [(north_m - north) / texel_m, (north_m - south) / texel_m];
+            [across, down]
+                .iter()
+                .all(|[low, high]| *low < far && *high > -RADIUS)
+        };
+        let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
+        let mut is_empty = true;
+        let chunks = self.dots.chunks(BOXED).zip(&self.boxes);
+        for (dots, _) in chunks.filter(|(_, bounds)| inside(bounds)) {
+            progress.check().ok()?;
+            for dot in dots.iter().filter(|dot| dot.has_place()) {
+                let at = [
+                    (dot.east_m - west_m) / texel_m,
+                    (north_m - dot.north_m) / texel_m,
+                ];
+                let colour = self.colours[usize::from(dot.colour)];
+                is_empty &= !ink(&mut colours, at, colour);
+            }
+        }
+        (!is_empty).then_some(colours)
+    }
+}
+
+/// Draws a round dot with a soft edge; whether any of it lies in the picture.
+fn ink(colours: &mut [Color32], [x, y]: [f64; 2], colour: Color32) -> bool {
+    let span = |place: f64| {
+        let low = (place - RADIUS - 0.5).ceil().max(0.0) as usize;
+        let high = (place + RADIUS + 0.5).floor().max(0.0) as usize;
+        low..high.min(SIDE)
+    };
+    let mut is_seen = false;
+    for row in span(y) {
+        for column in span(x) {
+            let off = (column as f64 + 0.5 - x).hypot(row as f64 + 0.5 - y);
+            let cover = (RADIUS + 0.5 - off).clamp(0.0, 1.0) as f32;
+            if cover > 0.0 {
+                let texel = &mut colours[row * SIDE + column];
+                *texel = texel.blend(colour.gamma_multiply(cover));
+                is_seen = true;
+            }
+        }
+    }
+    is_seen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dot(east_m: f64, north_m: f64) -> Dot {
+        Dot {
+            east_m,
+            north_m,
+            colour: 1,
+        }
+    }
+
+    #[test]
+    fn a_dot_on_the_edge_shows_in_both_tiles() {
+        let dots = vec![dot(256.0, 10.0), dot(f64::NAN, 10.0), dot(300.0, 10.0)];
+        let colours = vec![Color32::WHITE, Color32::BLUE];
+        let dots = Dots::new(dots, colours).expect("two with a place");
+        let inked = |column: i32| {
+            let key = TileKey {
+                level: 0,
+                column,
+                row: 0,
+            };
+            let painted = dots.paint(key, &Progress::new());
+            painted.map(|colours| {
+                let row = SIDE - 1 - 11;
+                let inked = |texel: &usize| colours[row * SIDE + texel].a() > 128;
+                (0..SIDE).filter(inked).collect::<Vec<_>>()
+            })
+        };
+        // With the border, 256 m east lies between texels 256 and 257 of the western tile, and 0 and 1 of the eastern.
+        assert_eq!(inked(0), Some(vec![256, 257]));
+        assert_eq!(inked(1), Some(vec![0, 1, 44, 45]));
+        assert_eq!(inked(2), None);
+    }
+
+    #[test]
+    fn the_nearest_is_that_of_a_look_at_all() {
+        let spiral = |index: usize| match index % 400 {
+            0..3 => dot(f64::NAN, 1.0),
+            _ => {
+                let (sin, cos) = (index as f64 * 0.013).sin_cos();
+                let reach_m = 5.0 + index as f64 * 0.02;
+                dot(reach_m * cos, reach_m * sin)
+            }
+        };
+        let all: Vec<Dot> = (0..3000).map(spiral).collect();
+        let dots = Dots::new((0..3000).map(spiral).collect(), vec![Color32::RED; 2]);
+        let dots = dots.expect("dots with a place");
+        let mut found_some = 0;
+        for step in 0..200 {
+            let (sin, cos) = f64::from(step).sin_cos();
+            let at = [0.5 * f64::from(step) * cos, 0.5 * f64::from(step) * sin];
+            let off = |dot: &Dot| (dot.east_m - at[0]).hypot(dot.north_m - at[1]);
+            let offs = all.iter().map(off).filter(|off| off.is_finite());
+            let least_m = offs.fold(f64::MAX, f64::min);
+            let found = dots.nearest(at, 2.0);
+            assert_eq!(found.is_some(), least_m <= 2.0, "{at:?}");
+            assert!(found.is_none_or(|dot| off(&all[dot]) == least_m), "{at:?}");
+            found_some += usize::from(found.is_some());
+        }
+        assert!((50..190).contains(&found_some), "{found_some}");
+    }
+}

@@ -1,0 +1,254 @@
+//! How points differ from a reference, on the map and in the panel.
+
+use crate::cli::run;
+use crate::truth::KnownSurvey;
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
+use bathyscope::app::{Action, Command, MapLayer, ReferenceBy, View};
+use bathyscope::bathymetry::compare::Match;
+use bathyscope::geo::UtmZone;
+use bathyscope::simulation::Scene;
+use bathyscope::ui::Alone;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use serde_json::Value;
+use std::path::PathBuf;
+
+fn act(window: &mut Window, action: Action) {
+    window.state_mut().app.apply(Command::Do(action));
+    settle(window);
+}
+
+#[test]
+fn the_map_shows_how_each_point_differs_from_the_soundings() {
+    let mut window = drawn_window([900.0, 640.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.state_mut().show_alone(Alone::View(View::Map));
+    settle(&mut window);
+    assert!(
+        app(&window).agreement().is_none(),
+        "nobody has looked at it yet"
+    );
+    for layer in [Action::ResidualLayer, Action::IsobathLayer] {
+        act(&mut window, layer);
+    }
+    let agreement = app(&window).agreement().cloned().expect("an agreement");
+    let products = app(&window).products.as_ref().expect("a result");
+    // Every difference is that of a kept side-scan point from soundings within reach.
+    assert!(agreement.differences.len() > 1000);
+    for one in &agreement.differences {
+        let point = &products.cloud.points[one.measured];
+        assert!(products.kept[one.measured] && point.sounding.is_none());
+        assert!((point.z_m - one.reference_z_m - one.difference_m).abs() < 1e-12);
+    }
+    assert!(window.query_by_label_contains(", residuals").is_some());
+    window.snapshot("map_residuals");
+    act(&mut window, Action::ResidualLayer);
+    assert!(
+        !app(&window)
+            .options
+            .map
+            .layers
+            .is_visible(MapLayer::Residuals)
+    );
+}
+
+/// Distance between the points of a known bed, metres.
+const STEP_M: f64 = 0.3;
+
+/// A small pond on a bed of its own seed, under `level_m` more water.
+fn pond(level_m: f64) -> Scene {
+    let mut scene = Scene::gentle();
+    scene.track.lines = 3;
+    scene.track.cross_lines = 1;
+    scene.track.length_m = 40.0;
+    scene.bed.seed = Some(7);
+    scene.bed.mean_depth_m += level_m;
+    if let Some(terrace) = &mut scene.bed.terrace {
+        terrace.depth_m += level_m;
+    }
+    scene
+}
+
+/// A first mission, open in a window, and a folder with its log.
+fn first_mission() -> (Window, KnownSurvey, tempfile::TempDir) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let known = KnownSurvey::new(&pond(0.0), 1);
+    let log = folder.path().join("first.sl2");
+    std::fs::write(&log, known.truth.sl2_bytes()).expect("a log");
+    let mut window = empty_window();
+    window.state_mut().app.apply(Command::Open(log));
+    window.run();
+    (window, known, folder)
+}
+
+fn compare_with(window: &mut Window, path: PathBuf) {
+    window.state_mut().app.apply(Command::CompareWith(path));
+    window.run();
+}
+
+fn mean_m(window: &Window) -> f64 {
+    let agreement = app(window).agreement().expect("an agreement");
+    agreement.comparison.residuals.expect("statistics").mean_m
+}
+
+/// What was told last.
+fn told(window: &Window) -> (String, bool) {
+    let notice = app(window).notices.last().expect("a notice");
+    (notice.text.clone(), notice.is_error)
+}
+
+#[test]
+fn a_second_mission_under_higher_water_is_lower_by_as_much() {
+    let (mut window, _, folder) = first_mission();
+    let second = KnownSurvey::new(&pond(0.20), 2);
+    let path = folder.path().join("second.sl2");
+    std::fs::write(&path, second.truth.sl2_bytes()).unwrap();
+    press(&mut window, Modifiers::COMMAND, Key::P);
+    window.get_by_label("Command").type_text("compare with");
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let name = "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log";
+    let field = window.get_by_role_and_label(Role::TextInput, name);
+    field.type_text(&path.to_string_lossy());
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert!((mean_m(&window) - 0.20).abs() < 0.01, "{}", mean_m(&window));
+    let (text, is_error) = told(&window);
+    assert!(!is_error && text.contains("shallower"), "{text}");
+    let layers = &app(&window).options.map.layers;
+    assert!(layers.is_visible(MapLayer::Residuals));
+
+    // Headless and in the files that are exported the figures are the same.
+    let args = ["compare", "first.sl2", "second.sl2", "--by", "surface"];
+    let args = [&args[..], &["--json", "-o", "points.csv"]].concat();
+    let printed: Value = serde_json::from_str(&run(folder.path(), &args)).expect("JSON");
+    let out = folder.path().join("out");
+    window.state_mut().app.apply(Command::Export(out.clone()));
+    window.run();
+    let text = std::fs::read_to_string(out.join("comparison.json")).expect("a comparison");
+    let written: Value = serde_json::from_str(&text).unwrap();
+    for key in [
+        "n",
+        "mean_m",
+        "p95_m",
+        "orders",
+        "sources",
+        "by_heading_deg",
+        "by",
+    ] {
+        assert_eq!(written[key], printed[key], "{key}");
+    }
+    assert_eq!(written["mean_m"].as_f64(), Some(mean_m(&window)));
+    assert_eq!(written["reference"]["kind"], "mission");
+    let points = std::fs::read_to_string(out.join("comparison.csv")).unwrap();
+    assert_eq!(
+        Some(points.lines().count() as u64 - 1),
+        written["n"].as_u64()
+    );
+    assert_eq!(
+        points,
+        std::fs::read_to_string(folder.path().join("points.csv")).unwrap()
+    );
+    let record = std::fs::read_to_string(out.join("comparison.csv.json")).unwrap();
+    assert!(record.contains("difference_m"), "{record}");
+
+    // A setting acts on both missions: what hangs deeper here hangs deeper there.
+    let mut settings = app(&window).settings.clone();
+    settings.draft_m = 0.5;
+    let change = Command::Change {
+        settings: Box::new(settings),
+        label: "draft",
+        live: false,
+    };
+    let before = app(&window).agreement().cloned().unwrap();
+    window.state_mut().app.apply(change);
+    window.run();
+    window.state_mut().app.apply(Command::Tabulate);
+    window.run();
+    let after = app(&window).agreement().cloned().unwrap();
+    let [before_m, after_m] = [before, after].map(|one| one.differences[0].reference_z_m);
+    assert!(
+        (before_m - after_m - 0.5).abs() < 1e-3,
+        "{before_m} {after_m}"
+    );
+    assert!((mean_m(&window) - 0.20).abs() < 0.01);
+
+    for command in [Command::Do(Action::CloseReference), Command::Tabulate] {
+        window.state_mut().app.apply(command);
+        window.run();
+    }
+    let agreement = app(&window).agreement().expect("an agreement");
+    assert!(agreement.reference.is_none(), "its own soundings again");
+}
+
+#[test]
+fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
+    let (mut window, known, folder) = first_mission();
+    let frame = known.survey.track.frame.clone();
+    let zone = UtmZone::of(frame.origin());
+    let products = app(&window).products.as_ref().expect("a result");
+    let reach_m = (products.cloud.points.iter())
+        .map(|point| point.east_m.abs().max(point.north_m.abs()))
+        .fold(1.0, f64::max);
+    let half = (reach_m / STEP_M).ceil() as i32 + 1;
+    let mut text = String::new();
+    for (column, row) in (-half..=half).flat_map(|x| (-half..=half).map(move |y| (x, y))) {
+        let [east_m, north_m] = [column, row].map(|step| STEP_M * f64::from(step));
+        let [x, y] = zone.to_metres(frame.to_lon_lat(east_m, north_m));
+        let z_m = -known.truth.bed_depth_m(east_m, north_m);
+        text += &format!("{x:.4} {y:.4} {z_m:.4}\n");
+    }
+    let path = folder.path().join("bed.xyz");
+    std::fs::write(&path, text).unwrap();
+    drop_file(&mut window, path);
+    let (text, is_error) = told(&window);
+    assert!(!is_error && text.contains("UTM zone 17N"), "{text}");
+    let agreement = app(&window).agreement().cloned().expect("an agreement");
+    assert_eq!(agreement.comparison.unmatched, 0);
+    // Between the points of the file objects have edges.
+    let is_right = |one: &&Match| {
+        let point = &agreement.cloud.points[one.measured];
+        let bed_m = known.truth.bed_depth_m(point.east_m, point.north_m);
+        (one.reference_z_m + bed_m).abs() < 0.02
+    };
+    let right = agreement.differences.iter().filter(is_right).count();
+    assert!(50 * right >= 49 * agreement.differences.len(), "{right}");
+    let nearest = Command::MatchBy {
+        by: ReferenceBy::Nearest,
+        radius_m: 0.12,
+    };
+    for command in [nearest, Command::Tabulate] {
+        window.state_mut().app.apply(command);
+        window.run();
+    }
+    let near = app(&window).agreement().expect("an agreement");
+    // Half of a square of 0.3 m lies within 0.12 m of its corners.
+    let share = near.differences.len() as f64 / agreement.differences.len() as f64;
+    assert!((0.4..0.6).contains(&share), "{share}");
+}
+
+#[test]
+fn what_cannot_be_compared_is_told_in_a_sentence_and_changes_nothing() {
+    let (mut window, known, folder) = first_mission();
+    let at = known.survey.track.frame.origin();
+    let far = format!("lon,lat,z\n{},{},-2\n", at.lon_deg + 0.1, at.lat_deg);
+    let lone = format!("lon,lat,z\n{},{},-2\n", at.lon_deg, at.lat_deg);
+    for (name, text, said) in [
+        ("far.csv", far.as_str(), "km from this survey"),
+        ("lone.csv", &lone, "no point of this survey has a reference"),
+        ("metres.csv", "x,y,z\n900000,100,-2\n", "which system"),
+        ("flat.csv", "lon,lat\n1,2\n", "flat.csv"),
+        ("none.csv", "lon,lat,z\n", "none.csv"),
+        ("text.bin", "no log", "not a sonar log"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let before = app(&window).notices.len();
+        compare_with(&mut window, path);
+        let (text, is_error) = told(&window);
+        assert!(is_error && text.contains(said), "{name}: {text}");
+        assert_eq!(app(&window).notices.len(), before + 1, "{name}");
+        assert!(app(&window).comparing.reference.is_none(), "{name}");
+    }
+}
