@@ -1,7 +1,9 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{KNOWN_NAMES, Wanted};
-use super::{PointFileError, check_regular, geojson_file, raster_file, read_wanted, split_columns};
+use super::{
+    PointFile, PointFileError, check_regular, geojson_file, raster_file, read_wanted, split_columns,
+};
 use crate::geo::UtmZone;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -94,16 +96,28 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
             .iter()
             .any(|name| x.eq_ignore_ascii_case(name))
     });
+    let depths = names.is_none() && counts_depths(&file);
+    let turning = depths
+        .then(|| "the third column is named a depth, so it is turned into elevations".to_owned());
+    let notes: Vec<String> = file.note.into_iter().chain(turning).collect();
     Ok(Elevations {
         path,
-        points: turned(file.points, downwards),
+        points: turned(file.points, downwards || depths),
         plane: match degrees {
             true => Plane::Degrees,
             false => Plane::of_epsg(file.epsg, Plane::Metres),
         },
         blank: file.blank,
-        note: file.note,
+        note: (!notes.is_empty()).then(|| notes.join("; ")),
     })
+}
+
+/// Whether the third column that was taken is named a depth and counts downwards.
+fn counts_depths(file: &PointFile) -> bool {
+    let named = file.names.as_ref();
+    let is_depth = named.is_some_and(|[_, _, z]| z.to_ascii_lowercase().contains("depth"));
+    let below = file.points.iter().filter(|point| point[2] > 0.0).count();
+    is_depth && 2 * below > file.points.len()
 }
 
 fn suffix(path: &Path) -> String {
@@ -184,6 +198,18 @@ mod tests {
             (found.plane, found.points[0]),
             (Plane::Metres, [1.0, 2.0, -3.0])
         );
+    }
+
+    #[test]
+    fn a_column_that_is_named_a_depth_is_one_unless_it_counts_upwards() {
+        let found = read("lon,lat,Depth_m\n1,2,3\n1,3,4\n", "");
+        assert_eq!(found.points[0], [1.0, 2.0, -3.0]);
+        let note = found.note.unwrap();
+        assert!(note.contains("depth") && note.contains("`lat`"), "{note}");
+        let upwards = read("lon,lat,Depth_m\n1,2,-3\n1,3,-4\n", "");
+        assert_eq!(upwards.points[0], [1.0, 2.0, -3.0]);
+        let named = read("lon,lat,Depth_m\n1,2,3\n", ":lon,lat,Depth_m");
+        assert_eq!(named.points[0], [1.0, 2.0, 3.0]);
     }
 
     #[test]
