@@ -3,7 +3,9 @@
 use super::{App, Jobs, Outcome, Task};
 use crate::detection::review::{Review, State};
 use crate::handover::{self, Objects};
-use crate::pipeline::{Agreement, Product, reviewed_rows, write_comparison, write_products};
+use crate::pipeline::{
+    Agreement, Product, reviewed_rows, spare_files, write_comparison, write_products,
+};
 use crate::progress::Progress;
 use std::path::PathBuf;
 
@@ -47,6 +49,8 @@ impl App {
         let boxes = (self.reviewing.has_boxes()).then_some(&self.reviewing.review);
         let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
+            let reference = against.as_ref().map(|(reference, _)| reference.path());
+            spare_files(reference.into_iter(), &folder)?;
             let mut written =
                 write_products(&survey, &products, &wanted, &folder, progress, |_| ())?;
             if let Some((reference, matching)) = &against {

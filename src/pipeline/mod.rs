@@ -36,7 +36,7 @@ pub use detections::{Proposed, proposed_rows, record_detections, write_detection
 pub use engine::{Engine, EngineStatus};
 pub use merged::Merged;
 pub use mosaic::{MosaicWritten, mosaic_layout, write_mosaic};
-pub use outputs::{Written, write_products, write_report};
+pub use outputs::{Written, spare_files, write_products, write_report};
 pub use placing::Placing;
 pub use product::Product;
 pub use products::{Products, Stage, run};

@@ -88,8 +88,9 @@ pub fn write_products(
 }
 
 /// Names of products without their endings.
-const STEMS: [&str; 15] = [
+const STEMS: [&str; 16] = [
     "cloud",
+    "comparison",
     "depth",
     "depth_areas",
     "detections",
@@ -106,16 +107,24 @@ const STEMS: [&str; 15] = [
     "uncertainty",
 ];
 
-/// Refuses a folder in which a product would be written over a file that it is made from: `track.gpx` of another receiver.
 fn spare_inputs(survey: &Survey, products: &Products, folder: &Path) -> Result<(), String> {
     let gauge = products.correction.gauge().map(|gauge| &gauge.path);
-    let at_risk = |input: &&PathBuf| {
+    let files = survey.source.files.iter().chain(gauge);
+    spare_files(files.map(PathBuf::as_path), folder)
+}
+
+/// Refuses a folder in which a product would be written over a file that it is made from: `track.gpx` of another receiver, `depth.tif`
+/// that the survey is held against. The error is one sentence.
+pub fn spare_files<'a>(
+    mut files: impl Iterator<Item = &'a Path>,
+    folder: &Path,
+) -> Result<(), String> {
+    let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default();
         STEMS.iter().any(|name| stem.eq_ignore_ascii_case(name))
             && (input.file_name()).is_some_and(|name| is_same_file(&folder.join(name), input))
     };
-    let mut inputs = survey.source.files.iter().chain(gauge);
-    match inputs.find(at_risk) {
+    match files.find(at_risk) {
         Some(input) => Err(format!(
             "a product might be written over this input; choose another folder, or rename it: {}",
             input.display()

@@ -1,6 +1,6 @@
 //! How points differ from a reference, on the map and in the panel.
 
-use crate::cli::run;
+use crate::cli::{refusal, run};
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
 use bathyscope::app::{Action, Command, MapLayer, ReferenceBy, View};
@@ -152,6 +152,10 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     );
     let record = std::fs::read_to_string(out.join("comparison.csv.json")).unwrap();
     assert!(record.contains("difference_m"), "{record}");
+
+    let over = ["compare", "first.sl2", "second.sl2", "-o", "second.sl2"];
+    let refused = refusal(folder.path(), &over, 1);
+    assert!(refused.contains("another name"), "{refused}");
 
     // A setting acts on both missions: what hangs deeper here hangs deeper there.
     let mut settings = app(&window).settings.clone();

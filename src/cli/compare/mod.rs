@@ -7,8 +7,8 @@ use super::output;
 use super::process::SettingsArgs;
 use super::status_line::StatusLine;
 use crate::bathymetry::compare::{Comparison, Match, Matching, match_points};
-use crate::export::points::{Elevations, is_named_as_elevations, read_elevations};
-use crate::export::write_aside;
+use crate::export::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};
+use crate::export::{is_same_file, write_aside};
 use crate::pipeline::matching_in_words;
 use crate::progress::Progress;
 use plane::into_one_plane;
@@ -97,9 +97,27 @@ const SIGN: &str = "measured minus reference elevation, metres; positive is shal
 
 /// Compares and prints the statistics.
 pub fn run(args: CompareArgs) -> Result<(), String> {
+    spare_inputs(&args)?;
     match is_named_as_elevations(&args.measured) {
         true => points(&args),
         false => logs::run(&args),
+    }
+}
+
+/// Refuses to write the points over a file that they are made from.
+fn spare_inputs(args: &CompareArgs) -> Result<(), String> {
+    let inputs = [&args.measured, &args.reference];
+    let output = args.output.as_deref();
+    let is_input = |path: &&Path| {
+        let paths = inputs.map(|input| split_columns(input).0);
+        paths.iter().any(|input| is_same_file(input, path))
+    };
+    match output.filter(is_input) {
+        Some(path) => Err(format!(
+            "that is one of the files compared; choose another name: {}",
+            path.display()
+        )),
+        None => Ok(()),
     }
 }
 

@@ -30,7 +30,7 @@ enum Held {
     Mission {
         survey: Arc<Survey>,
         /// What the pipeline made of it last: most changes of a setting leave most stages as they were.
-        made: Mutex<Option<Products>>,
+        made: Mutex<Option<Box<Products>>>,
     },
 }
 
@@ -108,10 +108,10 @@ impl Reference {
                 made,
             } => {
                 let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-                let now = processed(other, &products.settings, made.as_ref(), progress)
+                let now = processed(other, &products.settings, made.as_deref(), progress)
                     .map_err(|what| format!("{what}: {}", self.path.display()))?;
                 let points = positions(other, &now);
-                *made = Some(now);
+                *made = Some(Box::new(now));
                 Ok(points.par_iter().map(place).collect())
             }
         }

@@ -32,7 +32,7 @@ pub(crate) fn run(folder: &Path, args: &[&str]) -> String {
 }
 
 /// The one sentence that a failing run ends on.
-fn refusal(folder: &Path, args: &[&str], code: i32) -> String {
+pub(crate) fn refusal(folder: &Path, args: &[&str], code: i32) -> String {
     let output = bathyscope(folder, args);
     assert_eq!(output.status.code(), Some(code), "{args:?}");
     assert!(

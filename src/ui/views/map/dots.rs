@@ -210,8 +210,8 @@ mod tests {
             let off = |dot: &Dot| (dot.east_m - at[0]).hypot(dot.north_m - at[1]);
             let offs = all.iter().map(off).filter(|off| off.is_finite());
             let least_m = offs.fold(f64::MAX, f64::min);
-            let found = dots.nearest(at, 2.0);
-            assert_eq!(found.is_some(), least_m <= 2.0, "{at:?}");
+            let found = dots.nearest(at, 4.0);
+            assert_eq!(found.is_some(), least_m <= 4.0, "{at:?}");
             assert!(found.is_none_or(|dot| off(&all[dot]) == least_m), "{at:?}");
             found_some += usize::from(found.is_some());
         }
