@@ -8,6 +8,7 @@ use crate::formats;
 use crate::pipeline::{Agreement, Products, Reference, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -149,7 +150,24 @@ impl App {
     }
 }
 
-/// Opens a file of points or a log, by its name, and holds the survey against it.
+/// Opens what a survey is to be held against: `FILE` or `FILE.csv:x,y,z` of points, or a log. Which of them it is its name says. The
+/// error is one sentence.
+pub fn open_reference(
+    argument: &OsStr,
+    survey: &Survey,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<Reference, String> {
+    if is_named_as_elevations(argument) {
+        return Reference::of_points(argument, survey, settings);
+    }
+    let other = formats::open(Path::new(argument), progress);
+    other
+        .map(Reference::of_mission)
+        .map_err(|error| error.to_string())
+}
+
+/// Opens a reference, and holds the survey against it.
 fn open(
     path: &Path,
     survey: &Survey,
@@ -157,14 +175,8 @@ fn open(
     matching: Matching,
     progress: &Progress,
 ) -> Result<Opened, String> {
-    let reference = match is_named_as_elevations(path) {
-        true => Reference::of_points(path.as_os_str(), survey, &products.settings)?,
-        false => {
-            let other = formats::open(path, progress).map_err(|error| error.to_string())?;
-            Reference::of_mission(other)
-        }
-    };
-    let reference = Arc::new(reference);
+    let opened = open_reference(path.as_os_str(), survey, &products.settings, progress);
+    let reference = Arc::new(opened?);
     let agreement = Agreement::with_reference(survey, products, &reference, matching, progress)?;
     let of = Of::new(products, Some((reference, matching)));
     Ok(Opened { of, agreement })

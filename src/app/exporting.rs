@@ -60,6 +60,7 @@ impl App {
                 let names =
                     write_comparison(&survey, &products, &agreement, report, &folder, progress)?;
                 written.files.extend(names);
+                written.comparisons.extend(agreement.by_source(&products));
             }
             let reviewed = boxes.as_ref().map(|(review, raster)| {
                 let rows = reviewed_rows(&survey, &products, review, progress)?;

@@ -25,7 +25,7 @@ mod work;
 
 pub use action::{Action, Keys};
 pub use command::Command;
-pub use comparing::{Comparing, ReferenceBy};
+pub use comparing::{Comparing, ReferenceBy, open_reference};
 pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};

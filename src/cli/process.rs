@@ -3,15 +3,21 @@
 use super::folders::Folders;
 use super::status_line::StatusLine;
 use super::{detect, found, input, output};
+use crate::app::open_reference;
+use crate::bathymetry::compare::Matching;
 use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
 use crate::formats::{self, TrackFile};
 use crate::handover::{self, Objects};
-use crate::pipeline::{self, Merged, Preset, Product, Products, Report, Settings};
+use crate::pipeline::{
+    self, Agreement, Merged, Preset, Product, Products, Report, Settings, write_comparison,
+};
 use crate::progress::Progress;
 use crate::survey::Survey;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
@@ -29,6 +35,9 @@ pub struct ProcessArgs {
     /// `track.offset_s` is added to its times
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
+    /// Also hold every log against points or another log, named as `compare` takes them: comparison.json, comparison.csv
+    #[arg(long, value_name = "FILE")]
+    reference: Option<OsString>,
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
@@ -94,6 +103,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         settings: &settings,
         model: model.as_ref(),
         wanted,
+        reference: args.reference.as_deref(),
     };
     match (args.surveys.as_slice(), args.merge) {
         ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
@@ -103,11 +113,17 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
 }
 
 /// What is done to every log.
-struct How<'a> {
-    track: Option<&'a TrackFile>,
-    settings: &'a Settings,
-    model: Option<&'a Model>,
-    wanted: &'a [Product],
+pub struct How<'a> {
+    /// Another receiver's track.
+    pub track: Option<&'a TrackFile>,
+    /// All settings.
+    pub settings: &'a Settings,
+    /// What searches for objects, if anything does.
+    pub model: Option<&'a Model>,
+    /// The products.
+    pub wanted: &'a [Product],
+    /// What it is held against besides.
+    pub reference: Option<&'a OsStr>,
 }
 
 impl How<'_> {
@@ -119,8 +135,7 @@ impl How<'_> {
     ) -> Result<(Survey, Products, Report), String> {
         let survey = open(path, self.track, self.settings)?;
         let folder = folder(&survey);
-        let (products, report) =
-            process_into(&survey, self.settings, self.model, self.wanted, &folder)?;
+        let (products, report) = process_into(&survey, self, &folder)?;
         Ok((survey, products, report))
     }
 }
@@ -207,23 +222,45 @@ pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String>
 /// what came out, which it gives back.
 pub fn process_into(
     survey: &Survey,
-    settings: &Settings,
-    model: Option<&Model>,
-    wanted: &[Product],
+    how: &How<'_>,
     folder: &Path,
 ) -> Result<(Products, Report), String> {
+    let How {
+        settings,
+        model,
+        wanted,
+        reference,
+        ..
+    } = *how;
     check_against(survey, settings)?;
     // Before the work: a folder that cannot be made should not cost minutes first.
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
+    let open = |argument| open_reference(argument, survey, settings, &progress);
+    let reference = reference.map(open).transpose()?.map(Arc::new);
+    let path = reference.as_ref().map(|reference| reference.path());
+    pipeline::spare_files(path.into_iter(), folder)?;
     let products = pipeline::run(survey, settings, None, &progress, |stage| {
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
     let step = |what| status.step(what);
     let mut written = pipeline::write_products(survey, &products, wanted, folder, &progress, step)?;
+    if let Some(reference) = &reference {
+        status.step("comparing");
+        let max_gap_m = settings.surface.max_gap_m;
+        let matching = Matching::Surface { max_gap_m };
+        let agreement =
+            Agreement::with_reference(survey, &products, reference, matching, &progress)?;
+        let report = &written.report;
+        let names = write_comparison(survey, &products, &agreement, report, folder, &progress)?;
+        written.files.extend(names);
+        written.comparisons.extend(agreement.by_source(&products));
+        let notes = reference.notes.iter().cloned();
+        written.report.warnings.extend(notes);
+    }
     let mut found = None;
     if let Some(model) = model.filter(|_| survey.has_side_scan()) {
         status.step("objects");

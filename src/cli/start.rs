@@ -2,7 +2,7 @@
 
 use super::detect;
 use super::folders::Folders;
-use super::process::process_into;
+use super::process::{How, process_into};
 use super::{output, snapshot, window};
 use crate::app::Origin;
 use crate::pipeline::{Product, Settings};
@@ -49,9 +49,13 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
     let folder = folders.next(&survey.name());
     process_into(
         &survey,
-        &Settings::default(),
-        Some(&detect::load(None)?),
-        &Product::ALL,
+        &How {
+            track: None,
+            settings: &Settings::default(),
+            model: Some(&detect::load(None)?),
+            wanted: &Product::ALL,
+            reference: None,
+        },
         &folder,
     )?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.

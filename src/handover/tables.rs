@@ -59,7 +59,7 @@ fn agreement(from: &Handover<'_>, html: &mut String) -> Written {
             html,
             "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td>{:+.3}</td><td>{:+.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>",
             one.source,
-            one.reference,
+            xml(&one.reference),
             xml(&one.matching),
             count(residuals.n),
             residuals.mean_m,

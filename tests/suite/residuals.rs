@@ -150,8 +150,23 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
         points,
         std::fs::read_to_string(folder.path().join("points.csv")).unwrap()
     );
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains(">second.sl2<"), "the page tells of it too");
     let record = std::fs::read_to_string(out.join("comparison.csv.json")).unwrap();
     assert!(record.contains("difference_m"), "{record}");
+
+    let args = [
+        "process",
+        "first.sl2",
+        "-o",
+        "headless",
+        "--reference",
+        "second.sl2",
+    ];
+    let only = ["--no-objects", "--products", "residuals"];
+    run(folder.path(), &[&args[..], &only].concat());
+    let headless = std::fs::read_to_string(folder.path().join("headless/comparison.csv"));
+    assert_eq!(headless.expect("a comparison"), points);
 
     let over = ["compare", "first.sl2", "second.sl2", "-o", "second.sl2"];
     let refused = refusal(folder.path(), &over, 1);

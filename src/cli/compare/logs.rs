@@ -1,14 +1,13 @@
 //! Logs on either side of a comparison: processed as `bathyscope process` would, all with the same settings.
 
 use super::{CompareArgs, print_json, table};
+use crate::app::open_reference;
 use crate::cli::output;
 use crate::cli::process::{SettingsArgs, check_against};
 use crate::cli::status_line::StatusLine;
-use crate::export::points::{Elevations, Plane, is_named_as_elevations};
+use crate::export::points::{Elevations, Plane};
 use crate::formats;
-use crate::pipeline::{
-    self, Agreement, ComparisonRecord, Products, Reference, Settings, write_differences,
-};
+use crate::pipeline::{self, Agreement, ComparisonRecord, Products, Settings, write_differences};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
@@ -21,11 +20,8 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let (survey, products) = processed(&args.measured, &settings, &status, &progress)?;
-    let reference = match is_named_as_elevations(&args.reference) {
-        true => Reference::of_points(&args.reference, &survey, &settings)?,
-        false => Reference::of_mission(open(&args.reference, &progress)?),
-    };
     status.step("comparing");
+    let reference = open_reference(&args.reference, &survey, &settings, &progress)?;
     let (reference, matching) = (Arc::new(reference), args.matching());
     let agreement = Agreement::with_reference(&survey, &products, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
@@ -64,14 +60,11 @@ fn processed(
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<(Survey, Products), String> {
-    let survey = open(argument, progress)?;
+    let survey = formats::open(Path::new(argument), progress);
+    let survey = survey.map_err(|error| error.to_string())?;
     check_against(&survey, settings)?;
     let products = pipeline::run(&survey, settings, None, progress, |stage| {
         status.step(stage.name());
     });
     Ok((survey, products.map_err(|error| error.to_string())?))
-}
-
-fn open(argument: &OsStr, progress: &Progress) -> Result<Survey, String> {
-    formats::open(Path::new(argument), progress).map_err(|error| error.to_string())
 }

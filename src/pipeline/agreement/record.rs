@@ -6,7 +6,7 @@ use crate::cloud::PointSource;
 use crate::export::{self, Summary};
 use crate::pipeline::record::{Coordinates, Made, write_record};
 use crate::pipeline::report::Input;
-use crate::pipeline::{Products, Report, Settings};
+use crate::pipeline::{NamedComparison, Products, Report, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub struct ComparisonRecord<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     /// The same for each source of points.
-    sources: Vec<OfSource>,
+    sources: Vec<NamedComparison>,
     #[serde(flatten)]
     tables: &'a ResidualTables,
     settings: &'a Settings,
@@ -40,17 +40,18 @@ struct ReferenceRecord<'a> {
     notes: &'a [String],
 }
 
-#[derive(Debug, Serialize)]
-struct OfSource {
-    source: &'static str,
-    #[serde(flatten)]
-    comparison: Comparison,
-}
-
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
-const PARTS: [(&str, &[PointSource]); 4] = [
+const PARTS: [(&str, &[PointSource]); 5] = [
+    (
+        "all points",
+        &[
+            PointSource::DownScan,
+            PointSource::Port,
+            PointSource::Starboard,
+        ],
+    ),
     ("down-scan", &[PointSource::DownScan]),
     ("side-scan", &[PointSource::Port, PointSource::Starboard]),
     ("port", &[PointSource::Port]),
@@ -88,7 +89,7 @@ impl<'a> ComparisonRecord<'a> {
             },
             by: matching_in_words(agreement.matching),
             comparison: &agreement.comparison,
-            sources: of_sources(products, agreement),
+            sources: agreement.by_source(products),
             tables: &agreement.tables,
             settings: &products.settings,
         })
@@ -100,22 +101,28 @@ impl<'a> ComparisonRecord<'a> {
     }
 }
 
-/// The comparison of each source that has points.
-fn of_sources(products: &Products, agreement: &Agreement) -> Vec<OfSource> {
-    let counted = super::counted(products);
-    let points = &agreement.cloud.points;
-    let level_m = products.correction.middle_level_m();
-    let part = |(source, sources): (&'static str, &[PointSource])| {
-        let is_of = |index: usize| sources.contains(&points[index].source);
-        let measured = counted.iter().filter(|index| is_of(**index)).count();
-        let matches = agreement.differences.iter();
-        let matches: Vec<Match> = matches.filter(|one| is_of(one.measured)).copied().collect();
-        (!matches.is_empty()).then(|| OfSource {
-            source,
-            comparison: Comparison::new(measured, &matches, level_m),
-        })
-    };
-    PARTS.into_iter().filter_map(part).collect()
+impl Agreement {
+    /// The comparison of all points, and of those of each source that has some.
+    pub fn by_source(&self, products: &Products) -> Vec<NamedComparison> {
+        let counted = super::counted(products);
+        let points = &self.cloud.points;
+        let level_m = products.correction.middle_level_m();
+        let reference = self.reference.as_ref();
+        let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
+        let part = |(source, sources): (&'static str, &[PointSource])| {
+            let is_of = |index: usize| sources.contains(&points[index].source);
+            let measured = counted.iter().filter(|index| is_of(**index)).count();
+            let matches = self.differences.iter();
+            let matches: Vec<Match> = matches.filter(|one| is_of(one.measured)).copied().collect();
+            (!matches.is_empty()).then(|| NamedComparison {
+                source,
+                reference: name.clone(),
+                matching: matching_in_words(self.matching),
+                comparison: Comparison::new(measured, &matches, level_m),
+            })
+        };
+        PARTS.into_iter().filter_map(part).collect()
+    }
 }
 
 /// Writes the points and how they differ, as CSV. The error is one sentence.

@@ -36,7 +36,7 @@ pub struct NamedComparison {
     /// What was measured.
     pub source: &'static str,
     /// What it is held against.
-    pub reference: &'static str,
+    pub reference: String,
     /// How a point finds its reference, in words.
     pub matching: String,
     /// The statistics.
@@ -131,7 +131,7 @@ pub(super) fn comparisons(
             if !matches.is_empty() {
                 found.push(NamedComparison {
                     source,
-                    reference: "down-scan",
+                    reference: "down-scan".to_owned(),
                     matching: how.clone(),
                     comparison: Comparison::new(
                         points.len(),
