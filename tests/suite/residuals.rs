@@ -1,10 +1,11 @@
 //! How points differ from a reference, on the map and in the panel.
 
 use crate::cli::{refusal, run};
+use crate::support::demo_log;
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
-use bathyscope::app::{Action, Command, MapLayer, ReferenceBy, View};
-use bathyscope::bathymetry::compare::Match;
+use bathyscope::app::{Action, App, Command, Jobs, MapLayer, ReferenceBy, View};
+use bathyscope::bathymetry::compare::{Match, Matching};
 use bathyscope::geo::UtmZone;
 use bathyscope::simulation::Scene;
 use bathyscope::ui::Alone;
@@ -13,6 +14,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 fn act(window: &mut Window, action: Action) {
     window.state_mut().app.apply(Command::Do(action));
@@ -98,19 +100,25 @@ fn told(window: &Window) -> (String, bool) {
     (notice.text.clone(), notice.is_error)
 }
 
+/// A first mission open in a window, and the log of a second one, under 0.20 m more water, beside its own.
+fn two_missions() -> (Window, tempfile::TempDir) {
+    let (window, _, folder) = first_mission();
+    let second = KnownSurvey::new(&pond(0.20), 2);
+    let log = folder.path().join("second.sl2");
+    std::fs::write(log, second.truth.sl2_bytes()).expect("a log");
+    (window, folder)
+}
+
 #[test]
 fn a_second_mission_under_higher_water_is_lower_by_as_much() {
-    let (mut window, _, folder) = first_mission();
-    let second = KnownSurvey::new(&pond(0.20), 2);
-    let path = folder.path().join("second.sl2");
-    std::fs::write(&path, second.truth.sl2_bytes()).unwrap();
+    let (mut window, folder) = two_missions();
     press(&mut window, Modifiers::COMMAND, Key::P);
     window.get_by_label("Command").type_text("compare with");
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     let name = "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log";
     let field = window.get_by_role_and_label(Role::TextInput, name);
-    field.type_text(&path.to_string_lossy());
+    field.type_text(&folder.path().join("second.sl2").to_string_lossy());
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert!((mean_m(&window) - 0.20).abs() < 0.01, "{}", mean_m(&window));
@@ -118,61 +126,56 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     assert!(!is_error && text.contains("shallower"), "{text}");
     let layers = &app(&window).options.map.layers;
     assert!(layers.is_visible(MapLayer::Residuals));
+    for command in [Command::Do(Action::CloseReference), Command::Tabulate] {
+        window.state_mut().app.apply(command);
+        window.run();
+    }
+    let agreement = app(&window).agreement().expect("an agreement");
+    assert!(agreement.reference.is_none(), "its own soundings again");
+}
 
-    // Headless and in the files that are exported the figures are the same.
-    let args = ["compare", "first.sl2", "second.sl2", "--by", "surface"];
-    let args = [&args[..], &["--json", "-o", "points.csv"]].concat();
-    let printed: Value = serde_json::from_str(&run(folder.path(), &args)).expect("JSON");
+#[test]
+fn window_compare_and_process_write_the_same_figures() {
+    let (mut window, folder) = two_missions();
+    let (folder, out) = (folder.path(), folder.path().join("out"));
+    let text = |path: PathBuf| std::fs::read_to_string(path).expect("a file that was written");
+    compare_with(&mut window, folder.join("second.sl2"));
+    window.state_mut().app.apply(Command::Export(out.clone()));
+    window.run();
+    let written: Value = serde_json::from_str(&text(out.join("comparison.json"))).unwrap();
+    assert_eq!(written["mean_m"].as_f64(), Some(mean_m(&window)));
+    assert_eq!(written["reference"]["kind"], "mission");
+    let points = text(out.join("comparison.csv"));
+    let lines = points.lines().count() as u64;
+    assert_eq!(written["n"].as_u64(), Some(lines - 1));
+    assert!(text(out.join("comparison.csv.json")).contains("difference_m"));
+    assert!(text(out.join("report.html")).contains(">second.sl2<"));
+
+    let compare = ["compare", "first.sl2", "second.sl2"];
+    let surface = ["--by", "surface", "--json", "-o", "points.csv"];
+    let printed = run(folder, &[&compare[..], &surface].concat());
+    let printed: Value = serde_json::from_str(&printed).expect("JSON on stdout");
+    for key in ["n", "mean_m", "p95_m", "orders", "sources", "by_depth_m"] {
+        assert_eq!(written[key], printed[key], "{key}");
+    }
+    assert_eq!(text(folder.join("points.csv")), points);
+    let process = ["process", "first.sl2", "--reference", "second.sl2"];
+    let residuals = ["--no-objects", "--products", "residuals", "-o", "headless"];
+    run(folder, &[&process[..], &residuals].concat());
+    assert_eq!(text(folder.join("headless/comparison.csv")), points);
+
+    let refused = refusal(folder, &[&compare[..], &["-o", "second.sl2"]].concat(), 1);
+    assert!(refused.contains("another name"), "{refused}");
+}
+
+#[test]
+fn a_setting_acts_on_both_missions_and_on_no_file() {
+    let (mut window, folder) = two_missions();
     let out = folder.path().join("out");
     window.state_mut().app.apply(Command::Export(out.clone()));
     window.run();
-    let text = std::fs::read_to_string(out.join("comparison.json")).expect("a comparison");
-    let written: Value = serde_json::from_str(&text).unwrap();
-    for key in [
-        "n",
-        "mean_m",
-        "p95_m",
-        "orders",
-        "sources",
-        "by_heading_deg",
-        "by",
-    ] {
-        assert_eq!(written[key], printed[key], "{key}");
-    }
-    assert_eq!(written["mean_m"].as_f64(), Some(mean_m(&window)));
-    assert_eq!(written["reference"]["kind"], "mission");
-    let points = std::fs::read_to_string(out.join("comparison.csv")).unwrap();
-    assert_eq!(
-        Some(points.lines().count() as u64 - 1),
-        written["n"].as_u64()
-    );
-    assert_eq!(
-        points,
-        std::fs::read_to_string(folder.path().join("points.csv")).unwrap()
-    );
-    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains(">second.sl2<"), "the page tells of it too");
-    let record = std::fs::read_to_string(out.join("comparison.csv.json")).unwrap();
-    assert!(record.contains("difference_m"), "{record}");
-
-    let args = [
-        "process",
-        "first.sl2",
-        "-o",
-        "headless",
-        "--reference",
-        "second.sl2",
-    ];
-    let only = ["--no-objects", "--products", "residuals"];
-    run(folder.path(), &[&args[..], &only].concat());
-    let headless = std::fs::read_to_string(folder.path().join("headless/comparison.csv"));
-    assert_eq!(headless.expect("a comparison"), points);
-
-    let over = ["compare", "first.sl2", "second.sl2", "-o", "second.sl2"];
-    let refused = refusal(folder.path(), &over, 1);
-    assert!(refused.contains("another name"), "{refused}");
-
-    // A setting acts on both missions: what hangs deeper here hangs deeper there.
+    compare_with(&mut window, folder.path().join("second.sl2"));
+    let before = app(&window).agreement().cloned().expect("an agreement");
     let mut settings = app(&window).settings.clone();
     settings.draft_m = 0.5;
     let change = Command::Change {
@@ -180,25 +183,24 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
         label: "draft",
         live: false,
     };
-    let before = app(&window).agreement().cloned().unwrap();
-    window.state_mut().app.apply(change);
-    window.run();
-    window.state_mut().app.apply(Command::Tabulate);
-    window.run();
-    let after = app(&window).agreement().cloned().unwrap();
-    let [before_m, after_m] = [before, after].map(|one| one.differences[0].reference_z_m);
-    assert!(
-        (before_m - after_m - 0.5).abs() < 1e-3,
-        "{before_m} {after_m}"
-    );
-    assert!((mean_m(&window) - 0.20).abs() < 0.01);
-
-    for command in [Command::Do(Action::CloseReference), Command::Tabulate] {
+    for command in [change, Command::Tabulate] {
         window.state_mut().app.apply(command);
         window.run();
     }
+    let after = app(&window).agreement().cloned().expect("an agreement");
+    let [before_m, after_m] = [before, after].map(|one| one.differences[0].reference_z_m);
+    let deeper_m = before_m - after_m;
+    assert!((deeper_m - 0.5).abs() < 1e-3, "{before_m} {after_m}");
+    assert!((mean_m(&window) - 0.20).abs() < 0.01);
+
+    // The cloud that was written without the draft, in metres from the first fix.
+    compare_with(&mut window, out.join("cloud.ply"));
+    let (text, is_error) = told(&window);
+    assert!(!is_error && text.contains("first fix"), "{text}");
+    // The median: that file holds what is flagged as canopy too.
     let agreement = app(&window).agreement().expect("an agreement");
-    assert!(agreement.reference.is_none(), "its own soundings again");
+    let median_m = agreement.comparison.residuals.expect("statistics").median_m;
+    assert!((median_m + 0.5).abs() < 0.01, "{median_m}");
 }
 
 #[test]
@@ -270,4 +272,45 @@ fn what_cannot_be_compared_is_told_in_a_sentence_and_changes_nothing() {
         assert_eq!(app(&window).notices.len(), before + 1, "{name}");
         assert!(app(&window).comparing.reference.is_none(), "{name}");
     }
+}
+
+/// Waits for all workers.
+fn wait(app: &mut App) {
+    while !app.is_idle() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        app.poll();
+    }
+}
+
+#[test]
+fn comparing_is_stopped_and_taken_up_again() {
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    app.apply(Command::OpenDemo);
+    wait(&mut app);
+    app.apply(Command::CompareWith(demo_log()));
+    assert!(app.comparing.is_opening() && app.comparing_fraction().is_some());
+    app.apply(Command::Do(Action::Cancel));
+    wait(&mut app);
+    assert!(app.comparing.reference.is_none() && app.notices.is_empty());
+
+    app.apply(Command::CompareWith(demo_log()));
+    wait(&mut app);
+    assert!(app.comparing.reference.is_some() && app.agreement().is_some());
+    let nearest = Command::MatchBy {
+        by: ReferenceBy::Nearest,
+        radius_m: 0.5,
+    };
+    for command in [nearest, Command::Tabulate, Command::Do(Action::Cancel)] {
+        app.apply(command);
+    }
+    let problem = app.agreement_problem().expect("it was stopped");
+    assert!(problem.contains("Update"), "{problem}");
+    app.apply(Command::Tabulate);
+    assert!(app.is_idle(), "it rests until it is asked for");
+    for command in [Command::Do(Action::Update), Command::Tabulate] {
+        app.apply(command);
+    }
+    wait(&mut app);
+    let agreement = app.agreement().expect("an agreement");
+    assert_eq!(agreement.matching, Matching::Nearest { radius_m: 0.5 });
 }
