@@ -39,6 +39,10 @@ actions! {
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";
     CloseBaseMap, "Remove the base map", None, "Takes the picture under the map away.";
+    OpenWaterLevels, "Open water levels…", None, "Takes the readings of a gauge or tide off the depths: CSV with time and level_m.";
+    RemoveWaterLevels, "Remove the water levels", None, "Leaves the readings of the water's height again.";
+    OpenTrack, "Open external track…", None, "Takes the boat's places from another receiver: CSV with time, lon and lat, or GPX.";
+    RemoveTrack, "Remove the external track", None, "Takes the boat's places from the recorder again.";
     Export, "Export products…", Some("Ctrl+E"), "Writes points, track, depth maps, isobaths and mosaic into a folder.";
     CompareWith, "Compare with…", None, "Holds the points against a reference: points of a file, a GeoTIFF, or another log over the same water.";
     CloseReference, "Leave the reference", None, "Compares side-scan with the survey's own soundings again.";

@@ -1,5 +1,6 @@
 //! What each command does to the state.
 
+use super::external::Instrument;
 use super::reviewing::Step;
 use super::{
     Action, App, Command, FigureKind, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
@@ -40,6 +41,9 @@ impl App {
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
             Command::Measure(wish) => self.measure(wish),
             Command::OpenBaseMap(path) => self.open_base_map(path),
+            Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
+            Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
+            Command::OpenTable(path) => self.read_external(path, None),
             Command::SaveProfile(path) => self.save_profile(path),
             Command::Tell(text) => self.tell(text, true),
             Command::Dismiss(index) => {
@@ -84,9 +88,14 @@ impl App {
         self.start_loading(Origin::Path(first));
     }
 
-    fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
-        if let Err(error) = settings.check() {
-            self.tell(error.to_string(), true);
+    pub(super) fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
+        let allowed = settings.check().map_err(|error| error.to_string());
+        let allowed = allowed.and_then(|()| self.follow_track(&settings.track));
+        if let Err(text) = allowed {
+            // A drag would say it over and over.
+            if self.notices.last().is_none_or(|last| last.text != text) {
+                self.tell(text, true);
+            }
             return;
         }
         let before = self.step_now();
@@ -100,6 +109,9 @@ impl App {
 
     pub(super) fn set(&mut self, settings: Settings, live: bool) {
         let changed = settings != self.settings;
+        if let Err(text) = self.follow_track(&settings.track) {
+            return self.tell(text, true);
+        }
         self.settings = settings;
         let same_returns = self.products.as_ref().is_some_and(|products| {
             products.settings.first_return == self.settings.first_return
@@ -181,6 +193,8 @@ impl App {
             }
             Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
             Action::CloseReference => self.leave_reference(),
+            Action::RemoveWaterLevels => self.remove_water_levels(),
+            Action::RemoveTrack => self.remove_track(),
             Action::CloseBaseMap => self.close_base_map(),
             Action::Swipe => self.options.map.swipe.toggle(&mut self.options.map.layers),
             Action::Graticule => self.options.map.graticule = !self.options.map.graticule,

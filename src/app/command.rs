@@ -93,6 +93,12 @@ pub enum Command {
     Measure(Measure),
     /// Show a picture of the analyst's own under the map.
     OpenBaseMap(PathBuf),
+    /// Take the readings of the water's height in this file off the depths.
+    OpenWaterLevels(PathBuf),
+    /// Lay the track in this file over the recorder's.
+    OpenTrack(PathBuf),
+    /// Take a table that was dropped for what its columns say: water levels, or a track.
+    OpenTable(PathBuf),
     /// Write the depth profile into a file.
     SaveProfile(PathBuf),
     /// Tell the analyst a sentence.

@@ -9,6 +9,7 @@ mod base_map;
 mod command;
 mod comparing;
 mod exporting;
+mod external;
 mod figures;
 mod history;
 mod loader;

@@ -3,6 +3,7 @@
 use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
 use super::exporting::Exporting;
+use super::external::External;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Previewer;
@@ -84,6 +85,8 @@ pub struct App {
     pub lost_soundings: usize,
     /// Grows with each survey opened; views drop what they cached when it changes.
     pub survey_serial: u64,
+    /// Grows when the plane of the survey moves: with each survey opened, and with each track laid over it.
+    pub plane_serial: u64,
     /// The settings that the analyst wants.
     pub settings: Settings,
     /// The last results; those of other settings while the engine works.
@@ -110,6 +113,8 @@ pub struct App {
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are held against.
     pub comparing: Comparing,
+    /// Water levels and tracks that other instruments recorded.
+    pub external: External,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
     /// The boxes and what is decided about them.
@@ -137,6 +142,7 @@ impl App {
             depth_span_m: None,
             lost_soundings: 0,
             survey_serial: 0,
+            plane_serial: 0,
             settings: Settings::default(),
             products: None,
             preview: None,
@@ -150,6 +156,7 @@ impl App {
             figures: None,
             base_map: None,
             comparing: Comparing::default(),
+            external: External::default(),
             measuring: Measuring::default(),
             reviewing: Reviewing::default(),
             history: History::default(),
@@ -223,6 +230,7 @@ impl App {
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
+            && !self.external.is_reading()
             && !self.reviewing.is_busy()
     }
 }

@@ -1,5 +1,6 @@
 //! What runs off the window's thread: started here, collected here.
 
+use super::external::External;
 use super::figures::Figures;
 use super::loader::Loading;
 use super::measuring::Measuring;
@@ -47,6 +48,7 @@ impl App {
         self.poll_judging();
         self.poll_places();
         self.poll_base_map();
+        self.poll_external();
     }
 
     fn poll_loading(&mut self) {
@@ -78,6 +80,8 @@ impl App {
         self.reviewing.start(&survey);
         self.survey = Some(Arc::new(survey));
         self.survey_serial += 1;
+        self.plane_serial += 1;
+        self.external = External::default();
         self.products = None;
         self.preview = None;
         self.figures = None;
@@ -163,6 +167,7 @@ impl App {
         self.opening_base_map = None;
         self.comparing.stop();
         self.tabulating.stop();
+        self.external.stop_reading();
     }
 
     /// Tells the analyst a sentence.

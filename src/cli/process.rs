@@ -32,7 +32,7 @@ pub struct ProcessArgs {
     #[arg(long)]
     merge: bool,
     /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
-    /// `track.offset_s` is added to its times
+    /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
     /// Also hold every log against points or another log, named as `compare` takes them: comparison.json, comparison.csv
@@ -87,13 +87,17 @@ impl SettingsArgs {
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
-    let settings = args.settings.resolve()?;
+    let mut settings = args.settings.resolve()?;
+    if args.track.is_some() {
+        settings.track.file = args.track;
+    }
     // Before the work: a model that cannot be used should not cost minutes first.
     let model = match args.no_objects {
         true => None,
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
-    let track = args.track.as_deref().map(TrackFile::read).transpose()?;
+    let track = settings.track.file.as_deref();
+    let track = track.map(TrackFile::read).transpose()?;
     let wanted = match args.products.as_slice() {
         [] => &Product::ALL,
         named => named,

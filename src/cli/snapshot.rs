@@ -121,7 +121,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     app.settings = settings.clone();
     show_as(&mut app.options, &args);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
-    calibrate(&mut app, settings)?;
+    take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
     if let Some(truth) = args.truth {
         app.apply(Command::OpenTruth(truth));
@@ -226,10 +226,10 @@ fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
     wait(app)
 }
 
-/// Calibrates at the flat spot that the settings name. A freshly opened log has forgotten it: in the window, it belonged to
-/// the log before.
-fn calibrate(app: &mut App, settings: Settings) -> Result<(), String> {
-    if settings.calibration.pings.is_none() {
+/// Takes over what the settings say of this survey only: its flat spot, its water, its track. A freshly opened log has
+/// forgotten it: in the window, it belonged to the log before.
+fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
+    if settings == app.settings {
         return Ok(());
     }
     if let Some(survey) = &app.survey {
@@ -237,7 +237,7 @@ fn calibrate(app: &mut App, settings: Settings) -> Result<(), String> {
     }
     app.apply(Command::Change {
         settings: Box::new(settings),
-        label: "flat spot",
+        label: "settings",
         live: false,
     });
     wait(app)

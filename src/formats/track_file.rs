@@ -59,6 +59,11 @@ impl TrackFile {
         })
     }
 
+    /// The file that it was read from.
+    pub fn path(&self) -> &Path {
+        &self.external.path
+    }
+
     /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than the file says. The file joins the
     /// survey's sources. What the track does not cover has no place from then on, and a warning says so.
     ///

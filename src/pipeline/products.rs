@@ -46,7 +46,8 @@ impl Stage {
 
     /// The first stage whose result differs between two settings; `None` when all results are the same.
     pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
-        if old.heading != new.heading || old.projection != new.projection {
+        let same_track = old.track == new.track;
+        if old.heading != new.heading || old.projection != new.projection || !same_track {
             Some(Stage::Navigation)
         } else if old.image != new.image || old.first_return != new.first_return {
             Some(Stage::FirstReturn)

@@ -1,7 +1,7 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! be believed, `tracks_apart` how far two tracks of one boat lie apart. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod fitted_track;
@@ -10,12 +10,14 @@ mod navigation;
 mod nearest;
 mod samples;
 mod track;
+mod tracks_apart;
 
 pub use bottom_lock::mark_bottom_lock;
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, Track, TrackSettings};
+pub use tracks_apart::TracksApart;
 
 use std::path::PathBuf;
 
@@ -175,8 +177,9 @@ pub struct Warning {
     pub text: String,
 }
 
-/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is built by filling it.
-#[derive(Debug, Default)]
+/// A recorded survey. All vectors are in time order. The default one holds nothing; a survey is built by filling it. A clone
+/// shares the bytes.
+#[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Where it was read from.
     pub source: Source,

@@ -45,6 +45,9 @@ pub struct ExternalTrack {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrackSettings {
+    /// The track that lies over the recorder's, CSV or GPX.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
     /// Added to the times of an external track, seconds: how far its clock is behind that of the recorder.
     pub offset_s: f64,
 }

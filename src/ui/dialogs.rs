@@ -22,6 +22,8 @@ enum Purpose {
     SaveProfile,
     OpenBaseMap,
     OpenReference,
+    OpenWaterLevels,
+    OpenTrack,
 }
 
 /// What a system dialog came back with.
@@ -112,6 +114,16 @@ impl Dialogs {
         self.ask(Purpose::OpenReference, jobs);
     }
 
+    /// Asks for readings of a gauge or tide.
+    pub fn pick_water_levels(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenWaterLevels, jobs);
+    }
+
+    /// Asks for the track of another receiver.
+    pub fn pick_track(&mut self, jobs: &Jobs) {
+        self.ask(Purpose::OpenTrack, jobs);
+    }
+
     /// Asks for a detector.
     pub fn pick_model(&mut self, jobs: &Jobs) {
         self.ask(Purpose::OpenModel, jobs);
@@ -194,6 +206,16 @@ impl Dialogs {
                 "Points (with columns: FILE.csv:x,y,z, or -z for a depth), GeoTIFF or log",
                 "Compare",
             ),
+            Purpose::OpenWaterLevels => (
+                "Open water levels",
+                "Path of a CSV with time and level_m",
+                "Open",
+            ),
+            Purpose::OpenTrack => (
+                "Open an external track",
+                "Path of a CSV with time, lon and lat, or of a GPX",
+                "Open",
+            ),
             Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
@@ -240,6 +262,8 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::SaveProfile => Command::SaveProfile(path),
         Purpose::OpenBaseMap => Command::OpenBaseMap(path),
         Purpose::OpenReference => Command::CompareWith(path),
+        Purpose::OpenWaterLevels => Command::OpenWaterLevels(path),
+        Purpose::OpenTrack => Command::OpenTrack(path),
     }
 }
 
@@ -273,6 +297,14 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
         Purpose::OpenReference => rfd::FileDialog::new()
             .set_title("Compare with points, a GeoTIFF or another log")
             .add_filter("All files", &["*"])
+            .pick_file(),
+        Purpose::OpenWaterLevels => rfd::FileDialog::new()
+            .set_title("Open readings of the water's height")
+            .add_filter("Tables", &["csv", "CSV", "txt", "TXT"])
+            .pick_file(),
+        Purpose::OpenTrack => rfd::FileDialog::new()
+            .set_title("Open the track of another receiver")
+            .add_filter("Tracks", &["csv", "CSV", "gpx", "GPX", "txt", "TXT"])
             .pick_file(),
         Purpose::OpenReview => rfd::FileDialog::new()
             .set_title("Open a review of boxes")

@@ -289,6 +289,11 @@ pub fn picture_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
+/// Colour of the recorder's track where another receiver's is in use: there, and behind everything.
+pub fn recorded_track_colour(options: &ViewOptions) -> Color32 {
+    canvas_text_colour(options).gamma_multiply(0.45)
+}
+
 /// What is drawn on the map to measure, set off by a casing.
 pub fn measure_colour() -> Color32 {
     Color32::from_rgb(255, 150, 50)

@@ -111,9 +111,12 @@ impl Identity {
     pub fn of(survey: &Survey) -> Self {
         let file = survey.source.files.first();
         let name = file.and_then(|file| file.file_name());
+        // A track laid over the log is the last file, and no part of the recording.
+        let track = survey.track.external.as_ref().and(survey.bytes.last());
+        let track_bytes = track.map_or(0, |bytes| bytes.len() as u64);
         Self {
             file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            byte_count: survey.source.byte_count,
+            byte_count: survey.source.byte_count.saturating_sub(track_bytes),
             pings: survey.side_scan.len(),
         }
     }

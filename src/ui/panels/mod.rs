@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod cloud;
+pub mod external_track;
 pub mod first_return;
 pub mod maps;
 pub mod notices;
@@ -33,5 +34,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     maps::ui(ui, context);
     products::ui(ui, context);
     water::ui(ui, context);
+    external_track::ui(ui, context);
     residuals::ui(ui, context);
 }

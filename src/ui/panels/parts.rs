@@ -1,6 +1,6 @@
 //! The few parts that all panels are made of: sections, rows, facts, and controls that change a setting.
 
-use crate::app::Command;
+use crate::app::{Action, Command};
 use crate::pipeline::{EngineStatus, Settings, Stage};
 use crate::ui::{ViewContext, theme};
 use egui::{Align, Layout, Response, RichText, Ui, WidgetText};
@@ -166,6 +166,38 @@ pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
         if !hint.is_empty() {
             value.on_hover_text(hint);
         }
+    });
+}
+
+/// A name and the file that is in use for it, with buttons that choose one and that leave it.
+pub fn file(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    name: &str,
+    hint: &str,
+    path: Option<&std::path::Path>,
+    [open, remove]: [Action; 2],
+) {
+    let mut press = |ui: &mut Ui, label: &str, action: Action| {
+        let button = ui.small_button(label).accessible_name(action.label());
+        if button.on_hover_text(action.hint()).clicked() {
+            context.push(Command::Do(action));
+        }
+    };
+    ui.horizontal(|ui| {
+        name_cell(ui, name, hint);
+        let Some(path) = path else {
+            return press(ui, "Choose…", open);
+        };
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            press(ui, "Remove", remove);
+            press(ui, "Choose…", open);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let file = path.file_name().unwrap_or_default().to_string_lossy();
+                let shown = ui.add(egui::Label::new(RichText::new(file).strong()).truncate());
+                shown.on_hover_text(path.display().to_string());
+            });
+        });
     });
 }
 

@@ -1,7 +1,7 @@
 //! What is known of water and transducer, and what it does to the depths.
 
-use super::parts::{self, Knob, Section, fact, knob, section};
-use crate::app::Command;
+use super::parts::{self, Knob, Section, knob, section};
+use crate::app::{Action, Command};
 use crate::pipeline::Stage;
 use crate::ui::ViewContext;
 use egui::Ui;
@@ -54,12 +54,15 @@ fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     knob(ui, context, level, level_m, |settings, value| {
         settings.water_level_m = value;
     });
-    if let Some(path) = &context.app.settings.water_level.file {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let hint =
-            "Readings of the water's height over time; the water level is that of their zero.";
-        fact(ui, "Readings", hint, name.into_owned());
-    }
+    let readings = context.app.settings.water_level.file.clone();
+    parts::file(
+        ui,
+        context,
+        "Readings",
+        "Readings of the water's height over time; the water level above is that of their zero.",
+        readings.as_deref(),
+        [Action::OpenWaterLevels, Action::RemoveWaterLevels],
+    );
 }
 
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {

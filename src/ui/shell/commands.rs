@@ -66,6 +66,8 @@ impl Shell {
             Action::ZoomIn => self.request(ViewRequest::ZoomIn),
             Action::ZoomOut => self.request(ViewRequest::ZoomOut),
             Action::OpenBaseMap => self.dialogs.pick_base_map(self.app.jobs()),
+            Action::OpenWaterLevels => self.dialogs.pick_water_levels(self.app.jobs()),
+            Action::OpenTrack => self.dialogs.pick_track(self.app.jobs()),
             Action::SetCorner => self.views.map.set_corner(),
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {

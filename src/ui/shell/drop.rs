@@ -1,4 +1,4 @@
-//! Logs, base maps and points to compare with, dropped on the window.
+//! Logs, base maps, points to compare with and tables of other instruments, dropped on the window.
 
 use crate::app::Command;
 use crate::export::points::is_named_as_elevations;
@@ -11,9 +11,17 @@ pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
     });
-    let (maps, logs): (Vec<_>, Vec<_>) = dropped.into_iter().partition(|path| is_picture(path));
+    let (maps, others): (Vec<_>, Vec<_>) = dropped
+        .into_iter()
+        .partition(|path| is_named(path, &["tif", "tiff"]));
+    let (tables, logs): (Vec<_>, Vec<_>) = others
+        .into_iter()
+        .partition(|path| is_named(path, &["csv", "gpx"]));
     if let Some(map) = maps.into_iter().next_back() {
         commands.push(Command::OpenBaseMap(map));
+    }
+    if let Some(table) = tables.into_iter().next_back() {
+        commands.push(Command::OpenTable(table));
     }
     let named = |path: &PathBuf| is_named_as_elevations(path);
     let (points, logs): (Vec<_>, Vec<_>) = logs.into_iter().partition(named);
@@ -25,12 +33,12 @@ pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// Whether a file is a base map by its name.
-fn is_picture(path: &Path) -> bool {
+/// Whether a file's name ends in one of these.
+fn is_named(path: &Path, endings: &[&str]) -> bool {
     let extension = path.extension().unwrap_or_default();
-    ["tif", "tiff"]
+    endings
         .iter()
-        .any(|tiff| extension.eq_ignore_ascii_case(tiff))
+        .any(|ending| extension.eq_ignore_ascii_case(ending))
 }
 
 /// Says what a drop would do while files hang over the window.

@@ -8,6 +8,13 @@ use egui::{Button, Ui};
 
 const FILE: &[Action] = &[Action::Open, Action::OpenPath, Action::OpenDemo];
 const BASE_MAP: &[Action] = &[Action::OpenBaseMap, Action::CloseBaseMap];
+/// What other instruments recorded of the open survey.
+const EXTERNAL: &[Action] = &[
+    Action::OpenWaterLevels,
+    Action::RemoveWaterLevels,
+    Action::OpenTrack,
+    Action::RemoveTrack,
+];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
     Action::LayoutReview,
@@ -142,10 +149,27 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     entries(ui, context, BASE_MAP);
     ui.separator();
+    external(ui, context);
+    ui.separator();
     let ready = context.app.products.is_some();
     titled(ui, context, Action::Export, Action::Export.label(), ready);
     ui.separator();
     entry(ui, context, Action::Quit);
+}
+
+fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let settings = &context.app.settings;
+    let has_levels = settings.water_level.file.is_some();
+    let has_track = settings.track.file.is_some();
+    let is_open = context.app.survey.is_some();
+    for &action in EXTERNAL {
+        let enabled = match action {
+            Action::RemoveWaterLevels => has_levels,
+            Action::RemoveTrack => has_track,
+            _ => is_open,
+        };
+        titled(ui, context, action, action.label(), enabled);
+    }
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {

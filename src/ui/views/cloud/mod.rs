@@ -39,7 +39,11 @@ pub struct CloudView {
     scene: Background<Key, Arc<CloudScene>>,
     picture: CloudPicture,
     pointer: pointer::Pointer,
-    seen_survey: u64,
+    /// Width over height of the last frame.
+    aspect: Option<f32>,
+    /// That of the frame whose sight the first frame is to hold.
+    aim: Option<f32>,
+    seen_plane: u64,
     seen_reveal: u64,
 }
 
@@ -49,8 +53,8 @@ impl CloudView {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
-        if self.seen_survey != context.app.survey_serial {
-            self.seen_survey = context.app.survey_serial;
+        if self.seen_plane != context.app.plane_serial {
+            self.seen_plane = context.app.plane_serial;
             self.camera = None;
             self.scene = Background::default();
         }
@@ -154,6 +158,11 @@ impl CloudView {
         let is_new = self.camera.is_none() || outgrown;
         let mut camera = self.camera.unwrap_or_default();
         camera.exaggeration = context.app.options.cloud.vertical_exaggeration.max(0.1);
+        self.aspect = Some(aspect(rect));
+        // What is seen is as tall in any frame: a narrower one would cut its sides off.
+        if let Some(seen) = self.aim.take().filter(|seen| aspect(rect) < *seen) {
+            camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
+        }
         let wish = self.wish.take();
         match wish {
             Some(ViewRequest::ZoomIn) => camera.zoom(1.4, glam::Vec2::ZERO, aspect(rect)),

@@ -15,6 +15,7 @@ mod overlay;
 mod ping_boxes;
 mod pointer;
 mod points;
+mod recorded_track;
 mod relief;
 mod relief_tiles;
 mod residuals;
@@ -54,7 +55,7 @@ pub struct MapView {
     layers: Layers,
     pointer: pointer::Pointer,
     measure: measure::MeasureTool,
-    seen_survey: u64,
+    seen_plane: u64,
     seen_reveal: u64,
 }
 
@@ -65,7 +66,7 @@ impl MapView {
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
-        self.forget_other_survey(context);
+        self.forget_other_plane(context);
         let name = self.content(ui, context, rect, &response);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         if let Some(plot) = plot {
@@ -88,9 +89,9 @@ impl MapView {
         !self.track.is_running() && self.layers.is_settled() && self.wish.is_none()
     }
 
-    fn forget_other_survey(&mut self, context: &ViewContext<'_>) {
-        if self.seen_survey != context.app.survey_serial {
-            self.seen_survey = context.app.survey_serial;
+    fn forget_other_plane(&mut self, context: &ViewContext<'_>) {
+        if self.seen_plane != context.app.plane_serial {
+            self.seen_plane = context.app.plane_serial;
             self.transform = None;
             self.track = Background::default();
             self.layers.forget();
@@ -222,6 +223,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
             layers.show(&painter, context, scene, shown.layer);
         }
     }
+    recorded_track::paint(&painter, scene, context.app);
     if scene.options.map.graticule {
         graticule::paint(&painter, scene);
     }
