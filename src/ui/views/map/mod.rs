@@ -50,6 +50,8 @@ pub struct MapView {
     transform: Option<MapTransform>,
     /// The transform that showed everything; while it is in force, the view stays fitted to its frame.
     fitted: Option<MapTransform>,
+    /// The layers that it was fitted to: it follows them while they are being made, not those that are shown later.
+    fits: Vec<MapLayer>,
     wish: Option<ViewRequest>,
     track: Background<Key, Arc<TrackLayer>>,
     layers: Layers,
@@ -187,7 +189,16 @@ impl MapView {
         response: &Response,
         track: &TrackLayer,
     ) -> MapTransform {
-        let whole = || MapTransform::fit(track.bounds, rect);
+        // A double-click ends a measurement.
+        let fits = context.app.measuring.tool.is_none();
+        let is_asked = self.wish == Some(ViewRequest::Fit) || fits && response.double_clicked();
+        if self.transform.is_none() || is_asked {
+            let shown = context.app.options.map.layers.bottom_up();
+            let shown = shown.filter(|shown| shown.visible).map(|shown| shown.layer);
+            self.fits = shown.collect();
+        }
+        let bounds = self.layers.extent(&self.fits, track.bounds);
+        let whole = || MapTransform::fit(bounds, rect);
         let moved = self.transform.filter(|now| Some(*now) != self.fitted);
         let mut transform = moved.unwrap_or_else(whole);
         match self.wish.take() {
@@ -196,8 +207,6 @@ impl MapView {
             Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),
             Some(ViewRequest::Top | ViewRequest::Side) | None => {}
         }
-        // A double-click ends a measurement.
-        let fits = context.app.measuring.tool.is_none();
         pointer::move_view(ui, rect, response, &mut transform, whole, fits);
         if let Some(reveal) = context.app.reveal
             && reveal.serial != self.seen_reveal

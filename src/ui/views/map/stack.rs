@@ -10,6 +10,7 @@ use super::points::{self, PointKey};
 use super::relief::{Relief, ReliefKey};
 use super::residuals::ResidualLayer;
 use super::tiles::{TileLayer, TileSource};
+use super::transform::GroundBounds;
 use super::{objects, track_picture};
 use crate::app::{LayerStack, MapLayer};
 use crate::pipeline::{Agreement, Products};
@@ -203,6 +204,22 @@ impl Layers {
     pub fn residuals(&self, stack: &LayerStack) -> Option<Arc<ResidualLayer>> {
         let shown = stack.is_visible(MapLayer::Residuals);
         self.residuals.result().filter(|_| shown).cloned().flatten()
+    }
+
+    /// What some layers cover, and the track: a base map, which may show a country, does not count.
+    pub fn extent(&self, layers: &[MapLayer], track: GroundBounds) -> GroundBounds {
+        let counts = |layer: &MapLayer| *layer != MapLayer::BaseMap && layers.contains(layer);
+        let tiles = self.tiles.iter().filter(|(layer, _)| counts(layer));
+        let bounds = tiles.filter_map(|(_, tiles)| tiles.bounds());
+        bounds.fold(track, |[west, south, east, north], [w, s, e, n]| {
+            [west.min(w), south.min(s), east.max(e), north.max(n)]
+        })
+    }
+
+    /// Tiles that are not painted yet, of those in view.
+    pub fn missing(&self) -> [usize; 2] {
+        let tiles = self.tiles.iter().map(|(_, tiles)| tiles.missing());
+        tiles.fold([0; 2], |[missing, all], [m, a]| [missing + m, all + a])
     }
 
     /// Whether everything visible is there.

@@ -37,7 +37,7 @@ fn buttons(ui: &mut Ui, wish: &mut Option<ViewRequest>, pointer: &mut Pointer) -
     ui.spacing_mut().item_spacing.x = 4.0;
     let fit = ui.button("Fit");
     if fit
-        .on_hover_text("Shows the whole track (F, or a double-click).")
+        .on_hover_text("Shows the whole track and the layers around it (F, or a double-click).")
         .clicked()
     {
         *wish = Some(ViewRequest::Fit);

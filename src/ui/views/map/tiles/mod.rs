@@ -104,6 +104,11 @@ impl TileLayer {
         [self.ready[1] - self.ready[0], self.ready[1]]
     }
 
+    /// All that there is to paint, metres.
+    pub fn bounds(&self) -> Option<GroundBounds> {
+        self.source.as_ref().map(|source| source.bounds())
+    }
+
     /// Draws what is there of the view, and has the rest painted.
     pub fn show(&mut self, painter: &Painter, rect: Rect, transform: MapTransform, jobs: &Jobs) {
         let Some(source) = self.source.clone() else {
