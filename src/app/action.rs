@@ -46,6 +46,7 @@ actions! {
     Export, "Export products…", Some("Ctrl+E"), "Writes points, track, depth maps, isobaths and mosaic into a folder.";
     CompareWith, "Compare with…", None, "Holds the points against a reference: points of a file, a GeoTIFF, or another log over the same water.";
     CloseReference, "Leave the reference", None, "Compares side-scan with the survey's own soundings again.";
+    PrintView, "Print view…", Some("Ctrl+Shift+E"), "Draws a view as a PNG at print resolution, with its scales and legend.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
@@ -123,6 +124,7 @@ actions! {
     TakeCornerBack, "Take the last corner back", Some("Backspace"), "Removes the corner that was set last.";
     EndFigure, "End the measurement", Some("Enter"), "Closes the line or the area; the next corner begins another one.";
     RemoveFigure, "Remove the measurement", None, "Takes what was measured off the map.";
+    SaveFigure, "Save the measurement…", None, "Writes what was measured as GeoJSON, or its corners (the depths of a profile) as CSV.";
     SaveProfile, "Save the depth profile…", None, "Writes distance, position and depth along the line as CSV.";
     CopyProfile, "Copy the depth profile", None, "Copies distance, position and depth along the line as CSV.";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";

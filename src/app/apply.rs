@@ -44,6 +44,7 @@ impl App {
             Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
             Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
             Command::OpenTable(path) => self.read_external(path, None),
+            Command::SaveFigure(path) => self.save_figure(path),
             Command::SaveProfile(path) => self.save_profile(path),
             Command::Tell(text) => self.tell(text, true),
             Command::Dismiss(index) => {
@@ -64,7 +65,7 @@ impl App {
             Command::SaveReview(path) => self.save_review(path),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
             // Views and their arrangement belong to the shell.
-            Command::Focus(_) | Command::Layout(_) => {}
+            Command::Focus(_) | Command::Layout(_) | Command::PrintInto(_) => {}
         }
     }
 

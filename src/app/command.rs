@@ -99,6 +99,10 @@ pub enum Command {
     OpenTrack(PathBuf),
     /// Take a table that was dropped for what its columns say: water levels, or a track.
     OpenTable(PathBuf),
+    /// Draw the view that was chosen to be printed into a file.
+    PrintInto(PathBuf),
+    /// Write what was measured into a file: GeoJSON, or CSV by its ending.
+    SaveFigure(PathBuf),
     /// Write the depth profile into a file.
     SaveProfile(PathBuf),
     /// Tell the analyst a sentence.

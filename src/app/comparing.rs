@@ -61,6 +61,16 @@ impl Comparing {
         self.opening.is_some()
     }
 
+    /// What is drawn of it.
+    pub(super) fn for_picture(&self) -> Self {
+        Self {
+            reference: self.reference.clone(),
+            by: self.by,
+            radius_m: self.radius_m,
+            opening: None,
+        }
+    }
+
     /// Stops opening.
     pub(super) fn stop(&mut self) {
         self.opening = None;

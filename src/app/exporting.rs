@@ -32,6 +32,14 @@ impl Exporting {
 }
 
 impl App {
+    /// Writes something off the window's thread, and tells the sentence that comes of it.
+    pub fn write(
+        &mut self,
+        write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
+    ) {
+        self.exporting = Some(Exporting::start(&self.jobs, write));
+    }
+
     /// Writes the products that are wanted, the comparison with the reference among them, and the report with the boxes as they
     /// are decided, into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {

@@ -74,7 +74,7 @@ impl Figure {
         }
     }
 
-    fn is_measurable(&self) -> bool {
+    pub(super) fn is_measurable(&self) -> bool {
         self.corners.len() >= self.kind.least()
     }
 }
@@ -100,6 +100,15 @@ pub struct Measuring {
 }
 
 impl Measuring {
+    /// What is drawn of it.
+    pub(super) fn for_picture(&self) -> Self {
+        Self {
+            tool: None,
+            figure: self.figure.clone(),
+            stations: self.stations.clone(),
+        }
+    }
+
     /// Whether the plot of a depth profile is wanted.
     pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.kind);

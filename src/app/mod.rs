@@ -17,7 +17,9 @@ mod map_layers;
 mod measuring;
 mod options;
 mod preview;
+mod print;
 mod reviewing;
+mod saving_figure;
 mod state;
 mod swipe;
 mod tabulating;
@@ -36,6 +38,7 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
+pub use print::{Paper, PrintOptions, Sheet};
 pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
 pub use state::{App, Jobs, Mark, Notice, Reveal};
 pub use swipe::{Swipe, SwipeSide};

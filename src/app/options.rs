@@ -1,6 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
-use super::{LayerStack, Swipe};
+use super::{LayerStack, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::pipeline::Product;
 use serde::{Deserialize, Serialize};
@@ -244,4 +244,6 @@ pub struct ViewOptions {
     pub cloud: CloudOptions,
     /// Products that an export leaves out.
     pub left_out: Vec<Product>,
+    /// How a view is printed.
+    pub print: PrintOptions,
 }

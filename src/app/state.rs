@@ -119,6 +119,8 @@ pub struct App {
     pub measuring: Measuring,
     /// The boxes and what is decided about them.
     pub reviewing: Reviewing,
+    /// Only a picture is drawn of it: views leave their buttons out.
+    pub is_picture: bool,
     pub(super) history: History<Step>,
     pub(super) engine: Engine,
     pub(super) previewer: Previewer,
@@ -159,6 +161,7 @@ impl App {
             external: External::default(),
             measuring: Measuring::default(),
             reviewing: Reviewing::default(),
+            is_picture: false,
             history: History::default(),
             engine,
             previewer: Previewer::default(),

@@ -67,6 +67,15 @@ impl Tabulating {
         self.task.as_ref().map(Task::fraction)
     }
 
+    /// What is drawn of it.
+    pub fn for_picture(&self) -> Self {
+        Self {
+            of: self.of.clone(),
+            agreement: self.agreement.clone(),
+            ..Self::default()
+        }
+    }
+
     /// Takes an agreement over that was found elsewhere.
     pub fn take(&mut self, of: Of, agreement: Agreement) {
         *self = Self {

@@ -6,11 +6,13 @@ use crate::app::{
     Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
 use crate::calibration::PingRange;
-use crate::export::write_aside;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::Settings;
-use crate::ui::{Alone, Shell, offscreen::Studio};
-use std::io::{self, BufWriter, Write as _};
+use crate::progress::Progress;
+use crate::ui::{
+    Alone, Shell,
+    offscreen::{Studio, write_picture},
+};
 use std::path::{Path, PathBuf};
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
@@ -152,11 +154,11 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         shell.show_pings(pings.start..pings.end);
     }
     let studio = Studio::new()?;
-    let picture = studio.draw(&mut shell, args.size, args.scale)?;
+    let picture = studio.draw(&mut shell, args.size, args.scale, &Progress::new())?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
         return Err(error.text.clone());
     }
-    write(&picture, &args.output)?;
+    write_picture(&picture, &args.output)?;
     output::tell(format_args!("drawn by {}", studio.adapter()));
     Ok(())
 }
@@ -198,8 +200,8 @@ pub fn draw_into(origin: &Origin, folder: &Path) -> Result<(Vec<&'static str>, S
         if let Some(alone) = alone(view) {
             shell.show_alone(alone);
         }
-        let picture = studio.draw(&mut shell, size, 1.0)?;
-        write(&picture, &folder.join(name))?;
+        let picture = studio.draw(&mut shell, size, 1.0, &Progress::new())?;
+        write_picture(&picture, &folder.join(name))?;
     }
     Ok((
         PICTURES.iter().map(|(name, ..)| *name).collect(),
@@ -275,18 +277,6 @@ fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
         app.apply(Command::Select(Some(Mark::ping(middle))));
     }
     Ok(())
-}
-
-/// Writes aside, then renames: an error never leaves half a picture.
-fn write(picture: &image::RgbaImage, path: &Path) -> Result<(), String> {
-    let written = write_aside(path, |file| {
-        let mut out = BufWriter::new(file);
-        picture
-            .write_to(&mut out, image::ImageFormat::Png)
-            .map_err(io::Error::other)?;
-        out.flush()
-    });
-    written.map_err(|error| error.to_string())
 }
 
 /// Refuses a name that is no picture's before any work, a mistyped log's among them: that log would be replaced.

@@ -24,6 +24,21 @@ enum Purpose {
     OpenReference,
     OpenWaterLevels,
     OpenTrack,
+    PrintInto,
+    SaveFigure,
+}
+
+impl Purpose {
+    /// Title of the dialog that names a file to be written.
+    fn title_of_saved(self) -> Option<&'static str> {
+        match self {
+            Self::SaveReview => Some("Save the review of boxes"),
+            Self::SaveProfile => Some("Save the depth profile"),
+            Self::SaveFigure => Some("Save the measurement"),
+            Self::PrintInto => Some("Print the view"),
+            _ => None,
+        }
+    }
 }
 
 /// What a system dialog came back with.
@@ -56,7 +71,7 @@ struct Field {
 
 impl Field {
     fn new(purpose: Purpose, instead: bool, proposed: Option<&PathBuf>) -> Option<Self> {
-        let is_named = matches!(purpose, Purpose::SaveReview | Purpose::SaveProfile);
+        let is_named = purpose.title_of_saved().is_some();
         let proposed = proposed.filter(|_| is_named);
         Some(Self {
             purpose,
@@ -102,6 +117,18 @@ impl Dialogs {
     pub fn name_profile(&mut self, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
         self.ask(Purpose::SaveProfile, jobs);
+    }
+
+    /// Asks for the file that what was measured is written into.
+    pub fn name_figure(&mut self, proposed: PathBuf, jobs: &Jobs) {
+        self.proposed = Some(proposed);
+        self.ask(Purpose::SaveFigure, jobs);
+    }
+
+    /// Asks for the file that a view is printed into.
+    pub fn name_print(&mut self, proposed: PathBuf, jobs: &Jobs) {
+        self.proposed = Some(proposed);
+        self.ask(Purpose::PrintInto, jobs);
     }
 
     /// Asks for a picture to lie under the map.
@@ -217,6 +244,12 @@ impl Dialogs {
                 "Open",
             ),
             Purpose::SaveProfile => ("Save the depth profile", "File to write", "Save"),
+            Purpose::SaveFigure => (
+                "Save the measurement",
+                "File to write, .geojson or .csv",
+                "Save",
+            ),
+            Purpose::PrintInto => ("Print the view", "File to write", "Print"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
         let modal = egui::Modal::new(egui::Id::unique("path")).show(ctx, |ui| {
@@ -264,6 +297,8 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::OpenReference => Command::CompareWith(path),
         Purpose::OpenWaterLevels => Command::OpenWaterLevels(path),
         Purpose::OpenTrack => Command::OpenTrack(path),
+        Purpose::SaveFigure => Command::SaveFigure(path),
+        Purpose::PrintInto => Command::PrintInto(path),
     }
 }
 
@@ -314,11 +349,8 @@ fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf>
             .set_title("Open what is known to lie in the log")
             .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
-        Purpose::SaveReview | Purpose::SaveProfile => {
-            let title = match purpose {
-                Purpose::SaveProfile => "Save the depth profile",
-                _ => "Save the review of boxes",
-            };
+        Purpose::SaveReview | Purpose::SaveProfile | Purpose::SaveFigure | Purpose::PrintInto => {
+            let title = purpose.title_of_saved().unwrap_or_default();
             let mut dialog = rfd::FileDialog::new().set_title(title);
             if let Some(path) = &proposed {
                 let name = path.file_name().unwrap_or_default();

@@ -1,11 +1,15 @@
 //! The window without a window: frames are drawn into a texture and read back, on a GPU or on lavapipe.
 
 use super::Shell;
+use crate::export::write_aside;
+use crate::progress::Progress;
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
 };
 use image::RgbaImage;
 use std::future::Future;
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
 use std::pin::pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, Wake, Waker};
@@ -13,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
 const TIME_LIMIT: Duration = Duration::from_secs(240);
+/// Steps that progress is told in.
+const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);
 
@@ -35,12 +41,13 @@ impl Studio {
 
     /// Draws the shell into a picture of `size` pixels.
     ///
-    /// Errors say in a sentence what is wrong: a picture larger than the adapter can hold, a time limit.
+    /// Errors say in a sentence what is wrong: a picture larger than the adapter can hold, a time limit, cancelled.
     pub fn draw(
         &self,
         shell: &mut Shell,
         size: [u32; 2],
         pixels_per_point: f32,
+        progress: &Progress,
     ) -> Result<RgbaImage, String> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
@@ -50,9 +57,21 @@ impl Studio {
             ));
         }
         let mut host = Host::new(self.gpu.clone(), size, pixels_per_point);
-        host.settle(shell)?;
+        host.settle(shell, progress)?;
         host.read_back()
     }
+}
+
+/// Writes a picture as PNG, aside and then renamed: an error never leaves half of it.
+pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), String> {
+    let written = write_aside(path, |file| {
+        let mut out = BufWriter::new(file);
+        picture
+            .write_to(&mut out, image::ImageFormat::Png)
+            .map_err(io::Error::other)?;
+        out.flush()
+    });
+    written.map_err(|error| error.to_string())
 }
 
 fn gpu() -> Result<RenderState, String> {
@@ -105,12 +124,18 @@ impl Host {
     }
 
     /// Draws frames until everything is computed and drawn at its final quality.
-    fn settle(&mut self, shell: &mut Shell) -> Result<(), String> {
+    fn settle(&mut self, shell: &mut Shell, progress: &Progress) -> Result<(), String> {
         let started = Instant::now();
+        let mut drawn = 0;
+        progress.start(STEPS);
         let mut quiet = 0;
         // A few quiet frames: sizes settle over two frames, and tiles asked for in one are drawn in the next.
         while quiet < 4 {
+            progress.check().map_err(|error| error.to_string())?;
             let repaint = self.frame(shell)?;
+            let now = (shell.drawn_share() * STEPS as f32) as u64;
+            progress.advance(now.saturating_sub(drawn));
+            drawn = drawn.max(now);
             quiet = if shell.is_settled() && !repaint {
                 quiet + 1
             } else {

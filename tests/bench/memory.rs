@@ -17,7 +17,7 @@ pub fn run() {
     if let Ok(studio) = &studio {
         let mut empty = Shell::new(App::new(Jobs::Inline));
         studio
-            .draw(&mut empty, [1280, 800], 1.0)
+            .draw(&mut empty, [1280, 800], 1.0, &Progress::new())
             .expect("an empty window");
     }
     let Some(before_mb) = anonymous_mb() else {
@@ -59,7 +59,7 @@ pub fn run() {
     );
     let mut shell = Shell::new(app);
     match studio.and_then(|studio| {
-        studio.draw(&mut shell, [1280, 800], 1.0)?;
+        studio.draw(&mut shell, [1280, 800], 1.0, &Progress::new())?;
         Ok(studio.adapter())
     }) {
         Ok(adapter) => println!(

@@ -25,6 +25,7 @@ mod map_tools;
 mod missions;
 mod mosaic;
 mod navigation;
+mod printing;
 mod real_window;
 mod residuals;
 mod review;

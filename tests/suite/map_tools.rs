@@ -1,6 +1,7 @@
 //! The tools of the map, driven by keys and mouse.
 
 use crate::base_map;
+use crate::printing::name_file;
 use crate::window::{Window, app, demo_window, drawn_window, drop_file, press, settle};
 use bathyscope::app::{Action, Command, MapLayer, Mark, Measure, View};
 use bathyscope::geo::{CoordinateFormat, LonLat};
@@ -363,5 +364,52 @@ fn a_base_map_is_opened_by_its_command() {
             .as_ref()
             .map(|map| map.place.crs.epsg()),
         Some(3857)
+    );
+}
+
+#[test]
+fn a_measured_area_is_saved_as_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = demo_window();
+    let origin = app(&window).survey.as_ref().unwrap().track.frame.origin();
+    let app_now = &mut window.state_mut().app;
+    app_now.apply(Command::Do(Action::MeasureArea));
+    for [east_deg, north_deg] in [[0.0, 0.0], [0.0, 1e-4], [1e-4, 1e-4], [1e-4, 0.0]] {
+        app_now.apply(Command::Measure(Measure::Corner(LonLat {
+            lon_deg: origin.lon_deg + east_deg,
+            lat_deg: origin.lat_deg + north_deg,
+        })));
+    }
+    app_now.apply(Command::Do(Action::EndFigure));
+    app_now.apply(Command::Do(Action::LeaveTool));
+    window.run();
+    let figure = app(&window).measuring.figure.clone().unwrap();
+    for name in ["area.geojson", "area.csv", "area.txt"] {
+        window.get_by_label("Save the measurement…").click();
+        window.run();
+        let path = folder.path().join(name);
+        name_file(
+            &mut window,
+            "File to write, .geojson or .csv",
+            &path,
+            "Save",
+        );
+    }
+    let text = std::fs::read(folder.path().join("area.geojson")).unwrap();
+    let read: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let properties = &read["features"][0]["properties"];
+    assert_eq!(properties["measured"], "area");
+    let area_m2 = properties["area_m2"].as_f64().unwrap();
+    assert!((area_m2 - figure.area_m2()).abs() < 1e-3, "{area_m2}");
+    let ring = read["features"][0]["geometry"]["coordinates"][0].as_array();
+    assert_eq!(ring.unwrap().len(), 5);
+    let table = std::fs::read_to_string(folder.path().join("area.csv")).unwrap();
+    assert_eq!(table.lines().count(), 6, "{table}");
+    assert!(!folder.path().join("area.txt").exists());
+    let last = app(&window).notices.last().unwrap();
+    assert!(
+        last.is_error && last.text.contains(".geojson or .csv"),
+        "{}",
+        last.text
     );
 }

@@ -215,6 +215,18 @@ impl Reviewing {
         size_m(self.raster().map(AsRef::as_ref), mark)
     }
 
+    /// What is drawn of it: the boxes in line, with nothing to save.
+    pub(super) fn for_picture(&self) -> Self {
+        let mut copy = Self {
+            saved: self.review.clone(),
+            queue: self.queue.clone(),
+            raster: self.raster.clone(),
+            ..Self::default()
+        };
+        copy.set(self.review.clone());
+        copy
+    }
+
     /// Takes another version of the boxes.
     fn set(&mut self, review: Arc<Review>) {
         self.review = review;

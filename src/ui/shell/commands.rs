@@ -17,6 +17,7 @@ impl Shell {
         match command {
             Command::Do(action) => self.act(ctx, action),
             Command::Focus(view) => self.layout.focus(view),
+            Command::PrintInto(path) => self.print_into(path),
             Command::Layout(preset) => self.layout.arrange(preset),
             other => self.app.apply(other),
         }
@@ -35,6 +36,7 @@ impl Shell {
                 self.app.apply(Command::Tell(text.to_owned()));
             }
             Action::Export => self.dialogs.pick_folder(self.app.jobs()),
+            Action::PrintView => self.ask_to_print(),
             Action::OpenReview if self.app.survey.is_some() => {
                 self.dialogs.pick_review(self.app.jobs());
             }
@@ -69,6 +71,7 @@ impl Shell {
             Action::OpenWaterLevels => self.dialogs.pick_water_levels(self.app.jobs()),
             Action::OpenTrack => self.dialogs.pick_track(self.app.jobs()),
             Action::SetCorner => self.views.map.set_corner(),
+            Action::SaveFigure => self.save_figure(),
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
@@ -95,16 +98,27 @@ impl Shell {
         }
     }
 
+    /// A name for a file beside the log.
+    pub(super) fn beside_the_log(&self, ending: &str) -> PathBuf {
+        let survey = self.app.survey.as_ref();
+        let log = survey.and_then(|survey| survey.source.files.first());
+        log.map_or_else(|| PathBuf::from(ending), |log| log.with_extension(ending))
+    }
+
+    fn save_figure(&mut self) {
+        if self.app.measured().is_some() {
+            let proposed = self.beside_the_log("measured.geojson");
+            self.dialogs.name_figure(proposed, self.app.jobs());
+        } else {
+            let text = "nothing is measured yet; draw a line or an area on the map first";
+            self.app.apply(Command::Tell(text.to_owned()));
+        }
+    }
+
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
             Some(_) => {
-                let log = self
-                    .app
-                    .survey
-                    .as_ref()
-                    .and_then(|survey| survey.source.files.first());
-                let proposed = log.map(|log| log.with_extension("profile.csv"));
-                let proposed = proposed.unwrap_or_else(|| PathBuf::from("profile.csv"));
+                let proposed = self.beside_the_log("profile.csv");
                 self.dialogs.name_profile(proposed, self.app.jobs());
             }
             None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),

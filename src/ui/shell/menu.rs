@@ -46,6 +46,7 @@ const MEASURING: &[Action] = &[
     Action::EndFigure,
     Action::TakeCornerBack,
     Action::RemoveFigure,
+    Action::SaveFigure,
     Action::SaveProfile,
     Action::CopyProfile,
 ];
@@ -152,7 +153,9 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     external(ui, context);
     ui.separator();
     let ready = context.app.products.is_some();
-    titled(ui, context, Action::Export, Action::Export.label(), ready);
+    for action in [Action::Export, Action::PrintView] {
+        titled(ui, context, action, action.label(), ready);
+    }
     ui.separator();
     entry(ui, context, Action::Quit);
 }

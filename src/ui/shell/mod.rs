@@ -10,6 +10,7 @@ mod menu;
 mod palette;
 mod persist;
 mod play;
+mod printing;
 mod swipe;
 mod toolbar;
 
@@ -23,6 +24,7 @@ use egui::{CentralPanel, Frame, Panel, Ui};
 use layout::Layout;
 use palette::Palette;
 use play::Play;
+use printing::Printing;
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +42,13 @@ struct Views {
     map: MapView,
     cloud: CloudView,
     profile: ProfileView,
+    /// Widths and heights of the last frame, points, in the order of [`View::ALL`].
+    sizes: [[f32; 2]; View::ALL.len()],
 }
 
 impl Views {
     fn ui(&mut self, view: View, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        self.sizes[view as usize] = ui.available_size().into();
         match view {
             View::Waterfall => self.waterfall.ui(ui, context),
             View::Map => self.map.ui(ui, context),
@@ -56,6 +61,22 @@ impl Views {
             View::Waterfall => self.waterfall.request(request),
             View::Map => self.map.request(request),
             View::Cloud => self.cloud.request(request),
+        }
+    }
+
+    /// Width and height of a view, points; those of a small window while it has not been shown.
+    fn size(&self, view: View) -> [f32; 2] {
+        let size = self.sizes[view as usize];
+        if size[0] > 0.0 { size } else { [800.0, 500.0] }
+    }
+
+    /// Views that look at the same places, for a picture.
+    fn for_picture(&self, app: &App) -> Self {
+        Self {
+            waterfall: self.waterfall.for_picture(),
+            map: self.map.for_picture(app),
+            cloud: self.cloud.for_picture(app),
+            ..Self::default()
         }
     }
 
@@ -79,6 +100,7 @@ pub struct Shell {
     palette: Palette,
     dialogs: Dialogs,
     play: Play,
+    printing: Printing,
     help_open: bool,
     alone: Option<Alone>,
     started: bool,
@@ -100,6 +122,7 @@ impl Shell {
             palette: Palette::default(),
             dialogs: Dialogs::default(),
             play: Play::default(),
+            printing: Printing::default(),
             help_open: false,
             alone: None,
             started: false,
@@ -133,6 +156,14 @@ impl Shell {
         self.app.is_idle() && views_settled
     }
 
+    /// Share of the map's tiles that is drawn, 0 to 1.
+    pub fn drawn_share(&self) -> f32 {
+        match self.views.map.missing() {
+            [_, 0] => 0.0,
+            [missing, all] => 1.0 - missing as f32 / all as f32,
+        }
+    }
+
     /// One frame: collects what workers finished, draws everything, and carries out what the analyst asked for.
     pub fn frame(&mut self, ui: &mut Ui, render_state: Option<&RenderState>) {
         self.app.poll();
@@ -142,11 +173,14 @@ impl Shell {
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
         drop::collect(ui, &mut commands);
-        if !self.palette.is_open() && !self.dialogs.is_open() {
+        if !self.palette.is_open() && !self.dialogs.is_open() && !self.printing.is_open() {
             keys::collect(ui, &self.app, self.help_open, &mut commands);
         }
         self.play.advance(ui, &self.app, &mut commands);
-        self.draw(ui, render_state, &mut commands);
+        let names_print = self.draw(ui, render_state, &mut commands);
+        if names_print {
+            self.name_print();
+        }
         let ctx = ui.ctx().clone();
         if !self.started {
             // The first frame was laid out in sizes that were not ours yet.
@@ -193,19 +227,21 @@ impl Shell {
         }
     }
 
+    /// Whether a view is to be printed, and its file to be named.
     fn draw(
         &mut self,
         ui: &mut Ui,
         render_state: Option<&RenderState>,
         commands: &mut Vec<Command>,
-    ) {
+    ) -> bool {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
             commands,
         };
         if let Some(alone) = self.alone {
-            return draw_alone(ui, &mut self.views, &mut context, alone);
+            draw_alone(ui, &mut self.views, &mut context, alone);
+            return false;
         }
         let bar = Frame::new()
             .fill(ui.visuals().panel_fill)
@@ -256,6 +292,7 @@ impl Shell {
         help::ui(ui.ctx(), &mut self.help_open);
         self.dialogs.ui(ui.ctx(), &mut context);
         drop::overlay(ui);
+        self.printing.ui(ui.ctx(), &mut context, &self.views)
     }
 }
 

@@ -45,6 +45,14 @@ pub fn show(
     }
 }
 
+/// The vertical exaggeration in words, for a picture.
+pub fn paint_exaggeration(painter: &Painter, rect: Rect, options: &ViewOptions) {
+    let text = format!("elevations x{}", options.cloud.vertical_exaggeration);
+    let corner = rect.left_bottom() + vec2(8.0, -8.0);
+    let colour = theme::canvas_text_colour(options);
+    legend::plate(painter, options, corner, Align2::LEFT_BOTTOM, &text, colour);
+}
+
 fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
     let factor = &mut options.cloud.vertical_exaggeration;
     let slider = Slider::new(factor, EXAGGERATIONS)

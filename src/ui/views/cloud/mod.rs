@@ -9,7 +9,7 @@ mod scene;
 
 use super::background::{Background, Same};
 use super::empty;
-use crate::app::{CloudColour, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
 use crate::cloud::PointCloud;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
@@ -60,6 +60,16 @@ impl CloudView {
         }
         let name = self.content(ui, context, rect, &response);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    }
+
+    /// A view from the same place, in a frame of any size.
+    pub fn for_picture(&self, app: &App) -> Self {
+        Self {
+            camera: self.camera,
+            aim: self.aspect,
+            seen_plane: app.plane_serial,
+            ..Self::default()
+        }
     }
 
     /// Carries out a wish from menu, key or palette.
@@ -125,7 +135,10 @@ impl CloudView {
         controls::paint_read_out(&painter, rect, context.app, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
-        controls::show(ui, context, rect, &mut self.wish);
+        match context.app.is_picture {
+            true => controls::paint_exaggeration(&painter, rect, options),
+            false => controls::show(ui, context, rect, &mut self.wish),
+        }
         name(&scene)
     }
 

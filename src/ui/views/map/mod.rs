@@ -29,7 +29,7 @@ mod warp;
 
 use super::background::{Background, Same};
 use super::empty;
-use crate::app::{Command, MapLayer};
+use crate::app::{App, Command, MapLayer};
 use crate::cloud::Correction;
 use crate::pipeline::Products;
 use crate::render::Uploader;
@@ -39,7 +39,7 @@ use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
 use layers::TrackLayer;
 use stack::Layers;
 use std::sync::Arc;
-use transform::MapTransform;
+use transform::{GroundBounds, MapTransform};
 
 /// What a track is made of.
 type Key = (Same<Survey>, Same<Navigation>, Arc<Correction>);
@@ -53,6 +53,10 @@ pub struct MapView {
     /// The layers that it was fitted to: it follows them while they are being made, not those that are shown later.
     fits: Vec<MapLayer>,
     wish: Option<ViewRequest>,
+    /// The ground of the last frame.
+    visible: Option<GroundBounds>,
+    /// The ground that the first frame is to show.
+    aim: Option<GroundBounds>,
     track: Background<Key, Arc<TrackLayer>>,
     layers: Layers,
     pointer: pointer::Pointer,
@@ -89,6 +93,28 @@ impl MapView {
     /// Whether everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
         !self.track.is_running() && self.layers.is_settled() && self.wish.is_none()
+    }
+
+    /// A view that looks at the same ground, in a frame of any size.
+    pub fn for_picture(&self, app: &App) -> Self {
+        Self {
+            aim: self.visible,
+            // What is open is no other survey to it.
+            seen_plane: app.plane_serial,
+            ..Self::default()
+        }
+    }
+
+    /// Metres that a point of a picture of this size covers that shows the same ground.
+    pub fn metres_per_point_on(&self, [width, height]: [f32; 2]) -> Option<f64> {
+        let rect = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+        let shown = MapTransform::showing(self.visible?, rect);
+        Some(shown.metres_per_point)
+    }
+
+    /// Tiles that are not painted yet, of those in view.
+    pub fn missing(&self) -> [usize; 2] {
+        self.layers.missing()
     }
 
     fn forget_other_plane(&mut self, context: &ViewContext<'_>) {
@@ -153,7 +179,9 @@ impl MapView {
         self.pointer.handle(ui, context, &scene, response);
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
-        toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
+        if !context.app.is_picture {
+            toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
+        }
         name(&survey, &products, &track) + &boxes(context) + &layers(context)
     }
 
@@ -201,6 +229,9 @@ impl MapView {
         let whole = || MapTransform::fit(bounds, rect);
         let moved = self.transform.filter(|now| Some(*now) != self.fitted);
         let mut transform = moved.unwrap_or_else(whole);
+        if let Some(ground) = self.aim.take() {
+            transform = MapTransform::showing(ground, rect);
+        }
         match self.wish.take() {
             Some(ViewRequest::Fit) => transform = whole(),
             Some(ViewRequest::ZoomIn) => transform.zoom(rect, rect.center(), 1.5),
@@ -216,6 +247,7 @@ impl MapView {
                 transform.reveal(rect, place);
             }
         }
+        self.visible = Some(transform.visible(rect));
         self.transform = Some(transform);
         self.fitted = Some(whole());
         transform

@@ -37,6 +37,17 @@ impl MapTransform {
         }
     }
 
+    /// Shows all of `ground` and no more than the shape of `rect` asks for.
+    pub fn showing([west, south, east, north]: GroundBounds, rect: Rect) -> Self {
+        let [nearest, farthest] = SCALES;
+        let across = (east - west) / f64::from(rect.width().max(1.0));
+        let up = (north - south) / f64::from(rect.height().max(1.0));
+        Self {
+            centre_m: [0.5 * (west + east), 0.5 * (south + north)],
+            metres_per_point: across.max(up).clamp(nearest, farthest),
+        }
+    }
+
     /// Where a place is on the screen.
     pub fn to_screen(self, rect: Rect, [east_m, north_m]: [f64; 2]) -> Pos2 {
         let right = (east_m - self.centre_m[0]) / self.metres_per_point;
@@ -112,6 +123,18 @@ mod tests {
         let across = f64::from(north_east.x - south_west.x) / 200.0;
         let up = f64::from(south_west.y - north_east.y) / 40.0;
         assert!((across - up).abs() < 1e-4, "{across} {up}");
+    }
+
+    #[test]
+    fn the_same_ground_is_seen_in_a_frame_of_another_shape() {
+        let seen = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect()).visible(rect());
+        let paper = Rect::from_min_size(pos2(0.0, 0.0), Vec2::new(1123.0, 794.0));
+        let [west, south, east, north] = MapTransform::showing(seen, paper).visible(paper);
+        assert!(west <= seen[0] + 1e-9 && east >= seen[2] - 1e-9);
+        assert!(south <= seen[1] + 1e-9 && north >= seen[3] - 1e-9);
+        let spare =
+            ((east - west) / (seen[2] - seen[0])).min((north - south) / (seen[3] - seen[1]));
+        assert!((spare - 1.0).abs() < 1e-6, "{spare}");
     }
 
     #[test]

@@ -88,6 +88,25 @@ impl Camera {
         self.across.fit(-extent.far_m, extent.far_m, size.across);
     }
 
+    /// What is in view: first and last ping, and ends across, metres.
+    pub fn seen(&self, size: Size) -> [f64; 4] {
+        let ends = |axis: &Axis, points: f64| {
+            let half = 0.5 * axis.per_point * points;
+            [axis.centre - half, axis.centre + half]
+        };
+        let [from, to] = ends(&self.along, size.along);
+        let [port, starboard] = ends(&self.across, size.across);
+        [from, to, port, starboard]
+    }
+
+    /// Shows what [`Camera::seen`] gave of another frame.
+    pub fn show(&mut self, [from, to, port, starboard]: [f64; 4], size: Size) {
+        self.along.fit(from, to, size.along);
+        self.across.fit(port, starboard, size.across);
+        self.along.fitted = false;
+        self.across.fitted = false;
+    }
+
     /// Exactly these pings.
     pub fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
         self.along

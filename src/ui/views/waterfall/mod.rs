@@ -39,6 +39,10 @@ pub struct WaterfallView {
     drawing: Option<Drawing>,
     gpu: Option<Gpu>,
     camera: Option<Camera>,
+    /// Where the first frame is to look: from and to along the track and across it.
+    aim: Option<[f64; 4]>,
+    /// The size of the last frame.
+    size: Option<Size>,
     requests: Vec<Request>,
     reveal_serial: u64,
     was_over: Option<Mark>,
@@ -147,6 +151,17 @@ impl WaterfallView {
         self.settled = false;
     }
 
+    /// A view that looks at the same pings and ranges, in a frame of any size.
+    pub fn for_picture(&self) -> Self {
+        Self {
+            aim: self
+                .camera
+                .zip(self.size)
+                .map(|(camera, size)| camera.seen(size)),
+            ..Self::default()
+        }
+    }
+
     /// Starts over when another survey is open.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &ViewContext<'_>) {
         let app = context.app;
@@ -184,6 +199,9 @@ impl WaterfallView {
         let mut camera = *self
             .camera
             .get_or_insert_with(|| Camera::start(&extent, size));
+        if let Some(seen) = self.aim.take() {
+            camera.show(seen, size);
+        }
         for request in self.requests.drain(..) {
             match request {
                 Request::Pings(pings) => camera.show_pings(&pings, size),
@@ -199,6 +217,7 @@ impl WaterfallView {
         gestures::apply(&mut camera, ui, response, orientation, &extent, drag_moves);
         camera.settle(&extent, size);
         self.camera = Some(camera);
+        self.size = Some(size);
         Lens::new(camera, rect, orientation)
     }
 

@@ -285,7 +285,7 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: O
                 if is_drawing && legend::has_room(scene.rect) && scene.rect.width() > 560.0 {
                     ui.label(RichText::new(KEYS).size(11.5).weak());
                 }
-                if is_drawing || shown.is_none() {
+                if is_drawing || shown.is_none() || context.app.is_picture {
                     return;
                 }
                 let copy = ui
@@ -293,6 +293,11 @@ fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: O
                     .accessible_name("Copy the measurement");
                 if copy.clicked() {
                     ui.copy_text(text);
+                }
+                let save = Action::SaveFigure;
+                let button = ui.small_button("Save…").accessible_name(save.label());
+                if button.on_hover_text(save.hint()).clicked() {
+                    context.push(Command::Do(save));
                 }
                 let action = Action::RemoveFigure;
                 let remove = ui.small_button("Remove").accessible_name(action.label());

@@ -1,0 +1,168 @@
+//! A view as a picture for paper: how large it is, and the state that it is drawn from.
+
+use super::{App, Jobs};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Points of the screen in an inch: text is as large on paper as it is on a screen that keeps to it.
+const POINTS_AN_INCH: f64 = 96.0;
+/// Millimetres in an inch.
+const INCH_MM: f64 = 25.4;
+
+/// What a picture is made for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Paper {
+    /// 210 by 297 mm.
+    #[default]
+    A4,
+    /// 297 by 420 mm.
+    A3,
+    /// A screen: as wide as wished, as tall as the view is.
+    Pixels,
+}
+
+impl Paper {
+    /// All in the order of the list.
+    pub const ALL: [Paper; 3] = [Paper::A4, Paper::A3, Paper::Pixels];
+
+    /// Name in the list.
+    pub fn name(self) -> &'static str {
+        match self {
+            Paper::A4 => "A4",
+            Paper::A3 => "A3",
+            Paper::Pixels => "width in pixels",
+        }
+    }
+
+    /// Short and long side, millimetres.
+    fn sides_mm(self) -> Option<[f64; 2]> {
+        match self {
+            Paper::A4 => Some([210.0, 297.0]),
+            Paper::A3 => Some([297.0, 420.0]),
+            Paper::Pixels => None,
+        }
+    }
+}
+
+/// How a view is printed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PrintOptions {
+    /// What it is made for.
+    pub paper: Paper,
+    /// The long side lies across.
+    pub landscape: bool,
+    /// Pixels in an inch of paper.
+    pub dpi: u32,
+    /// Width without paper, pixels.
+    pub width_px: u32,
+    /// On white instead of what the window has.
+    pub light: bool,
+}
+
+impl Default for PrintOptions {
+    fn default() -> Self {
+        Self {
+            paper: Paper::default(),
+            landscape: true,
+            dpi: 300,
+            width_px: 3000,
+            light: true,
+        }
+    }
+}
+
+/// A picture's size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+    /// Pixels in a point of the screen: how much larger text and lines are drawn.
+    pub pixels_per_point: f32,
+}
+
+impl PrintOptions {
+    /// A point of the screen on paper, metres.
+    pub const POINT_M: f64 = INCH_MM / 1000.0 / POINTS_AN_INCH;
+    /// Pixels in an inch that can be chosen.
+    pub const DPI: std::ops::RangeInclusive<u32> = 72..=600;
+    /// Widths that can be chosen, pixels.
+    pub const WIDTHS_PX: std::ops::RangeInclusive<u32> = 400..=8192;
+
+    /// The picture of a view that takes `view` points of the screen.
+    pub fn sheet(&self, view: [f32; 2]) -> Sheet {
+        let Some([short_mm, long_mm]) = self.paper.sides_mm() else {
+            let [width, height] = view.map(|side| f64::from(side.max(1.0)));
+            let scale = f64::from(self.width_px) / width;
+            return Sheet {
+                size_px: [self.width_px, (height * scale).round().max(1.0) as u32],
+                pixels_per_point: scale as f32,
+            };
+        };
+        let sides_mm = match self.landscape {
+            true => [long_mm, short_mm],
+            false => [short_mm, long_mm],
+        };
+        let dpi = f64::from(self.dpi);
+        Sheet {
+            size_px: sides_mm.map(|side_mm| (side_mm / INCH_MM * dpi).round() as u32),
+            pixels_per_point: (dpi / POINTS_AN_INCH) as f32,
+        }
+    }
+}
+
+impl App {
+    /// What the views show of this state, to be drawn elsewhere: without buttons, and without what the pointer has selected.
+    pub fn for_picture(&self) -> App {
+        let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
+        copy.is_picture = true;
+        copy.survey = self.survey.clone();
+        copy.depth_span_m = self.depth_span_m;
+        copy.lost_soundings = self.lost_soundings;
+        copy.survey_serial = self.survey_serial;
+        copy.plane_serial = self.plane_serial;
+        copy.settings = self.settings.clone();
+        copy.products = self.products.clone();
+        copy.preview = self.preview.clone();
+        copy.options = self.options.clone();
+        copy.figures = self.figures.clone();
+        copy.base_map = self.base_map.clone();
+        copy.comparing = self.comparing.for_picture();
+        copy.tabulating = self.tabulating.for_picture();
+        copy.external = self.external.for_picture();
+        copy.measuring = self.measuring.for_picture();
+        copy.reviewing = self.reviewing.for_picture();
+        copy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paper_has_the_pixels_that_its_millimetres_take() {
+        let a4 = PrintOptions::default().sheet([10.0, 10.0]);
+        assert_eq!(a4.size_px, [3508, 2480]);
+        assert_eq!(a4.pixels_per_point, 3.125);
+        let upright = PrintOptions {
+            paper: Paper::A3,
+            landscape: false,
+            dpi: 150,
+            ..PrintOptions::default()
+        };
+        assert_eq!(upright.sheet([10.0, 10.0]).size_px, [1754, 2480]);
+    }
+
+    #[test]
+    fn without_paper_the_view_keeps_its_shape() {
+        let options = PrintOptions {
+            paper: Paper::Pixels,
+            width_px: 1600,
+            ..PrintOptions::default()
+        };
+        let sheet = options.sheet([800.0, 500.0]);
+        assert_eq!(sheet.size_px, [1600, 1000]);
+        assert_eq!(sheet.pixels_per_point, 2.0);
+    }
+}

@@ -1,0 +1,73 @@
+//! What was measured on the map, on its way into a file.
+
+use super::{App, FigureKind};
+use crate::export::{self, MeasuredFigure};
+use std::path::{Path, PathBuf};
+
+impl App {
+    /// What is measured on the map, once there is something between its corners.
+    pub fn measured(&self) -> Option<MeasuredFigure> {
+        let (survey, products) = self.survey.as_ref().zip(self.products.as_ref())?;
+        let figure = self.measuring.figure.as_deref()?;
+        if !figure.is_measurable() {
+            return None;
+        }
+        let (kind, area_m2, stations) = match figure.kind {
+            FigureKind::Distance => ("distance", None, &[][..]),
+            FigureKind::Area => ("area", Some(figure.area_m2()), &[][..]),
+            FigureKind::Profile => ("profile", None, &self.measuring.stations[..]),
+        };
+        let stations = stations.iter().map(|station| {
+            let [east_m, north_m] = station.place;
+            let at = products
+                .navigation
+                .to_lon_lat(&survey.track, east_m, north_m);
+            (at, station.distance_m, station.depth_m)
+        });
+        Some(MeasuredFigure {
+            log: survey.name(),
+            kind,
+            corners: figure.corners.clone(),
+            distances_m: figure.distances_m(),
+            length_m: figure.length_m(),
+            area_m2,
+            stations: stations.collect(),
+        })
+    }
+
+    /// Writes what is measured into a file.
+    pub(super) fn save_figure(&mut self, path: PathBuf) {
+        let Some(figure) = self.measured() else {
+            return;
+        };
+        if self.refuses_log(&path) {
+            return;
+        }
+        match write(self, &figure, &path) {
+            Ok(()) => self.tell(
+                format!("Wrote the measurement to {}", path.display()),
+                false,
+            ),
+            Err(text) => self.tell(text, true),
+        }
+    }
+}
+
+fn write(app: &App, figure: &MeasuredFigure, path: &Path) -> Result<(), String> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let written = match ending.to_lowercase().as_str() {
+        "geojson" | "json" => export::figure_geojson(path, figure),
+        // The depths along a profile are worth more than its corners.
+        "csv" => match app.profile_csv() {
+            Some(text) => export::write_profile_csv(path, &text),
+            None => export::figure_csv(path, figure),
+        },
+        _ => {
+            return Err(format!(
+                "a measurement's name ends in .geojson or .csv: {}",
+                path.display()
+            ));
+        }
+    };
+    written.map_err(|error| error.to_string())
+}

@@ -1,0 +1,207 @@
+//! Printing a view: the dialog that asks for the size, and the picture that is drawn off screen while the window goes on.
+
+use super::{Alone, Shell, Views};
+use crate::app::{App, Command, Paper, PrintOptions, Sheet, ThemeChoice, View};
+use crate::progress::Progress;
+use crate::ui::ViewContext;
+use crate::ui::offscreen::{Studio, write_picture};
+use egui::{ComboBox, DragValue, Id, Modal, Ui};
+use std::path::{Path, PathBuf};
+
+/// Said while a picture cannot be started.
+const BUSY: &str = "products are still being written; wait, or cancel that first";
+
+/// The view that is to be printed, and whether its dialog is open.
+#[derive(Default)]
+pub(super) struct Printing {
+    view: Option<View>,
+    is_open: bool,
+}
+
+impl Printing {
+    /// Asks how a view is to be printed.
+    pub fn ask(&mut self, view: View) {
+        self.view = Some(view);
+        self.is_open = true;
+    }
+
+    /// Whether the dialog is shown.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// Draws the dialog while it is open; whether the analyst wants to name the file now.
+    pub fn ui(
+        &mut self,
+        ctx: &egui::Context,
+        context: &mut ViewContext<'_>,
+        views: &Views,
+    ) -> bool {
+        let Some(mut view) = self.view.filter(|_| self.is_open) else {
+            return false;
+        };
+        let before = context.app.options.print.clone();
+        let mut options = before.clone();
+        let modal = Modal::new(Id::unique("print")).show(ctx, |ui| {
+            ui.set_width(320.0);
+            ui.heading("Print view");
+            choices(ui, &mut view, &mut options);
+            let sheet = options.sheet(views.size(view));
+            ui.label(told(view, sheet, views));
+            ui.add_space(6.0);
+            ui.horizontal(|ui| (ui.button("Save…").clicked(), ui.button("Cancel").clicked()))
+                .inner
+        });
+        self.view = Some(view);
+        if options != before {
+            let mut shown = context.app.options.clone();
+            shown.print = options;
+            context.push(Command::Show(Box::new(shown)));
+        }
+        let (save, cancel) = modal.inner;
+        if save || cancel || modal.should_close() {
+            self.is_open = false;
+        }
+        save
+    }
+}
+
+fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
+    egui::Grid::new("print")
+        .num_columns(2)
+        .spacing([12.0, 6.0])
+        .show(ui, |ui| {
+            ui.label("View");
+            ComboBox::from_id_salt("printed view")
+                .selected_text(view.title())
+                .show_ui(ui, |ui| {
+                    for one in View::ALL {
+                        ui.selectable_value(view, one, one.title());
+                    }
+                })
+                .response
+                .accessible_name("View to print");
+            ui.end_row();
+            ui.label("Size");
+            ComboBox::from_id_salt("paper")
+                .selected_text(options.paper.name())
+                .show_ui(ui, |ui| {
+                    for paper in Paper::ALL {
+                        ui.selectable_value(&mut options.paper, paper, paper.name());
+                    }
+                })
+                .response
+                .accessible_name("Paper");
+            ui.end_row();
+            if options.paper == Paper::Pixels {
+                let label = ui.label("Width");
+                let width = DragValue::new(&mut options.width_px).range(PrintOptions::WIDTHS_PX);
+                ui.add(width.suffix(" px")).labelled_by(label.id);
+            } else {
+                let label = ui.label("Resolution");
+                let dpi = DragValue::new(&mut options.dpi).range(PrintOptions::DPI);
+                ui.add(dpi.suffix(" dpi")).labelled_by(label.id);
+                ui.end_row();
+                ui.label("");
+                ui.checkbox(&mut options.landscape, "Landscape");
+            }
+            ui.end_row();
+            ui.label("");
+            ui.checkbox(&mut options.light, "On white");
+            ui.end_row();
+        });
+}
+
+/// Size in words, and the scale that the map has on paper.
+fn told(view: View, sheet: Sheet, views: &Views) -> String {
+    let [width, height] = sheet.size_px;
+    let size = format!("{width} x {height} pixels");
+    let points = sheet
+        .size_px
+        .map(|side| side as f32 / sheet.pixels_per_point);
+    match views
+        .map
+        .metres_per_point_on(points)
+        .filter(|_| view == View::Map)
+    {
+        Some(metres) => {
+            let denominator = metres / PrintOptions::POINT_M;
+            format!("{size}, about 1 : {denominator:.0} on paper")
+        }
+        None => size,
+    }
+}
+
+impl Shell {
+    /// Opens the dialog, or says why not.
+    pub(super) fn ask_to_print(&mut self) {
+        if self.app.products.is_none() {
+            let text = "there is nothing to print yet; open a log first";
+            self.app.apply(Command::Tell(text.to_owned()));
+        } else if self.app.export_fraction().is_some() {
+            self.app.apply(Command::Tell(BUSY.to_owned()));
+        } else {
+            self.printing.ask(self.layout.target());
+        }
+    }
+
+    /// Asks for the file, with a name after log and view.
+    pub(super) fn name_print(&mut self) {
+        let view = self.printing.view.unwrap_or(View::Map);
+        let ending = match view {
+            View::Waterfall => "waterfall.png",
+            View::Map => "map.png",
+            View::Cloud => "cloud.png",
+        };
+        let proposed = self.beside_the_log(ending);
+        self.dialogs.name_print(proposed, self.app.jobs());
+    }
+
+    /// Starts drawing the view that was chosen, as it looks now, into a file.
+    pub(super) fn print_into(&mut self, path: PathBuf) {
+        let view = self.printing.view.unwrap_or(View::Map);
+        let is_png = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        if !is_png {
+            let text = format!("a picture's name ends in .png: {}", path.display());
+            return self.app.apply(Command::Tell(text));
+        }
+        let options = &self.app.options.print;
+        let sheet = options.sheet(self.views.size(view));
+        let mut copy = self.app.for_picture();
+        if options.light {
+            copy.options.theme = ThemeChoice::Light;
+        }
+        let views = self.views.for_picture(&self.app);
+        self.app
+            .write(move |progress| draw(copy, views, view, sheet, &path, progress));
+    }
+}
+
+/// Draws a view on a device of its own and writes it; what was written, in a sentence.
+fn draw(
+    app: App,
+    views: Views,
+    view: View,
+    sheet: Sheet,
+    path: &Path,
+    progress: &Progress,
+) -> Result<String, String> {
+    let mut shell = Shell::new(app);
+    shell.views = views;
+    shell.show_alone(Alone::View(view));
+    let studio = Studio::new()?;
+    let picture = studio.draw(&mut shell, sheet.size_px, sheet.pixels_per_point, progress)?;
+    if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {
+        return Err(error.text.clone());
+    }
+    progress.check().map_err(|error| error.to_string())?;
+    write_picture(&picture, path)?;
+    let [width, height] = sheet.size_px;
+    Ok(format!(
+        "Drew the {} in {width} x {height} pixels: {}",
+        view.title().to_lowercase(),
+        path.display()
+    ))
+}
