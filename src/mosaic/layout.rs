@@ -1,5 +1,7 @@
 //! Where every ping's echoes fall in the plane of the map, and which tiles they touch.
 
+mod thinned;
+
 use super::altitude::altitudes_m;
 use super::course::turn_rates_deg_s;
 use super::{MosaicSettings, TILE_CELLS};
@@ -85,6 +87,8 @@ const NOWHERE: Bounds = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
 pub struct Layout {
     /// Which pings of the survey these are.
     pings: Vec<u32>,
+    /// Which pings of the survey each of these stands for: first, and one after the last.
+    stands_for: Vec<[u32; 2]>,
     placed: Vec<Option<Placed>>,
     /// By side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
@@ -136,6 +140,9 @@ impl Layout {
         };
         Self {
             pings: (0..placed.len() as u32).collect(),
+            stands_for: (0..placed.len() as u32)
+                .map(|ping| [ping, ping + 1])
+                .collect(),
             joined: joined(survey, navigation, &placed),
             altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
             water_column: settings.water_column,
@@ -147,43 +154,6 @@ impl Layout {
                 .fold(0.1, f64::max),
             placed,
             ranges,
-            boxes: Vec::new(),
-        }
-        .boxed()
-    }
-
-    /// These pings without those that a picture with cells of `apart_m` has no use for: between two that stay, neither the boat
-    /// nor the far ends of its swath move farther than that. The ends of every stretch stay.
-    pub fn thinned(&self, apart_m: f64) -> Self {
-        let mut chosen: Vec<usize> = Vec::new();
-        let mut joined = Vec::new();
-        for ping in 0..self.placed.len() {
-            let goes_on = self.joined[ping];
-            let began = chosen.last().zip(joined.last());
-            let last = began.filter(|(_, joined)| **joined).map(|(last, _)| *last);
-            let is_near = last.is_some_and(|last| self.moved_m(last, ping) < apart_m);
-            if self.placed[ping].is_none() || (is_near && goes_on) {
-                continue;
-            }
-            chosen.push(ping);
-            joined.push(goes_on);
-        }
-        let pick = |ping: &usize| self.pings[*ping];
-        Self {
-            pings: chosen.iter().map(pick).collect(),
-            placed: chosen.iter().map(|&ping| self.placed[ping]).collect(),
-            ranges: [0, 1].map(|side| {
-                let of_side = |&ping: &usize| self.ranges[side].get(ping).copied().flatten();
-                chosen.iter().map(of_side).collect()
-            }),
-            altitudes_m: [0, 1].map(|side| {
-                let of_side = |&ping: &usize| self.altitudes_m[side].get(ping).copied();
-                let known = chosen.iter().map(of_side);
-                known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
-            }),
-            joined,
-            water_column: self.water_column,
-            far_m: self.far_m,
             boxes: Vec::new(),
         }
         .boxed()
@@ -202,15 +172,6 @@ impl Layout {
         self.boxed()
     }
 
-    /// How far the boat and the ends of its swath are from one ping to another, metres.
-    fn moved_m(&self, from: usize, to: usize) -> f64 {
-        let (Some(from), Some(to)) = (self.placed[from], self.placed[to]) else {
-            return f64::INFINITY;
-        };
-        let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-        off(from.at, to.at) + self.far_m * off(from.starboard, to.starboard)
-    }
-
     fn boxed(mut self) -> Self {
         let mut boxes = vec![NOWHERE; self.placed.len().div_ceil(BOXED)];
         for (ping, _, strip) in self.strips() {
@@ -224,6 +185,12 @@ impl Layout {
     /// Which ping of the survey a ping of this layout is.
     pub fn ping(&self, index: usize) -> Option<usize> {
         self.pings.get(index).map(|ping| *ping as usize)
+    }
+
+    /// Which pings of the survey a ping of this layout stands for, itself among them.
+    pub fn stands_for(&self, index: usize) -> std::ops::Range<usize> {
+        let [from, to] = self.stands_for.get(index).copied().unwrap_or_default();
+        from as usize..to as usize
     }
 
     /// What all strips cover, with the ground between them; `None` when nothing is shown.

@@ -5,11 +5,14 @@ use super::scan::spans;
 use super::{Gain, GainTable, MosaicSettings, Overlap};
 use crate::bathymetry::Grid;
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
+use crate::survey::{Side, SideSpan, Survey};
 use std::convert::Infallible;
+use std::ops::Range;
 
 /// Cells along a tile's side.
 pub const TILE_CELLS: usize = 256;
+/// Most pings that a line of a coarse picture is the mean of: more of them would cost more than they smooth.
+const MOST_AVERAGED: usize = 16;
 /// Weight of the edges of a swath in a blend; its middle has 1.
 const EDGE_WEIGHT: f32 = 0.03;
 
@@ -101,7 +104,9 @@ fn draw<E>(
             let [here, next] = &strip;
             let sums = [(ping, here), (ping + 1, next)].map(|(ping, ray)| {
                 let heard = layout.ping(ping);
-                let heard = heard.is_some_and(|heard| echoes.hear(survey, gain, ping, heard, ray));
+                let around = layout.stands_for(ping);
+                let heard =
+                    heard.is_some_and(|heard| echoes.hear(survey, gain, ping, heard, around, ray));
                 (ping % 2, heard)
             });
             if sums.iter().all(|(_, heard)| *heard) {
@@ -119,6 +124,8 @@ struct Echoes {
     water_column: bool,
     kept: [(usize, Vec<f32>); 2],
     samples: Vec<u8>,
+    /// Sums over the pings that one stands for, sample by sample.
+    totals: Vec<u32>,
 }
 
 impl Echoes {
@@ -129,33 +136,64 @@ impl Echoes {
             water_column,
             kept: [none(), none()],
             samples: Vec::new(),
+            totals: Vec::new(),
         }
     }
 
-    /// Reads a ping into the slot of its place in the layout (the last bit), unless it is there; false when there is nothing to
-    /// read.
+    /// Adds up the samples of a ping and of those `around` it that were recorded over the same range; how many that were.
+    fn add_up(&mut self, survey: &Survey, ping: usize, around: Range<usize>) -> u32 {
+        let own = survey.span(ping, self.side);
+        let is_like = |other: usize| {
+            let span = survey.span(other, self.side);
+            let same = |a: &SideSpan, b: &SideSpan| {
+                (a.count, a.near_m, a.far_m) == (b.count, b.near_m, b.far_m)
+            };
+            own.zip(span).is_some_and(|(own, span)| same(own, span))
+        };
+        let step = around.len().div_ceil(MOST_AVERAGED).max(1);
+        let others = around.step_by(step).filter(|&other| other != ping);
+        self.totals.clear();
+        let mut count = 0;
+        for ping in std::iter::once(ping).chain(others.filter(|&other| is_like(other))) {
+            let Some(samples) = survey.samples(ping, self.side) else {
+                continue;
+            };
+            samples.copy_outward(&mut self.samples);
+            self.totals
+                .resize(self.samples.len().max(self.totals.len()), 0);
+            for (total, level) in self.totals.iter_mut().zip(&self.samples) {
+                *total += u32::from(*level);
+            }
+            count += 1;
+        }
+        count
+    }
+
+    /// Reads a ping into the slot of its place in the layout (the last bit), unless it is there: the mean of it and those that
+    /// it stands for. False when there is nothing to read.
     fn hear(
         &mut self,
         survey: &Survey,
         gain: Option<&GainTable>,
         place: usize,
         ping: usize,
+        around: Range<usize>,
         ray: &Ray,
     ) -> bool {
         let slot = place % 2;
         if self.kept[slot].0 == place {
             return true;
         }
-        let Some(samples) = survey.samples(ping, self.side) else {
+        let count = self.add_up(survey, ping, around);
+        if count == 0 {
             return false;
-        };
-        samples.copy_outward(&mut self.samples);
+        }
         self.kept[slot].0 = place;
         let sums = &mut self.kept[slot].1;
         sums.clear();
         sums.push(0.0);
         let mut sum = 0.0;
-        for (index, &level) in self.samples.iter().enumerate() {
+        for (index, &total) in self.totals.iter().enumerate() {
             let range_m = ray.range_m(index as f64 + 0.5);
             let factor = match gain {
                 Some(gain) if range_m > ray.altitude_m => {
@@ -167,7 +205,7 @@ impl Echoes {
                     gain.factor(self.side, ray.altitude_m, ray.altitude_m)
                 }),
             };
-            sum += f32::from(level) * factor;
+            sum += total as f32 / count as f32 * factor;
             sums.push(sum);
         }
         true

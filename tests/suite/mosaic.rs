@@ -319,7 +319,10 @@ fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
         ..fine.grid
     };
     let seen = seen_through_window(&sailed, &grid, 0.7 * grid.cell_m);
+    // One ping for each cell, as it happens to run through its middle.
+    let picked = seen_through_window(&sailed, &grid, 0.0);
     let (mut holes, mut sum, mut count) = (0, 0.0, 0.0);
+    let mut squares = [0.0; 2];
     for (cell, level) in seen.iter().enumerate() {
         let (row, column) = (cell / grid.columns, cell % grid.columns);
         let under = (0..64).map(|index| {
@@ -331,11 +334,20 @@ fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
             continue;
         }
         holes += usize::from(*level == 0);
-        sum += f64::from(*level) - known.iter().sum::<f64>() / 64.0;
+        let mean = known.iter().sum::<f64>() / 64.0;
+        sum += f64::from(*level) - mean;
+        for (square, level) in squares.iter_mut().zip([*level, picked[cell]]) {
+            *square += (f64::from(level) - mean).powi(2);
+        }
         count += 1.0;
     }
     assert!(count > 100.0 && holes == 0, "{holes} holes in {count}");
     assert!((sum / count).abs() < 4.0, "brighter by {}", sum / count);
+    let [off, picked_off] = squares.map(|square| f64::sqrt(square / count));
+    println!(
+        "off the mean of the fine cells: {off:.1} levels, {picked_off:.1} when pings are picked"
+    );
+    assert!(off < 0.6 * picked_off, "{off} {picked_off}");
 }
 
 #[test]
