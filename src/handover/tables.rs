@@ -198,6 +198,7 @@ fn describe(name: &str) -> &'static str {
         "cloud.xyz" => "kept points as plain text",
         "report.json" => "this record for programs: inputs, settings, counts, statistics",
         "depth.tif" => "depth map, metres",
+        "depth.xyz" => "cells of the depth map as plain text",
         "uncertainty.tif" => "how far the depths that carry a cell disagree, metres",
         "distance.tif" => "distance to the nearest depth, metres",
         "isobaths.geojson" | "isobaths.shp" | "isobaths.kml" | "isobaths.kmz" => {

@@ -168,7 +168,7 @@ impl Merged {
             }),
             ..products.clone()
         };
-        let maps = [Product::Depth, Product::Isobaths];
+        let maps = [Product::Depth, Product::Xyz, Product::Isobaths];
         let maps: Vec<Product> = maps
             .into_iter()
             .filter(|map| wanted.contains(map))

@@ -12,6 +12,8 @@ pub enum Product {
     Track,
     /// depth.tif, uncertainty.tif, distance.tif
     Depth,
+    /// depth.xyz: a line of text for each cell
+    Xyz,
     /// isobaths.geojson, .kmz, .shp; depth_areas.geojson, storage.csv
     Isobaths,
     /// mosaic.tif
@@ -24,10 +26,11 @@ pub enum Product {
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 7] = [
+    pub const ALL: [Product; 8] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
+        Product::Xyz,
         Product::Isobaths,
         Product::Mosaic,
         Product::Residuals,

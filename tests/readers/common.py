@@ -38,3 +38,8 @@ def check_values(name, record, least, most, metres):
     values = record["values"]
     off = max(abs(values["least"] - least), abs(values["most"] - most))
     assert off <= metres, f"{name}: values from {least} to {most}, not {values}"
+
+
+def same(name, found, expected, most):
+    off = numpy.abs(numpy.asarray(found) - expected).max()
+    assert off <= most, f"{name} is off by {off}"

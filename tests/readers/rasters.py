@@ -2,7 +2,7 @@
 
 import numpy
 import rasterio
-from common import check_count, check_extent, check_values, into
+from common import check_count, check_extent, check_values, into, same, tolerance
 
 LAYERS = ("depth.tif", "uncertainty.tif", "distance.tif")
 
@@ -11,6 +11,8 @@ def check(folder, made, points):
     for name in LAYERS:
         if name in made:
             check_layer(name, folder / name, made[name])
+    if "depth.xyz" in made:
+        check_cells(folder, made["depth.xyz"])
     if "depth.tif" in made:
         check_depths(folder / "depth.tif", made["depth.tif"], points)
     if "mosaic.tif" in made:
@@ -33,6 +35,20 @@ def check_layer(name, path, record):
         values = raster.read(1, masked=True).compressed()
     check_count(name, record, "cells", len(values))
     check_values(name, record, values.min(), values.max(), 0.00001)
+
+
+def check_cells(folder, record):
+    """Every known cell of the raster, at its middle, and no other."""
+    found = numpy.loadtxt(folder / "depth.xyz", ndmin=2)
+    check_count("depth.xyz", record, "cells", len(found))
+    check_extent("depth.xyz", record, found[:, :2].min(axis=0), found[:, :2].max(axis=0), 0.001)
+    check_values("depth.xyz", record, found[:, 2].min(), found[:, 2].max(), 0.00051)
+    with rasterio.open(folder / "depth.tif") as raster:
+        values = raster.read(1, masked=True)
+        rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(values))
+        middles = numpy.array(raster.xy(rows, columns)).T
+    same("x, y of depth.xyz", found[:, :2], middles, tolerance(record, 0.001))
+    same("depth of depth.xyz", found[:, 2], values.data[rows, columns], 0.00051)
 
 
 def check_depths(path, record, points):

@@ -1,6 +1,7 @@
 //! Writes what the depths give: the map and its uncertainty, isobaths and depth areas, storage, and the agreement of side-scan
 //! with soundings. All in the system that `crs` names.
 
+mod cells;
 mod chart;
 mod choices;
 mod contours;
@@ -46,12 +47,21 @@ pub fn write_depth(
     let mut written = DepthWritten::default();
     let wants = |product| wanted.contains(&product);
     let plane = Plane::of(survey, products)?;
-    if wants(Product::Depth) || wants(Product::Isobaths) || wants(Product::Report) {
+    let of_surface = [
+        Product::Depth,
+        Product::Xyz,
+        Product::Isobaths,
+        Product::Report,
+    ];
+    if of_surface.into_iter().any(wants) {
         let made = chart::depth_surface(&plane, products, progress);
         match made.map_err(|error| error.to_string())? {
             Some(surface) => {
                 if wants(Product::Depth) {
                     rasters::write(&surface, &plane, products, folder, progress, &mut written)?;
+                }
+                if wants(Product::Xyz) {
+                    cells::write(&surface, &plane, folder, progress, &mut written)?;
                 }
                 if wants(Product::Isobaths) {
                     contours::write(&surface, &plane, products, folder, progress, &mut written)?;

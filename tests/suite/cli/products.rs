@@ -32,7 +32,7 @@ fn only_the_products_that_are_named_are_made() {
     assert_made(&some, &DEPTH, true);
     assert_made(&some, &["residuals.json", "cloud.csv", "report.json"], true);
     assert_made(&some, &ISOBATHS, false);
-    assert_made(&some, &["mosaic.tif"], false);
+    assert_made(&some, &["mosaic.tif", "depth.xyz"], false);
     let wrong = [&process[..], &["other", "--products", "dept"]].concat();
     assert!(refusal(folder, &wrong, 2).contains("dept"));
     let wrong = [&process[..], &["other", "--set", "surface.max_gap_m=0"]].concat();
