@@ -6,13 +6,36 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A base map that is being opened.
-pub(super) type OpeningBaseMap = Task<Result<BaseMap, String>>;
+pub(super) struct OpeningBaseMap {
+    task: Task<Result<BaseMap, String>>,
+    /// It lay there when the window was closed: nobody asked for it now.
+    is_of_last_time: bool,
+}
 
 impl App {
     /// Starts opening a base map; one that is still being opened is dropped.
     pub(super) fn open_base_map(&mut self, path: PathBuf) {
+        self.start_base_map(path, false);
+    }
+
+    /// Opens the base map that lay there when the window was closed; one that is gone is left, and that is said.
+    pub fn reopen_base_map(&mut self, path: PathBuf) {
+        if path.is_file() {
+            self.start_base_map(path, true);
+        } else {
+            let text = format!("The base map of last time is gone: {}", path.display());
+            self.tell(text, false);
+        }
+    }
+
+    fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
+        // It has to be found again from whatever folder the next run starts in.
+        let path = std::path::absolute(&path).unwrap_or(path);
         let open = move |progress: &crate::progress::Progress| base_map::open(&path, progress);
-        self.opening_base_map = Some(Task::start(&self.jobs, open));
+        self.opening_base_map = Some(OpeningBaseMap {
+            task: Task::start(&self.jobs, open),
+            is_of_last_time,
+        });
     }
 
     /// Takes the base map off the map.
@@ -23,24 +46,32 @@ impl App {
 
     /// Done share of the base map that is being opened, 0 to 1.
     pub fn base_map_fraction(&self) -> Option<f32> {
-        self.opening_base_map.as_ref().map(Task::fraction)
+        self.opening_base_map
+            .as_ref()
+            .map(|opening| opening.task.fraction())
     }
 
     /// Collects a base map that was opened.
     pub(super) fn poll_base_map(&mut self) {
-        let opened = match self.opening_base_map.as_ref().map(Task::poll) {
-            None | Some(Outcome::Pending) => return,
-            Some(Outcome::Done(opened)) => opened,
-            Some(Outcome::Failed) => Err("opening the base map failed unexpectedly".to_owned()),
+        let Some(opening) = &self.opening_base_map else {
+            return;
+        };
+        let is_of_last_time = opening.is_of_last_time;
+        let opened = match opening.task.poll() {
+            Outcome::Pending => return,
+            Outcome::Done(opened) => opened,
+            Outcome::Failed => Err("opening the base map failed unexpectedly".to_owned()),
         };
         self.opening_base_map = None;
         match opened {
+            // As it was left: shown or not, and without a word.
+            Ok(map) if is_of_last_time => self.base_map = Some(Arc::new(map)),
             Ok(map) => {
                 self.tell(self.words_about(&map), false);
                 self.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.base_map = Some(Arc::new(map));
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => self.tell(text, !is_of_last_time),
         }
     }
 

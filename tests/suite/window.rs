@@ -449,6 +449,43 @@ fn settings_options_and_arrangement_come_back_but_no_flat_spot() {
     );
 }
 
+#[test]
+fn the_base_map_comes_back_or_is_said_to_be_gone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("aerial.tif");
+    let picture =
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/suite/base_map/utm_rgb.tif");
+    std::fs::copy(picture, &path).expect("a copy");
+    let mut window = demo_window();
+    drop_file(&mut window, path.clone());
+    assert!(app(&window).base_map.is_some());
+    let mut store = Store::default();
+    eframe::App::save(window.state_mut(), &mut store);
+    let again = |store: &Store| {
+        let mut next = Shell::new(App::new(Jobs::Inline));
+        next.restore(store);
+        next.app.poll();
+        next.app
+    };
+    let next = again(&store);
+    assert_eq!(
+        next.base_map.map(|map| map.path.clone()),
+        Some(path.clone())
+    );
+    assert!(next.notices.is_empty());
+    std::fs::write(&path, "no picture any more").expect("another file");
+    let next = again(&store);
+    assert!(next.base_map.is_none() && !next.notices[0].is_error);
+    std::fs::remove_file(&path).expect("a file less");
+    let next = again(&store);
+    assert!(next.base_map.is_none());
+    assert!(
+        next.notices[0].text.contains("is gone"),
+        "{:?}",
+        next.notices
+    );
+}
+
 /// A window with a GPU: lavapipe where there is no other.
 pub(crate) fn drawn_window(size: [f32; 2]) -> Window {
     let mut window = Harness::builder()

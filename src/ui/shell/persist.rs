@@ -1,11 +1,11 @@
-//! What is kept between runs: settings, display options, arrangement, recent logs. Never data.
+//! What is kept between runs: settings, display options, arrangement, recent logs, the base map's file. Never data.
 
 use super::Shell;
 use super::layout::Layout;
 use crate::app::ViewOptions;
 use crate::pipeline::Settings;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Key in the store; a new number when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
@@ -17,6 +17,8 @@ struct Saved {
     options: ViewOptions,
     layout: Layout,
     recent: Vec<PathBuf>,
+    #[serde(default)]
+    base_map: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -25,6 +27,7 @@ struct Saving<'a> {
     options: &'a ViewOptions,
     layout: &'a Layout,
     recent: &'a [PathBuf],
+    base_map: Option<&'a Path>,
 }
 
 /// Writes the window's state into the store.
@@ -35,6 +38,7 @@ pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
         options: &shell.app.options,
         layout: &shell.layout,
         recent: &shell.app.recent,
+        base_map: shell.app.base_map.as_ref().map(|map| map.path.as_path()),
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);
@@ -54,6 +58,9 @@ impl Shell {
             self.app.options = saved.options;
             self.app.recent = saved.recent;
             self.layout = saved.layout;
+            if let Some(path) = saved.base_map {
+                self.app.reopen_base_map(path);
+            }
         }
     }
 }
