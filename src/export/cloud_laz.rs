@@ -1,12 +1,13 @@
 //! `cloud.laz`: kept points in a map's coordinates, for survey programs.
 
+use super::gps_time::adjusted_standard_s;
 use super::{ExportError, Summary, colour, extra_bytes, write_aside};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::first_return::FirstReturns;
 use crate::geo::Crs;
 use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};
-use las::{Builder, Color, Header, Point, Transform, Vector, Version, Writer};
+use las::{Builder, Color, GpsTimeType, Header, Point, Transform, Vector, Version, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -24,7 +25,8 @@ const BATHYMETRIC: u8 = 40;
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
 /// Colours are the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
-/// for soundings, 1 for port, 2 for starboard; the GPS time field holds seconds after the log's time zero.
+/// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
+/// the log knows when it was; otherwise seconds after the log's time zero.
 pub fn cloud_laz(
     path: &Path,
     survey: &Survey,
@@ -36,8 +38,7 @@ pub fn cloud_laz(
 ) -> Result<Summary, ExportError> {
     let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
     write_aside(path, |file| {
-        let origin = crs.place(survey.track.frame.origin());
-        let mut writer = las_writer(file, crs, origin).map_err(io::Error::other)?;
+        let mut writer = las_writer(file, survey, crs).map_err(io::Error::other)?;
         let mut summary = Summary::default();
         for (point, _) in points {
             let at = place(point);
@@ -50,7 +51,8 @@ pub fn cloud_laz(
     })
 }
 
-fn las_writer(file: File, crs: &Crs, origin: [f64; 2]) -> las::Result<Writer<BufWriter<File>>> {
+fn las_writer(file: File, survey: &Survey, crs: &Crs) -> las::Result<Writer<BufWriter<File>>> {
+    let origin = crs.place(survey.track.frame.origin());
     let axis = |scale: f64, offset: f64| Transform {
         scale,
         offset: offset.round(),
@@ -61,6 +63,9 @@ fn las_writer(file: File, crs: &Crs, origin: [f64; 2]) -> las::Result<Writer<Buf
     };
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
+    if survey.start_unix_s.is_some() {
+        builder.gps_time_type = GpsTimeType::Standard;
+    }
     builder.point_format = Format::new(FORMAT)?;
     builder.point_format.is_compressed = true;
     builder.point_format.extra_bytes = extra_bytes::LENGTH;
@@ -88,6 +93,10 @@ fn las_point(
             .get(point.ping as usize)
             .map(|ping| ping.time_s),
     };
+    let time_s = time_s.unwrap_or(0.0);
+    let gps_time_s = survey.start_unix_s.map_or(time_s, |start_unix_s| {
+        adjusted_standard_s(start_unix_s + time_s)
+    });
     let [red, green, blue] = colour(point.source).map(|value| u16::from(value) * 257);
     Ok(Point {
         x,
@@ -97,7 +106,7 @@ fn las_point(
         number_of_returns: 1,
         classification: Classification::new(BATHYMETRIC)?,
         user_data: point.source as u8,
-        gps_time: Some(time_s.unwrap_or(0.0)),
+        gps_time: Some(gps_time_s),
         color: Some(Color { red, green, blue }),
         extra_bytes: extra_bytes::values(point, confidence(returns, point)),
         ..Point::default()

@@ -20,6 +20,7 @@ mod first_returns;
 mod footprint;
 mod geojson;
 pub mod geotiff;
+mod gps_time;
 mod isobaths;
 mod objects;
 mod picture_boxes;

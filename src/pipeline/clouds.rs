@@ -100,9 +100,20 @@ pub(super) fn write_clouds(
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
     let in_xyz = export::cloud_xyz(&folder.join(xyz), decimals, place, cloud, kept);
     let in_xyz = in_xyz.map_err(fail)?;
+    let in_laz = Made {
+        what: match survey.start_unix_s {
+            Some(_) => {
+                "The points that the outlier filter kept; z is elevation above the transducer, time adjusted standard GPS time"
+            }
+            None => {
+                "The points that the outlier filter kept; z is elevation above the transducer, time seconds after the log's beginning"
+            }
+        },
+        ..made(laz, system(), in_laz)
+    };
     let origin = Coordinates::Local(survey.track.frame.origin());
     Ok(vec![
-        made(laz, system(), in_laz),
+        in_laz,
         made(ply, origin, in_ply),
         made(xyz, system(), in_xyz),
     ])

@@ -3,7 +3,7 @@
 import laspy
 import numpy
 import plyfile
-from common import check_count, check_extent, check_values, into, system, tolerance
+from common import check_count, check_extent, check_values, into, same, system, tolerance
 
 COLOURS = numpy.array([[0, 0, 0], [0, 0, 255], [255, 0, 0]])
 
@@ -13,11 +13,6 @@ def check(folder, made, points):
         check_laz(folder / "cloud.laz", made["cloud.laz"], points)
         check_ply(folder / "cloud.ply", made["cloud.ply"], points)
         check_xyz(folder / "cloud.xyz", made["cloud.xyz"], points)
-
-
-def same(name, found, expected, most):
-    off = numpy.abs(numpy.asarray(found) - expected).max()
-    assert off <= most, f"{name} is off by {off}"
 
 
 def check_record(name, record, xyz):
@@ -43,8 +38,21 @@ def check_laz(path, record, points):
     same("ping of cloud.laz", las.ping, points.ping, 0)
     same("side of cloud.laz", las.side, points.source, 0)
     same("confidence of cloud.laz", las.confidence, points.confidence, 0.00051)
+    check_time(las, record, points)
     no_data = header.point_format.dimension_by_name("confidence").no_data
     assert no_data is None or no_data[0] == -1.0, no_data
+
+
+def check_time(las, record, points):
+    """Adjusted standard GPS time where the log knows the time; soundings are not in the table of pings."""
+    start = record["start_unix_s"]
+    assert las.header.global_encoding.gps_time_type == laspy.header.GpsTimeType.STANDARD if start else True
+    of_ping = points.source > 0
+    times = numpy.array([float(points.pings[ping]["time_s"]) for ping in points.ping[of_ping]])
+    if start:
+        leaps = 15 + sum(start >= since for since in (1341100800, 1435708800, 1483228800))
+        times += start - 315964800 + leaps - 1e9
+    same("GPS time of cloud.laz", las.gps_time[of_ping], times, 0.00051)
 
 
 def check_ply(path, record, points):
