@@ -226,7 +226,9 @@ impl MapView {
             self.fits = shown.collect();
         }
         let bounds = self.layers.extent(&self.fits, track.bounds);
-        let whole = || MapTransform::fit(bounds, rect);
+        let layers = &context.app.options.map.layers;
+        let scales = 1 + usize::from(layers.is_visible(MapLayer::Residuals));
+        let whole = || MapTransform::fit(bounds, rect, scales);
         let moved = self.transform.filter(|now| Some(*now) != self.fitted);
         let mut transform = moved.unwrap_or_else(whole);
         if let Some(ground) = self.aim.take() {

@@ -90,3 +90,76 @@ fn shortened(name: &str) -> String {
         false => name.to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bathymetry::compare::{Comparison, Match, Matching};
+    use crate::cloud::{CloudPoint, PointCloud, PointSource};
+    use crate::pipeline::ResidualTables;
+    use crate::ui::views::map::tiles::{SIDE, TileKey};
+
+    /// Points 10 m apart on a line eastwards, each with its difference from a reference.
+    fn layer(differences_m: &[f64]) -> ResidualLayer {
+        let point = |index: usize| CloudPoint {
+            source: PointSource::Port,
+            ping: 0,
+            sounding: None,
+            sound: true,
+            canopy: false,
+            sample: 0.0,
+            east_m: 10.0 * index as f64,
+            north_m: 5.0,
+            z_m: -2.0,
+        };
+        let differences = differences_m.iter().enumerate();
+        let differences = differences.map(|(measured, &difference_m)| Match {
+            measured,
+            reference_z_m: -2.0 - difference_m,
+            difference_m,
+        });
+        let differences: Vec<Match> = differences.collect();
+        let agreement = Agreement {
+            cloud: Arc::new(PointCloud {
+                points: (0..differences.len()).map(point).collect(),
+                zero_heading: 0,
+            }),
+            reference: None,
+            matching: Matching::Nearest { radius_m: 1.0 },
+            comparison: Comparison::new(differences.len(), &differences, 0.0),
+            differences,
+            tables: ResidualTables {
+                by_depth_m: Vec::new(),
+                by_across_m: Vec::new(),
+                by_heading_deg: Vec::new(),
+                histogram: None,
+            },
+        };
+        let layer = ResidualLayer::new(Arc::new(agreement), &Progress::new());
+        layer.flatten().expect("points with a place")
+    }
+
+    #[test]
+    fn the_difference_under_the_pointer_is_told_and_shallower_is_red() {
+        let layer = layer(&[0.3, 0.0, -0.3, 0.01]);
+        assert!((layer.reach_m - 0.3).abs() < 1e-12);
+        assert_eq!(layer.at([20.4, 5.3], 1.0), Some(-0.3));
+        assert_eq!(layer.at([24.9, 5.0], 1.0), None, "none is near");
+        let key = TileKey {
+            level: -3,
+            column: 0,
+            row: 0,
+        };
+        let colours = layer.tiles().paint(key, &Progress::new());
+        let colours = colours.expect("points in the tile");
+        let ([west_m, north_m], texel_m) = (key.corner(), key.texel_m());
+        let [shallower, same, deeper] = [0.0, 10.0, 20.0].map(|east_m| {
+            let column = ((east_m - west_m) / texel_m) as usize;
+            colours[((north_m - 5.0) / texel_m) as usize * SIDE + column]
+        });
+        assert!(shallower.r() > 150 && shallower.b() < 60, "{shallower:?}");
+        assert!(deeper.b() > 150 && deeper.r() < 80, "{deeper:?}");
+        let [r, g, b] = [same.r(), same.g(), same.b()];
+        assert!(r == g && g == b, "no difference has no colour: {same:?}");
+    }
+}

@@ -9,6 +9,8 @@ pub type GroundBounds = [f64; 4];
 const FIT_SHARE: f64 = 0.84;
 /// Width at the right edge that belongs to the legend, points.
 const LEGEND_WIDTH: f32 = 76.0;
+/// Width of a further scale of colours, points.
+const SCALE_WIDTH: f32 = 72.0;
 /// Nearest and farthest zoom, metres a screen point.
 const SCALES: [f64; 2] = [1e-4, 1e5];
 
@@ -22,11 +24,15 @@ pub struct MapTransform {
 }
 
 impl MapTransform {
-    /// Shows all of `bounds`, left of the legend.
-    pub fn fit(bounds: GroundBounds, rect: Rect) -> Self {
+    /// Shows all of `bounds`, left of a legend with as many scales of colours.
+    pub fn fit(bounds: GroundBounds, rect: Rect, scales: usize) -> Self {
         let [west, south, east, north] = bounds;
         let [nearest, farthest] = SCALES;
-        let legend = LEGEND_WIDTH.min(0.25 * rect.width());
+        // What is fitted leaves a margin, on which a further scale may lie.
+        let margin = 0.5 * (1.0 - FIT_SHARE) as f32 * rect.width();
+        let further = (scales.saturating_sub(1) as f32 * SCALE_WIDTH - margin).max(0.0);
+        let further = further / FIT_SHARE as f32;
+        let legend = LEGEND_WIDTH.min(0.25 * rect.width()) + further.min(0.2 * rect.width());
         let across = (east - west).max(1.0) / f64::from((rect.width() - legend).max(1.0));
         let up = (north - south).max(1.0) / f64::from(rect.height().max(1.0));
         let metres_per_point = (across.max(up) / FIT_SHARE).clamp(nearest, farthest);
@@ -115,7 +121,7 @@ mod tests {
 
     #[test]
     fn fitted_bounds_lie_in_the_view_with_north_up() {
-        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
         let south_west = transform.to_screen(rect(), [-50.0, 0.0]);
         let north_east = transform.to_screen(rect(), [150.0, 40.0]);
         assert!(rect().contains(south_west) && rect().contains(north_east));
@@ -127,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_same_ground_is_seen_in_a_frame_of_another_shape() {
-        let seen = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect()).visible(rect());
+        let seen = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1).visible(rect());
         let paper = Rect::from_min_size(pos2(0.0, 0.0), Vec2::new(1123.0, 794.0));
         let [west, south, east, north] = MapTransform::showing(seen, paper).visible(paper);
         assert!(west <= seen[0] + 1e-9 && east >= seen[2] - 1e-9);
@@ -138,8 +144,19 @@ mod tests {
     }
 
     #[test]
+    fn a_further_scale_does_not_cover_what_is_fitted() {
+        let bounds = [-50.0, 0.0, 150.0, 40.0];
+        let east = |scales| {
+            let transform = MapTransform::fit(bounds, rect(), scales);
+            rect().right() - transform.to_screen(rect(), [150.0, 40.0]).x
+        };
+        assert!(east(1) > LEGEND_WIDTH && east(1) < LEGEND_WIDTH + SCALE_WIDTH);
+        assert!(east(2) > LEGEND_WIDTH + 0.9 * SCALE_WIDTH, "{}", east(2));
+    }
+
+    #[test]
     fn ground_and_screen_are_inverses() {
-        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
         let place = [31.25, 17.5];
         let back = transform.to_ground(rect(), transform.to_screen(rect(), place));
         assert!((back[0] - place[0]).abs() < 1e-3 && (back[1] - place[1]).abs() < 1e-3);
@@ -147,7 +164,7 @@ mod tests {
 
     #[test]
     fn zoom_holds_the_place_under_the_pointer() {
-        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
         let at = pos2(50.0, 60.0);
         let held = transform.to_ground(rect(), at);
         transform.zoom(rect(), at, 7.0);
@@ -157,7 +174,7 @@ mod tests {
 
     #[test]
     fn the_shader_and_the_painter_agree() {
-        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
         transform.pan(Vec2::new(13.0, -7.0));
         let [sx, sy, ox, oy] = transform.pixels(rect(), 2.0, [100.0, 10.0]);
         let by_shader = pos2(12.0 * sx + ox, 5.0 * sy + oy);
@@ -167,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_place_in_view_does_not_move_the_map() {
-        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect());
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
         let before = transform;
         transform.reveal(rect(), [50.0, 20.0]);
         assert_eq!(transform, before);
