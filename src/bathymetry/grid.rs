@@ -1,7 +1,7 @@
 //! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
-use std::collections::HashSet;
+use rayon::prelude::*;
 
 /// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
 const LEAST_CELL_M: f64 = 0.1;
@@ -103,12 +103,16 @@ pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     (places > 0 && half_m.is_finite()).then(|| round_down(half_m).max(LEAST_CELL_M))
 }
 
-/// Squares of a side that hold a point.
+/// Squares of a side, at least [`LEAST_CELL_M`], that hold a point.
 fn occupied(points: &[DepthPoint], side_m: f64) -> usize {
     let square = |point: &DepthPoint| {
-        [point.east_m, point.north_m].map(|metres| (metres / side_m).floor() as i64)
+        // The earth's metres over the least cell fit into 32 bits.
+        [point.east_m, point.north_m].map(|metres| (metres / side_m).floor() as i32)
     };
-    points.iter().map(square).collect::<HashSet<_>>().len()
+    // Sorted: a set of them would take several times the memory.
+    let mut squares: Vec<[i32; 2]> = points.iter().map(square).collect();
+    squares.par_sort_unstable();
+    squares.chunk_by(|a, b| a == b).count()
 }
 
 fn round_down(value: f64) -> f64 {

@@ -2,6 +2,7 @@
 
 use super::DepthPoint;
 use crate::statistics::{median, weighted_median};
+use rayon::prelude::*;
 
 /// One depth for one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,27 +34,33 @@ pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
             (value + 0.0).to_bits() as i64
         }
     };
-    let mut keyed: Vec<([i64; 2], DepthPoint)> = points
-        .iter()
-        .filter(|point| point.weight > 0.0)
-        .map(|point| ([key(point.east_m), key(point.north_m)], *point))
-        .collect();
-    keyed.sort_by_key(|(key, _)| *key);
+    let cell = |index: usize| [points[index].east_m, points[index].north_m].map(key);
+    // Indices are sorted, not points with their keys: those would take six times as much memory.
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.retain(|index| points[*index].weight > 0.0);
+    order.par_sort_unstable_by_key(|index| (cell(*index), *index));
+    let same_cell = |a: &usize, b: &usize| cell(*a) == cell(*b);
+    let mut nodes = Vec::with_capacity(order.chunk_by(same_cell).count());
     let mut depths = Vec::new();
-    let mut nodes: Vec<Node> = keyed
-        .chunk_by(|a, b| a.0 == b.0)
-        .map(|same| merge(same, &mut depths))
-        .collect();
+    for same in order.chunk_by(same_cell) {
+        let same = same.iter().map(|index| points[*index]);
+        nodes.extend(merge(same, &mut depths));
+    }
     fill_spreads(&mut nodes);
     nodes
 }
 
-/// The spread is NaN where it cannot be told.
-fn merge(same: &[([i64; 2], DepthPoint)], depths: &mut Vec<(f64, f64)>) -> Node {
-    let first = same[0].1;
+/// `None` without points. The spread is NaN where it cannot be told.
+fn merge(
+    mut same: impl ExactSizeIterator<Item = DepthPoint> + Clone,
+    depths: &mut Vec<(f64, f64)>,
+) -> Option<Node> {
+    let count = same.len();
+    let points = same.clone();
+    let first = same.next()?;
     depths.clear();
     let (mut east_m, mut north_m, mut weights) = (0.0, 0.0, 0.0);
-    for (_, point) in same {
+    for point in points {
         depths.push((point.depth_m, point.weight));
         east_m += point.weight * (point.east_m - first.east_m);
         north_m += point.weight * (point.north_m - first.north_m);
@@ -61,16 +68,16 @@ fn merge(same: &[([i64; 2], DepthPoint)], depths: &mut Vec<(f64, f64)>) -> Node 
     }
     let depth_m = weighted_median(depths);
     let squares: f64 = depths.iter().map(|(d, _)| (d - depth_m).powi(2)).sum();
-    Node {
+    Some(Node {
         east_m: first.east_m + east_m / weights,
         north_m: first.north_m + north_m / weights,
         depth_m,
-        spread_m: if same.len() < LEAST_FOR_SPREAD {
+        spread_m: if count < LEAST_FOR_SPREAD {
             f64::NAN
         } else {
-            (squares / (same.len() - 1) as f64).sqrt()
+            (squares / (count - 1) as f64).sqrt()
         },
-    }
+    })
 }
 
 fn fill_spreads(nodes: &mut [Node]) {

@@ -4,7 +4,7 @@ use super::inverse_distance::inverse_distance;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
 use crate::cloud::{CloudPoint, PointSource};
 use crate::progress::{Cancelled, Progress};
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +38,7 @@ pub struct SurfaceSettings {
     pub down_scan_weight: f64,
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
-    /// Whether side-scan points flagged as canopy or obstacle count: their depth is that of the weed.
+    /// Whether side-scan points flagged as canopy count: their depth is that of the weed or the fish.
     pub canopy: bool,
 }
 
@@ -104,44 +104,29 @@ impl Surface {
 /// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or in triangles between
 /// soundings more than two gaps apart. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no
 /// surface (fewer than three places, or all on one line).
+///
+/// The points are given away, since a log has millions: they are gone before the triangles are made.
 pub fn surface(
-    points: &[DepthPoint],
+    points: Vec<DepthPoint>,
     settings: &SurfaceSettings,
     progress: &Progress,
 ) -> Result<Option<Surface>, Cancelled> {
     let cell_m = settings
         .cell_m
-        .or_else(|| suited_cell_m(points, settings.max_gap_m));
-    let Some(grid) = cell_m.and_then(|cell_m| Grid::over(points, cell_m, settings.max_side)) else {
+        .or_else(|| suited_cell_m(&points, settings.max_gap_m));
+    let Some(grid) = cell_m.and_then(|cell_m| Grid::over(&points, cell_m, settings.max_side))
+    else {
         return Ok(None);
     };
     progress.check()?;
     // Soundings nearer to each other than a cell cannot be told apart in the map.
-    let nodes = merge_repeated(points, grid.cell_m);
+    let nodes = merge_repeated(&points, grid.cell_m);
+    drop(points);
     progress.check()?;
-    let Some(field) = Field::new(&nodes, settings) else {
+    let Some(field) = Field::new(nodes, settings) else {
         return Ok(None);
     };
-    progress.start(grid.rows as u64);
-    let rows: Vec<Vec<Cell>> = (0..grid.rows)
-        .into_par_iter()
-        .map(|row| {
-            progress.check()?;
-            let mut sampler = field.sampler();
-            let centres = (0..grid.columns).map(|column| grid.centre(row, column));
-            let cells = centres.map(|centre| sampler.cell(centre).unwrap_or(Cell::UNKNOWN));
-            let cells = cells.collect();
-            progress.advance(1);
-            Ok(cells)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let cells = || rows.iter().flatten();
-    let made = Surface {
-        grid,
-        depth_m: cells().map(|cell| cell.depth_m).collect(),
-        spread_m: cells().map(|cell| cell.spread_m).collect(),
-        distance_m: cells().map(|cell| cell.distance_m).collect(),
-    };
+    let made = field.fill(grid, progress)?;
     let known = made.depth_m.iter().any(|depth| !depth.is_nan());
     Ok(known.then_some(made))
 }
@@ -154,12 +139,6 @@ struct Cell {
 }
 
 impl Cell {
-    const UNKNOWN: Self = Self {
-        depth_m: f32::NAN,
-        spread_m: f32::NAN,
-        distance_m: f32::NAN,
-    };
-
     /// The mean of the nodes by their shares, and the standard deviation of the mixture that they are.
     fn of(nodes: impl Iterator<Item = (Node, f64)> + Clone, distance_m: f64) -> Self {
         let depth_m: f64 = nodes
@@ -177,32 +156,72 @@ impl Cell {
 }
 
 /// The nodes, ready to be asked.
-struct Field<'a> {
-    nodes: &'a [Node],
+struct Field {
     method: SurfaceMethod,
     gap_m: f64,
     tin: Tin,
-    nearest: ImmutableKdTree<f64, 2>,
+    /// The nodes by place, where inverse distances ask for many of them.
+    near: Option<Near>,
+}
+
+struct Near {
+    nodes: Vec<Node>,
+    index: ImmutableKdTree<f64, 2>,
 }
 
 /// Asks a [`Field`] from one thread.
 struct Sampler<'a> {
-    field: &'a Field<'a>,
+    field: &'a Field,
     tin: TinSampler<'a>,
     weights: Vec<(usize, f64)>,
 }
 
-impl<'a> Field<'a> {
-    fn new(nodes: &'a [Node], settings: &SurfaceSettings) -> Option<Self> {
-        let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+impl Field {
+    fn new(nodes: Vec<Node>, settings: &SurfaceSettings) -> Option<Self> {
         let gap_m = settings.max_gap_m;
+        let tin = Tin::new(nodes)?.with_max_edge(2.0 * gap_m);
+        let near = match settings.method {
+            SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
+            SurfaceMethod::Linear | SurfaceMethod::Natural => None,
+        };
         Some(Self {
-            nodes,
             method: settings.method,
             gap_m,
-            tin: Tin::new(nodes)?.with_max_edge(2.0 * gap_m),
-            nearest: ImmutableKdTree::new_from_slice(&places).ok()?,
+            tin,
+            near,
         })
+    }
+
+    /// Asks for every cell, rows in parallel.
+    fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
+        let unknown = || vec![f32::NAN; grid.len()];
+        let mut made = Surface {
+            grid,
+            depth_m: unknown(),
+            spread_m: unknown(),
+            distance_m: unknown(),
+        };
+        progress.start(grid.rows as u64);
+        let columns = grid.columns.max(1);
+        made.depth_m
+            .par_chunks_mut(columns)
+            .zip(made.spread_m.par_chunks_mut(columns))
+            .zip(made.distance_m.par_chunks_mut(columns))
+            .enumerate()
+            .try_for_each(|(row, ((depths_m, spreads_m), distances_m))| {
+                progress.check()?;
+                let mut sampler = self.sampler();
+                for column in 0..depths_m.len() {
+                    if let Some(cell) = sampler.cell(grid.centre(row, column)) {
+                        depths_m[column] = cell.depth_m;
+                        spreads_m[column] = cell.spread_m;
+                        distances_m[column] = cell.distance_m;
+                    }
+                }
+                progress.advance(1);
+                Ok(())
+            })?;
+        Ok(made)
     }
 
     fn sampler(&self) -> Sampler<'_> {
@@ -218,27 +237,26 @@ impl<'a> Field<'a> {
     }
 }
 
+impl Near {
+    fn new(nodes: Vec<Node>) -> Option<Self> {
+        let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+        let index = ImmutableKdTree::new_from_slice(&places).ok()?;
+        Some(Self { nodes, index })
+    }
+}
+
 impl Sampler<'_> {
     fn cell(&mut self, place: [f64; 2]) -> Option<Cell> {
-        let Field {
-            nodes,
-            nearest,
-            gap_m,
-            ..
-        } = self.field;
-        let carried = self.tin.nodes_at(place)?;
-        let found = nearest
-            .query(&place)
-            .nearest_one::<SquaredEuclidean<f64>>()
-            .execute();
-        let distance_m = found.distance.sqrt();
-        if distance_m > *gap_m {
+        let gap_m = self.field.gap_m;
+        drop(self.tin.nodes_at(place)?);
+        let distance_m = self.tin.distance_m(place);
+        if distance_m > gap_m {
             return None;
         }
-        if self.field.method != SurfaceMethod::InverseDistance {
-            return Some(Cell::of(carried, distance_m));
-        }
-        inverse_distance(nearest, place, *gap_m, &mut self.weights);
+        let Some(Near { nodes, index }) = &self.field.near else {
+            return Some(Cell::of(self.tin.nodes(), distance_m));
+        };
+        inverse_distance(index, place, gap_m, &mut self.weights);
         let carried = self.weights.iter();
         Some(Cell::of(
             carried.map(|(index, share)| (nodes[*index], *share)),

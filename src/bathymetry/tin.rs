@@ -7,22 +7,18 @@ use spade::{
     LastUsedVertexHintGenerator, NaturalNeighbor, Point2, Triangulation as _,
 };
 
-struct Corner {
-    place: Point2<f64>,
-    node: Node,
-}
-
-impl HasPosition for Corner {
+impl HasPosition for Node {
     type Scalar = f64;
 
     fn position(&self) -> Point2<f64> {
-        self.place
+        Point2::new(self.east_m, self.north_m)
     }
 }
 
-type Triangulation = DelaunayTriangulation<Corner, (), (), (), LastUsedVertexHintGenerator>;
+type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintGenerator>;
 
-/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull.
+/// Delaunay triangles over nodes; honours every node and invents nothing beyond the hull. It takes some 150 bytes a node, two
+/// thirds of them for edges, so that nodes are moved in rather than copied.
 pub struct Tin {
     triangles: Triangulation,
     max_edge_m: f64,
@@ -47,15 +43,8 @@ pub struct TinSampler<'a> {
 
 impl Tin {
     /// Triangulates; `None` when a coordinate is none that can be triangulated (not finite, beyond 1e60 m).
-    pub fn new(nodes: &[Node]) -> Option<Self> {
-        let corners = nodes
-            .iter()
-            .map(|node| Corner {
-                place: Point2::new(node.east_m, node.north_m),
-                node: *node,
-            })
-            .collect();
-        let triangles = Triangulation::bulk_load(corners).ok()?;
+    pub fn new(nodes: Vec<Node>) -> Option<Self> {
+        let triangles = Triangulation::bulk_load(nodes).ok()?;
         Some(Self {
             triangles,
             max_edge_m: f64::INFINITY,
@@ -66,6 +55,11 @@ impl Tin {
     /// bays of a winding track are filled from one bank of the bend to the other.
     pub fn with_max_edge(self, max_edge_m: f64) -> Self {
         Self { max_edge_m, ..self }
+    }
+
+    /// The nodes, one a place, in no order.
+    pub fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
+        self.triangles.vertices().map(|vertex| *vertex.data())
     }
 
     /// A sampler.
@@ -101,12 +95,39 @@ impl TinSampler<'_> {
         if let Some(natural) = self.natural.as_ref().filter(|_| self.weights.len() > 2) {
             natural.get_weights(place, &mut self.weights);
         }
-        let tin = self.tin;
+        Some(self.nodes())
+    }
+
+    /// The nodes that carry the place that was asked for last, with their weights.
+    pub fn nodes(&self) -> impl Iterator<Item = (Node, f64)> + Clone + '_ {
+        let triangles = &self.tin.triangles;
         let carried = self.weights.iter();
-        Some(
-            carried
-                .map(move |(corner, weight)| (tin.triangles.vertex(*corner).data().node, *weight)),
-        )
+        carried.map(move |(corner, weight)| (*triangles.vertex(*corner).data(), *weight))
+    }
+
+    /// Distance from a place in a triangle to the nearest node; call it with the place that was asked for last.
+    ///
+    /// Goes from the nodes that carry it to ever nearer neighbours: of Delaunay triangles every node but the nearest has one.
+    pub fn distance_m(&self, [east_m, north_m]: [f64; 2]) -> f64 {
+        let place = Point2::new(east_m, north_m);
+        let triangles = &self.tin.triangles;
+        let squared = |corner: FixedVertexHandle| {
+            let away_m2 = triangles.vertex(corner).position().distance_2(place);
+            (away_m2, corner)
+        };
+        let nearest = |corners: &mut dyn Iterator<Item = FixedVertexHandle>| {
+            corners.map(squared).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let Some(mut here) = nearest(&mut self.weights.iter().map(|(corner, _)| *corner)) else {
+            return f64::NAN;
+        };
+        loop {
+            let edges = triangles.vertex(here.1).out_edges();
+            match nearest(&mut edges.map(|edge| edge.to().fix())) {
+                Some(next) if next.0 < here.0 => here = next,
+                _ => return here.0.sqrt(),
+            }
+        }
     }
 
     fn has_long_edge(&self) -> bool {
@@ -126,7 +147,7 @@ mod tests {
 
     #[test]
     fn linear_depths_agree_with_scipy_and_gdal() {
-        let tin = Tin::new(&golden_nodes()).unwrap();
+        let tin = Tin::new(golden_nodes()).unwrap();
         for golden in &GOLDEN {
             let [x, y] = golden.place;
             let found = tin.depth_at(x, y).unwrap();
@@ -139,7 +160,7 @@ mod tests {
 
     #[test]
     fn natural_neighbours_agree_with_exact_voronoi_areas() {
-        let tin = Tin::new(&golden_nodes()).unwrap();
+        let tin = Tin::new(golden_nodes()).unwrap();
         let mut sampler = tin.sampler(Between::NaturalNeighbour);
         for golden in &GOLDEN {
             let nodes = sampler.nodes_at(golden.place).unwrap();
@@ -149,9 +170,27 @@ mod tests {
     }
 
     #[test]
+    fn the_nearest_node_is_that_of_a_search_through_all() {
+        let nodes = golden_nodes();
+        let tin = Tin::new(nodes.clone()).unwrap();
+        let mut sampler = tin.sampler(Between::Linear);
+        let mut found = 0;
+        for cell in 0..10_000 {
+            let place = [0.1 * f64::from(cell % 100), 0.1 * f64::from(cell / 100)];
+            if sampler.nodes_at(place).is_some() {
+                let away_m = |node: &Node| (node.east_m - place[0]).hypot(node.north_m - place[1]);
+                let brute_m = nodes.iter().map(away_m).fold(f64::MAX, f64::min);
+                assert!((sampler.distance_m(place) - brute_m).abs() < 1e-12);
+                found += 1;
+            }
+        }
+        assert!(found > 7000, "{found}");
+    }
+
+    #[test]
     fn a_node_is_honoured_by_both() {
         let nodes = golden_nodes();
-        let tin = Tin::new(&nodes).unwrap();
+        let tin = Tin::new(nodes.clone()).unwrap();
         for between in [Between::Linear, Between::NaturalNeighbour] {
             let mut sampler = tin.sampler(between);
             for node in &nodes {

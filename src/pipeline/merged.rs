@@ -230,10 +230,10 @@ impl Merged {
             .filter(|(other, _)| *other != log);
         let others: Vec<[f64; 3]> = others.flat_map(|(_, other)| places(other)).collect();
         let max_gap_m = settings.surface.max_gap_m;
-        let reference = Reference::new(&others, Matching::Surface { max_gap_m });
+        let reference = Reference::new(others.iter().copied(), Matching::Surface { max_gap_m });
         let log = &self.logs[log];
         let measured = places(log);
-        let matches = reference.matches(&measured, progress)?;
+        let matches = reference.matches(&measured, |place| *place, progress)?;
         let level_m = self
             .first
             .as_ref()

@@ -1,5 +1,5 @@
 //! A large SL2: a simulated survey's frames (2 x 1400 samples a ping, as an Elite Ti records) over and over, each with its own
-//! offset and a time that goes on.
+//! offset and a time that goes on, each survey beside the one before: a lake in patches.
 
 use bathyscope::formats::lowrance::{FILE_HEADER, sl2::Header};
 use bathyscope::progress::Progress;
@@ -12,14 +12,22 @@ use std::path::Path;
 /// Frame fields that change from copy to copy, and the one that tells a frame's length.
 const OWN_OFFSET: usize = offset_of!(Header, own_offset);
 const MILLISECONDS: usize = offset_of!(Header, time_ms);
+const EAST: usize = offset_of!(Header, x_m);
+const NORTH: usize = offset_of!(Header, y_m);
 const FRAME_SIZE: usize = offset_of!(Header, frame_size);
+
+/// From one patch to the next, metres of Lowrance's Mercator, and patches in a row.
+const PATCH_M: i32 = 45;
+const PATCHES: i32 = 20;
 
 /// Writes at least `bytes` bytes and returns how many.
 pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     let survey = simulate(&Scene::default(), 1, &Progress::new()).map_err(io::Error::other)?;
     let log = survey.sl2_bytes();
     let frames = frames(&log);
-    let last = frames.last().map_or(0, |frame| milliseconds(frame));
+    let last = frames
+        .last()
+        .map_or(0, |frame| integer(frame, MILLISECONDS));
     let mut out = BufWriter::new(File::create(path)?);
     out.write_all(&log[..FILE_HEADER])?;
     let (mut offset, mut lap) = (FILE_HEADER, 0);
@@ -28,8 +36,14 @@ pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
             let mut frame = frame.to_vec();
             let own = u32::try_from(offset).map_err(io::Error::other)?;
             frame[OWN_OFFSET..][..4].copy_from_slice(&own.to_le_bytes());
-            let time = milliseconds(&frame) + lap * (last + 50);
-            frame[MILLISECONDS..][..4].copy_from_slice(&time.to_le_bytes());
+            for (field, more) in [
+                (MILLISECONDS, lap * (last + 50)),
+                (EAST, PATCH_M * (lap % PATCHES)),
+                (NORTH, PATCH_M * (lap / PATCHES)),
+            ] {
+                let moved = integer(&frame, field) + more;
+                frame[field..][..4].copy_from_slice(&moved.to_le_bytes());
+            }
             out.write_all(&frame)?;
             offset += frame.len();
         }
@@ -39,8 +53,8 @@ pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     Ok(offset)
 }
 
-fn milliseconds(frame: &[u8]) -> i32 {
-    i32::from_le_bytes(frame[MILLISECONDS..][..4].try_into().expect("four bytes"))
+fn integer(frame: &[u8], field: usize) -> i32 {
+    i32::from_le_bytes(frame[field..][..4].try_into().expect("four bytes"))
 }
 
 fn frames(log: &[u8]) -> Vec<&[u8]> {

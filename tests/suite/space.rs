@@ -530,7 +530,9 @@ fn the_depth_map_of_the_real_river_stays_by_its_soundings() {
         max_side: 512,
         ..SurfaceSettings::default()
     };
-    let map = surface(&points, &settings, &progress).unwrap().unwrap();
+    let map = surface(points.clone(), &settings, &progress)
+        .unwrap()
+        .unwrap();
     let depths = points.iter().map(|point| point.depth_m as f32);
     let [least, most] = depths.fold([f32::MAX, f32::MIN], |[l, m], d| [l.min(d), m.max(d)]);
     let known: Vec<f32> = map

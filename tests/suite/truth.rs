@@ -50,7 +50,7 @@ impl KnownSurvey {
             })
             .filter(|point| point.weight > 0.0)
             .collect();
-        surface(&points, settings, &Progress::new())
+        surface(points, settings, &Progress::new())
             .expect("not cancelled")
             .expect("a surface")
     }

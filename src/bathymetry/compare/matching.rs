@@ -42,7 +42,7 @@ pub fn match_points(
     matching: Matching,
     progress: &Progress,
 ) -> Result<Vec<Match>, Cancelled> {
-    Reference::new(reference, matching).matches(measured, progress)
+    Reference::new(reference.iter().copied(), matching).matches(measured, |point| *point, progress)
 }
 
 /// A reference that several measurements are held against.
@@ -57,26 +57,28 @@ enum Prepared {
 
 impl Reference {
     /// Of points as east, north, elevation, metres; those that are not finite are left out.
-    pub fn new(points: &[[f64; 3]], matching: Matching) -> Self {
-        let is_finite = |point: &&[f64; 3]| point.iter().all(|value| value.is_finite());
-        let points: Vec<[f64; 3]> = points.iter().filter(is_finite).copied().collect();
+    pub fn new(points: impl Iterator<Item = [f64; 3]> + Clone, matching: Matching) -> Self {
+        let points = points.filter(|point| point.iter().all(|value| value.is_finite()));
         let prepared = match matching {
-            Matching::Nearest { radius_m } => Nearest::new(points, radius_m).map(Prepared::Nearest),
+            Matching::Nearest { radius_m } => {
+                Nearest::new(points.collect(), radius_m).map(Prepared::Nearest)
+            }
             Matching::Surface { max_gap_m } => {
-                triangulated(&points, max_gap_m).map(Prepared::Surface)
+                triangulated(points, max_gap_m).map(Prepared::Surface)
             }
         };
         Self(prepared.unwrap_or(Prepared::Nothing))
     }
 
-    /// As [`match_points`].
-    pub fn matches(
+    /// As [`match_points`], of anything that `place` finds east, north and elevation of.
+    pub fn matches<T: Sync>(
         &self,
-        measured: &[[f64; 3]],
+        measured: &[T],
+        place: impl Fn(&T) -> [f64; 3] + Sync,
         progress: &Progress,
     ) -> Result<Vec<Match>, Cancelled> {
         match &self.0 {
-            Prepared::Nearest(nearest) => each(measured, || |place| nearest.at(place), progress),
+            Prepared::Nearest(nearest) => each(measured, place, || |at| nearest.at(at), progress),
             Prepared::Surface(tin) => {
                 let sampler = || {
                     let mut sampler = tin.sampler(Between::Linear);
@@ -85,7 +87,7 @@ impl Reference {
                         Some(-nodes.map(|(node, share)| share * node.depth_m).sum::<f64>())
                     }
                 };
-                each(measured, sampler, progress)
+                each(measured, place, sampler, progress)
             }
             Prepared::Nothing => Ok(Vec::new()),
         }
@@ -93,33 +95,41 @@ impl Reference {
 }
 
 /// Asks a reference of each worker's own for the elevation at every measured place.
-fn each<R: FnMut([f64; 2]) -> Option<f64>>(
-    measured: &[[f64; 3]],
+fn each<T: Sync, R: FnMut([f64; 2]) -> Option<f64>>(
+    measured: &[T],
+    place: impl Fn(&T) -> [f64; 3] + Sync,
     reference: impl Fn() -> R + Sync,
     progress: &Progress,
 ) -> Result<Vec<Match>, Cancelled> {
     progress.start(measured.len() as u64);
-    let chunks: Vec<Vec<Match>> = measured
-        .par_chunks(CHUNK)
-        .enumerate()
-        .map(|(chunk, points)| {
+    // One number a point, not a list a chunk: a log has more than a million points.
+    let mut references_z_m = vec![f64::NAN; measured.len()];
+    references_z_m
+        .par_chunks_mut(CHUNK)
+        .zip(measured.par_chunks(CHUNK))
+        .try_for_each(|(found, points)| {
             progress.check()?;
             let mut reference = reference();
-            let mut at = |(index, &[east_m, north_m, z_m]): (usize, &[f64; 3])| {
-                let is_finite = [east_m, north_m, z_m].iter().all(|value| value.is_finite());
-                let reference_z_m = is_finite.then(|| reference([east_m, north_m]))??;
-                Some(Match {
-                    measured: chunk * CHUNK + index,
-                    reference_z_m,
-                    difference_m: z_m - reference_z_m,
-                })
-            };
-            let found = points.iter().enumerate().filter_map(&mut at).collect();
+            for (found, point) in found.iter_mut().zip(points) {
+                let [east_m, north_m, z_m] = place(point);
+                if [east_m, north_m, z_m].iter().all(|value| value.is_finite()) {
+                    *found = reference([east_m, north_m]).unwrap_or(f64::NAN);
+                }
+            }
             progress.advance(points.len() as u64);
-            Ok(found)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    Ok(chunks.into_iter().flatten().collect())
+            Ok(())
+        })?;
+    let known = || {
+        let found = references_z_m.iter().enumerate();
+        found.filter(|(_, z_m)| !z_m.is_nan())
+    };
+    let mut matches = Vec::with_capacity(known().count());
+    matches.extend(known().map(|(measured_index, &reference_z_m)| Match {
+        measured: measured_index,
+        reference_z_m,
+        difference_m: place(&measured[measured_index])[2] - reference_z_m,
+    }));
+    Ok(matches)
 }
 
 struct Nearest {
@@ -154,15 +164,16 @@ impl Nearest {
     }
 }
 
-fn triangulated(points: &[[f64; 3]], max_gap_m: f64) -> Option<Tin> {
-    let node = |&[east_m, north_m, z_m]: &[f64; 3]| Node {
+fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) -> Option<Tin> {
+    let node = |[east_m, north_m, z_m]: [f64; 3]| Node {
         east_m,
         north_m,
         depth_m: -z_m,
         spread_m: 0.0,
     };
-    let nodes: Vec<Node> = points.iter().map(node).collect();
-    Some(Tin::new(&nodes)?.with_max_edge(2.0 * max_gap_m))
+    let mut nodes = Vec::with_capacity(points.clone().count());
+    nodes.extend(points.map(node));
+    Some(Tin::new(nodes)?.with_max_edge(2.0 * max_gap_m))
 }
 
 #[cfg(test)]

@@ -20,9 +20,10 @@ pub struct Bin {
 pub fn binned(pairs: impl Iterator<Item = (f64, f64)>, width: f64) -> Vec<Bin> {
     let finite =
         pairs.filter(|(variable, difference)| variable.is_finite() && difference.is_finite());
-    let mut keyed: Vec<(i64, f64)> = finite
-        .map(|(variable, difference)| ((variable / width).floor() as i64, difference))
-        .collect();
+    let mut keyed: Vec<(i64, f64)> = Vec::with_capacity(finite.size_hint().1.unwrap_or(0));
+    keyed.extend(
+        finite.map(|(variable, difference)| ((variable / width).floor() as i64, difference)),
+    );
     keyed.sort_unstable_by_key(|(key, _)| *key);
     let bin = |same: &[(i64, f64)]| {
         let mut differences: Vec<f64> = same.iter().map(|(_, difference)| *difference).collect();

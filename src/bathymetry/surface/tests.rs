@@ -21,7 +21,7 @@ fn settings(gap_m: f64) -> SurfaceSettings {
 #[test]
 fn between_two_lines_the_depth_is_linear() {
     let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 4.0)).collect();
-    let map = surface(&points, &settings(6.0), &Progress::new())
+    let map = surface(points.clone(), &settings(6.0), &Progress::new())
         .unwrap()
         .unwrap();
     let (depth_m, distance_m) = map.at(20.0, 5.0).unwrap();
@@ -41,7 +41,7 @@ fn no_value_is_farther_than_the_gap_from_a_sounding() {
             weight: 1.0,
         })
         .collect();
-    let map = surface(&points, &settings(3.0), &Progress::new())
+    let map = surface(points.clone(), &settings(3.0), &Progress::new())
         .unwrap()
         .unwrap();
     let (mut known, mut unknown) = (0, 0);
@@ -79,7 +79,7 @@ fn the_bay_of_a_bend_stays_empty() {
             }
         })
         .collect();
-    let map = surface(&points, &settings(20.0), &Progress::new()).unwrap();
+    let map = surface(points.clone(), &settings(20.0), &Progress::new()).unwrap();
     let in_the_bay = |map: Surface| map.at(60.0, 60.0);
     assert_eq!(map.and_then(in_the_bay), None);
 }
@@ -87,8 +87,14 @@ fn the_bay_of_a_bend_stays_empty() {
 #[test]
 fn one_straight_line_is_no_surface() {
     let points: Vec<_> = line(0.0, 2.0).collect();
-    assert_eq!(surface(&points, &settings(3.0), &Progress::new()), Ok(None));
-    assert_eq!(surface(&[], &settings(3.0), &Progress::new()), Ok(None));
+    assert_eq!(
+        surface(points.clone(), &settings(3.0), &Progress::new()),
+        Ok(None)
+    );
+    assert_eq!(
+        surface(Vec::new(), &settings(3.0), &Progress::new()),
+        Ok(None)
+    );
 }
 
 #[test]
@@ -106,7 +112,7 @@ fn each_method_honours_its_soundings_and_stays_within_their_depths() {
             cell_m: Some(0.02),
             ..SurfaceSettings::default()
         };
-        let made = surface(&points, &settings, &Progress::new())
+        let made = surface(points.clone(), &settings, &Progress::new())
             .unwrap()
             .unwrap();
         for point in &points {
@@ -132,7 +138,7 @@ fn each_method_honours_its_soundings_and_stays_within_their_depths() {
 fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
     // On a slope of 1 in 10, halfway between lines 10 m apart, the depths are 2 and 3 m: 0.5 m about their mean.
     let points: Vec<_> = line(0.0, 2.0).chain(line(10.0, 3.0)).collect();
-    let made = surface(&points, &settings(6.0), &Progress::new())
+    let made = surface(points.clone(), &settings(6.0), &Progress::new())
         .unwrap()
         .unwrap();
     let spread = |north_m| made.spread_m[made.grid.index_at(20.2, north_m).unwrap()];
@@ -146,7 +152,7 @@ fn the_spread_is_that_of_the_soundings_that_carry_a_cell() {
         })
     };
     let points: Vec<_> = points.into_iter().flat_map(noisy).collect();
-    let made = surface(&points, &settings(6.0), &Progress::new())
+    let made = surface(points.clone(), &settings(6.0), &Progress::new())
         .unwrap()
         .unwrap();
     let spreads = made.spread_m.iter().filter(|spread| !spread.is_nan());
@@ -163,11 +169,14 @@ fn a_source_of_no_weight_is_left_out_and_a_cancelled_surface_is_none() {
         weight: 0.0,
         ..point
     }));
-    let made = surface(&points, &settings(6.0), &Progress::new())
+    let made = surface(points.clone(), &settings(6.0), &Progress::new())
         .unwrap()
         .unwrap();
     assert!((made.at(20.0, 5.0).unwrap().0 - 3.0).abs() < 0.06);
     let progress = Progress::new();
     progress.cancel();
-    assert_eq!(surface(&points, &settings(6.0), &progress), Err(Cancelled));
+    assert_eq!(
+        surface(points.clone(), &settings(6.0), &progress),
+        Err(Cancelled)
+    );
 }

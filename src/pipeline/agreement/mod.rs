@@ -44,12 +44,12 @@ impl Agreement {
     ) -> Result<Option<Self>, Cancelled> {
         let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
         let points = &products.cloud.points;
-        let soundings = kept(products, is_sounding).into_iter();
-        let soundings: Vec<[f64; 3]> = soundings.map(|index| place(&points[index])).collect();
+        let soundings = kept(products, is_sounding);
+        let soundings = soundings.iter().map(|index| place(&points[*index]));
         let max_gap_m = products.settings.surface.max_gap_m;
         let chosen = kept(products, |point| !is_sounding(point));
         let matching = Matching::Surface { max_gap_m };
-        Self::of(products, &chosen, &soundings, matching, progress)
+        Self::of(products, &chosen, soundings, matching, progress)
     }
 
     /// Of the kept points that a depth map is made of with a reference. The error is one sentence.
@@ -71,7 +71,8 @@ impl Agreement {
             Matching::Surface { max_gap_m } => 2.0 * max_gap_m,
         };
         places.retain(|&[x, y, _]| distance_m(there, [x, y, x, y]) <= reach_m);
-        let made = Self::of(products, &chosen, &places, matching, progress);
+        let places = places.iter().copied();
+        let made = Self::of(products, &chosen, places, matching, progress);
         match made.map_err(|error| error.to_string())? {
             Some(agreement) => Ok(Self {
                 reference: Some(reference.clone()),
@@ -85,14 +86,16 @@ impl Agreement {
     fn of(
         products: &Products,
         chosen: &[usize],
-        reference: &[[f64; 3]],
+        reference: impl Iterator<Item = [f64; 3]> + Clone,
         matching: Matching,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let points = &products.cloud.points;
-        let places: Vec<[f64; 3]> = chosen.iter().map(|index| place(&points[*index])).collect();
+        let reference = compare::Reference::new(reference, matching);
         progress.check()?;
-        let mut differences = compare::match_points(&places, reference, matching, progress)?;
+        let at = |index: &usize| place(&points[*index]);
+        let mut differences = reference.matches(chosen, at, progress)?;
+        drop(reference);
         if differences.is_empty() {
             return Ok(None);
         }
@@ -137,10 +140,15 @@ fn unmatched(reference: &Reference, matching: Matching, away_m: f64) -> String {
 
 /// Indices of the kept points that count.
 fn kept(products: &Products, counts: impl Fn(&CloudPoint) -> bool) -> Vec<usize> {
-    let flagged = products.cloud.points.iter().zip(products.kept.iter());
-    let chosen = flagged.enumerate();
-    let chosen = chosen.filter(|(_, (point, kept))| **kept && counts(point));
-    chosen.map(|(index, _)| index).collect()
+    let chosen = || {
+        let flagged = products.cloud.points.iter().zip(products.kept.iter());
+        let chosen = flagged.enumerate();
+        chosen.filter(|(_, (point, kept))| **kept && counts(point))
+    };
+    // Counted first: a vector of a million that grows takes three times its memory for a moment.
+    let mut indices = Vec::with_capacity(chosen().count());
+    indices.extend(chosen().map(|(index, _)| index));
+    indices
 }
 
 /// Indices of the kept points that a depth map is made of.

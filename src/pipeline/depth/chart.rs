@@ -17,12 +17,12 @@ pub(super) fn depth_surface(
 ) -> Result<Option<Surface>, Cancelled> {
     let points = plane.depth_points(products);
     progress.check()?;
-    surface(&points, &products.settings.surface, progress)
+    surface(points, &products.settings.surface, progress)
 }
 
 /// The depth map of a survey.
 pub struct DepthChart {
-    /// The depths, in the metres of a plane.
+    /// The depths, in the metres of a plane, without their spread.
     pub surface: Surface,
     /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the survey.
     pub map: MapPlane,
@@ -40,7 +40,11 @@ impl DepthChart {
         let plane = Plane::or_utm(survey, products);
         let made = depth_surface(&plane, products, progress)?;
         Ok(made.map(|surface| Self {
-            surface,
+            surface: Surface {
+                // Millions of cells, and the window shows no spread.
+                spread_m: Vec::new(),
+                ..surface
+            },
             map: plane.map,
             survey: survey.clone(),
             navigation: products.navigation.clone(),

@@ -64,9 +64,11 @@ pub(super) fn choices(
     progress: &Progress,
 ) -> Result<Vec<Choice>, Cancelled> {
     let soundings = kept_of(products, &[PointSource::DownScan]);
-    let soundings: Vec<[f64; 3]> = soundings.into_iter().map(place).collect();
     let max_gap_m = products.settings.surface.max_gap_m;
-    let reference = Reference::new(&soundings, Matching::Surface { max_gap_m });
+    let reference = Reference::new(
+        soundings.iter().map(|point| place(point)),
+        Matching::Surface { max_gap_m },
+    );
     let mut found = Vec::new();
     for (calibration, mode, ppd, offset) in CALIBRATIONS {
         for geometry in GEOMETRIES {
@@ -80,8 +82,7 @@ pub(super) fn choices(
                 continue;
             }
             let points = kept_of(&made, &[PointSource::Port, PointSource::Starboard]);
-            let points: Vec<[f64; 3]> = points.into_iter().map(place).collect();
-            let matches = reference.matches(&points, progress)?;
+            let matches = reference.matches(&points, |point| place(point), progress)?;
             let mut differences: Vec<f64> = matches.iter().map(|one| one.difference_m).collect();
             found.extend(Residuals::of(&mut differences).map(|residuals| Choice {
                 geometry,

@@ -55,16 +55,22 @@ impl<'a> Plane<'a> {
     /// The kept points that count for the surface, as weighted depths.
     pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
         let settings = &products.settings.surface;
-        let weighted = kept(products).map(|point| (self.place(point), settings.weight(point)));
-        weighted
-            .filter(|(place, weight)| is_finite(place) && *weight > 0.0)
-            .map(|([east_m, north_m, z_m], weight)| DepthPoint {
+        let weighted = || {
+            let weighted = kept(products).map(|point| (point, settings.weight(point)));
+            weighted.filter(|(_, weight)| *weight > 0.0)
+        };
+        // Counted first: a vector of a million points that grows takes three times their memory for a moment.
+        let mut points = Vec::with_capacity(weighted().count());
+        let placed = weighted().map(|(point, weight)| (self.place(point), weight));
+        points.extend(placed.filter(|(place, _)| is_finite(place)).map(
+            |([east_m, north_m, z_m], weight)| DepthPoint {
                 east_m,
                 north_m,
                 depth_m: -z_m,
                 weight,
-            })
-            .collect()
+            },
+        ));
+        points
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {

@@ -147,9 +147,13 @@ pub(super) fn comparisons(
 
 /// Kept points of some sources, in the cloud's order.
 pub(super) fn kept_of<'a>(products: &'a Products, sources: &[PointSource]) -> Vec<&'a CloudPoint> {
-    let flagged = products.cloud.points.iter().zip(products.kept.iter());
-    let chosen = flagged.filter(|(point, kept)| **kept && sources.contains(&point.source));
-    chosen.map(|(point, _)| point).collect()
+    let chosen = || {
+        let flagged = products.cloud.points.iter().zip(products.kept.iter());
+        flagged.filter(|(point, kept)| **kept && sources.contains(&point.source))
+    };
+    let mut points = Vec::with_capacity(chosen().count());
+    points.extend(chosen().map(|(point, _)| point));
+    points
 }
 
 /// East, north and elevation in the survey's plane, metres.
