@@ -143,7 +143,9 @@ fn window_compare_and_process_write_the_same_figures() {
     window.state_mut().app.apply(Command::Export(out.clone()));
     window.run();
     let written: Value = serde_json::from_str(&text(out.join("comparison.json"))).unwrap();
-    assert_eq!(written["mean_m"].as_f64(), Some(mean_m(&window)));
+    // A number read back from JSON may be off in its last bit.
+    let written_m = written["mean_m"].as_f64().expect("a mean");
+    assert!((written_m - mean_m(&window)).abs() < 1e-12);
     assert_eq!(written["reference"]["kind"], "mission");
     let points = text(out.join("comparison.csv"));
     let lines = points.lines().count() as u64;
