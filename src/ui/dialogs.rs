@@ -11,20 +11,34 @@ const TOO_FAST: Duration = Duration::from_millis(600);
 
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Purpose {
+pub(super) enum Purpose {
+    /// A log.
     OpenLog,
+    /// The folder that products go into.
     ExportInto,
+    /// A review of the open survey.
     OpenReview,
+    /// What is known to lie in the open survey.
     OpenTruth,
+    /// The file that the review is kept in.
     SaveReview,
+    /// The folder that reviewed boxes go into.
     ExportBoxesInto,
+    /// A detector.
     OpenModel,
+    /// The file that the depth profile is written into.
     SaveProfile,
+    /// A picture to lie under the map.
     OpenBaseMap,
+    /// What the points are compared with.
     OpenReference,
+    /// Readings of a gauge or tide.
     OpenWaterLevels,
+    /// The track of another receiver.
     OpenTrack,
+    /// The file that a view is printed into.
     PrintInto,
+    /// The file that what was measured is written into.
     SaveFigure,
 }
 
@@ -82,78 +96,10 @@ impl Field {
 }
 
 impl Dialogs {
-    /// Asks for a log.
-    pub fn pick_log(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenLog, jobs);
-    }
-
-    /// Asks for the folder that products go into.
-    pub fn pick_folder(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::ExportInto, jobs);
-    }
-
-    /// Asks for a review of the open survey.
-    pub fn pick_review(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenReview, jobs);
-    }
-
-    /// Asks for what is known to lie in the open survey.
-    pub fn pick_truth(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenTruth, jobs);
-    }
-
-    /// Asks for the file that the review is to be kept in.
-    pub fn name_review(&mut self, proposed: PathBuf, jobs: &Jobs) {
+    /// Asks for a file to be written, which gets this name unless another is chosen.
+    pub fn name(&mut self, purpose: Purpose, proposed: PathBuf, jobs: &Jobs) {
         self.proposed = Some(proposed);
-        self.ask(Purpose::SaveReview, jobs);
-    }
-
-    /// Asks for the folder that reviewed boxes go into.
-    pub fn pick_box_folder(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::ExportBoxesInto, jobs);
-    }
-
-    /// Asks for the file that the depth profile is written into.
-    pub fn name_profile(&mut self, proposed: PathBuf, jobs: &Jobs) {
-        self.proposed = Some(proposed);
-        self.ask(Purpose::SaveProfile, jobs);
-    }
-
-    /// Asks for the file that what was measured is written into.
-    pub fn name_figure(&mut self, proposed: PathBuf, jobs: &Jobs) {
-        self.proposed = Some(proposed);
-        self.ask(Purpose::SaveFigure, jobs);
-    }
-
-    /// Asks for the file that a view is printed into.
-    pub fn name_print(&mut self, proposed: PathBuf, jobs: &Jobs) {
-        self.proposed = Some(proposed);
-        self.ask(Purpose::PrintInto, jobs);
-    }
-
-    /// Asks for a picture to lie under the map.
-    pub fn pick_base_map(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenBaseMap, jobs);
-    }
-
-    /// Asks for what the points are to be compared with.
-    pub fn pick_reference(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenReference, jobs);
-    }
-
-    /// Asks for readings of a gauge or tide.
-    pub fn pick_water_levels(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenWaterLevels, jobs);
-    }
-
-    /// Asks for the track of another receiver.
-    pub fn pick_track(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenTrack, jobs);
-    }
-
-    /// Asks for a detector.
-    pub fn pick_model(&mut self, jobs: &Jobs) {
-        self.ask(Purpose::OpenModel, jobs);
+        self.ask(purpose, jobs);
     }
 
     /// Shows the path field.
@@ -166,7 +112,8 @@ impl Dialogs {
         self.field.is_some()
     }
 
-    fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
+    /// Asks for a file or a folder that is there; one dialog at a time.
+    pub fn ask(&mut self, purpose: Purpose, jobs: &Jobs) {
         if self.waiting.is_some() {
             return;
         }

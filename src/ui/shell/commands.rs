@@ -2,6 +2,7 @@
 
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, LayoutPreset, View};
+use crate::ui::dialogs::Purpose;
 use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.
@@ -25,7 +26,7 @@ impl Shell {
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
         match action {
-            Action::Open => self.dialogs.pick_log(self.app.jobs()),
+            Action::Open => self.dialogs.ask(Purpose::OpenLog, self.app.jobs()),
             Action::OpenPath => self.dialogs.ask_for_path(),
             Action::Export if self.app.products.is_none() => {
                 let text = "there is no result to export yet; open a log first";
@@ -35,20 +36,20 @@ impl Shell {
                 let text = "products are still being written; wait, or cancel that first";
                 self.app.apply(Command::Tell(text.to_owned()));
             }
-            Action::Export => self.dialogs.pick_folder(self.app.jobs()),
+            Action::Export => self.dialogs.ask(Purpose::ExportInto, self.app.jobs()),
             Action::PrintView => self.ask_to_print(),
             Action::OpenReview if self.app.survey.is_some() => {
-                self.dialogs.pick_review(self.app.jobs());
+                self.dialogs.ask(Purpose::OpenReview, self.app.jobs());
             }
             Action::OpenTruth if self.app.survey.is_some() => {
-                self.dialogs.pick_truth(self.app.jobs());
+                self.dialogs.ask(Purpose::OpenTruth, self.app.jobs());
             }
             Action::CompareWith if self.app.products.is_none() => {
                 let text = "open a log first, then what it is to be compared with";
                 self.app.apply(Command::Tell(text.to_owned()));
             }
-            Action::CompareWith => self.dialogs.pick_reference(self.app.jobs()),
-            Action::ChooseModel => self.dialogs.pick_model(self.app.jobs()),
+            Action::CompareWith => self.dialogs.ask(Purpose::OpenReference, self.app.jobs()),
+            Action::ChooseModel => self.dialogs.ask(Purpose::OpenModel, self.app.jobs()),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
@@ -67,9 +68,9 @@ impl Shell {
             Action::Fit => self.request(ViewRequest::Fit),
             Action::ZoomIn => self.request(ViewRequest::ZoomIn),
             Action::ZoomOut => self.request(ViewRequest::ZoomOut),
-            Action::OpenBaseMap => self.dialogs.pick_base_map(self.app.jobs()),
-            Action::OpenWaterLevels => self.dialogs.pick_water_levels(self.app.jobs()),
-            Action::OpenTrack => self.dialogs.pick_track(self.app.jobs()),
+            Action::OpenBaseMap => self.dialogs.ask(Purpose::OpenBaseMap, self.app.jobs()),
+            Action::OpenWaterLevels => self.dialogs.ask(Purpose::OpenWaterLevels, self.app.jobs()),
+            Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
             Action::SetCorner => self.views.map.set_corner(),
             Action::SaveFigure => self.save_figure(),
             Action::SaveProfile => self.save_profile(),
@@ -92,7 +93,8 @@ impl Shell {
                 self.app.apply(Command::SaveReview(path));
             }
             (Some(path), None) if self.app.reviewing.has_boxes() => {
-                self.dialogs.name_review(path, self.app.jobs());
+                self.dialogs
+                    .name(Purpose::SaveReview, path, self.app.jobs());
             }
             _ => self.app.apply(Command::Tell(NO_BOXES.to_owned())),
         }
@@ -108,7 +110,8 @@ impl Shell {
     fn save_figure(&mut self) {
         if self.app.measured().is_some() {
             let proposed = self.beside_the_log("measured.geojson");
-            self.dialogs.name_figure(proposed, self.app.jobs());
+            self.dialogs
+                .name(Purpose::SaveFigure, proposed, self.app.jobs());
         } else {
             let text = "nothing is measured yet; draw a line or an area on the map first";
             self.app.apply(Command::Tell(text.to_owned()));
@@ -119,7 +122,8 @@ impl Shell {
         match self.app.profile_csv() {
             Some(_) => {
                 let proposed = self.beside_the_log("profile.csv");
-                self.dialogs.name_profile(proposed, self.app.jobs());
+                self.dialogs
+                    .name(Purpose::SaveProfile, proposed, self.app.jobs());
             }
             None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),
         }
@@ -133,7 +137,7 @@ impl Shell {
             let text = "products are still being written; wait, or cancel that first";
             self.app.apply(Command::Tell(text.to_owned()));
         } else {
-            self.dialogs.pick_box_folder(self.app.jobs());
+            self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
         }
     }
 

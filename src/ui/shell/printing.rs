@@ -4,6 +4,7 @@ use super::{Alone, Shell, Views};
 use crate::app::{App, Command, Paper, PrintOptions, Sheet, ThemeChoice, View};
 use crate::progress::Progress;
 use crate::ui::ViewContext;
+use crate::ui::dialogs::Purpose;
 use crate::ui::offscreen::{Studio, write_picture};
 use egui::{ComboBox, DragValue, Id, Modal, Ui};
 use std::path::{Path, PathBuf};
@@ -154,7 +155,8 @@ impl Shell {
             View::Cloud => "cloud.png",
         };
         let proposed = self.beside_the_log(ending);
-        self.dialogs.name_print(proposed, self.app.jobs());
+        self.dialogs
+            .name(Purpose::PrintInto, proposed, self.app.jobs());
     }
 
     /// Starts drawing the view that was chosen, as it looks now, into a file.
