@@ -183,11 +183,15 @@ impl App {
 
 /// Where recorder and receiver have the boat while it recorded.
 fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
+    // As many as are drawn, whatever the length of the log: this runs while the clock is dragged.
+    let evenly = |count: usize| count.div_ceil(PAIRS).max(1);
     let pings = recorded.side_scan.iter().map(|ping| ping.time_s);
-    let mut times_s: Vec<f64> = pings.collect();
+    let mut times_s: Vec<f64> = pings.step_by(evenly(recorded.side_scan.len())).collect();
     if times_s.is_empty() {
-        let soundings = recorded.soundings.iter();
-        times_s = soundings.map(|sounding| sounding.time_s).collect();
+        let soundings = recorded.soundings.iter().map(|sounding| sounding.time_s);
+        times_s = soundings
+            .step_by(evenly(recorded.soundings.len()))
+            .collect();
     }
     TracksApart::new(&recorded.track, &now.track, &times_s, PAIRS)
 }

@@ -86,7 +86,7 @@ fn ranges_m(
 fn rises(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Rise> {
     let sides = port.iter().zip(starboard);
     let pairs: Vec<Pair> = sides
-        .zip(&survey.side_scan)
+        .zip(survey.side_scan.iter())
         .map(|((&port_m, &starboard_m), ping)| Pair {
             time_s: ping.time_s,
             port_m,

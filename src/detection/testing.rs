@@ -26,7 +26,7 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
         starboard: None,
     });
     let survey = Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()
     };

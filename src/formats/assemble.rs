@@ -5,6 +5,7 @@ use super::depths;
 use super::join::join_halves;
 use crate::statistics::upper_median;
 use crate::survey::{Channel, Fix, Side, SidePing, SideScanState, Survey, Track};
+use std::sync::Arc;
 
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
 const STUCK_RANGE_M: f32 = 1.6;
@@ -39,7 +40,7 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         source: log.source,
         start_unix_s: log.start_unix_s,
         channels,
-        side_scan,
+        side_scan: Arc::new(side_scan),
         side_scan_state,
         soundings,
         track: Track::new(fixes),

@@ -57,7 +57,7 @@ mod tests {
         };
         let times: Vec<f64> = (0..200).map(|ping| 0.1 * f64::from(ping)).collect();
         let survey = Survey {
-            side_scan: times.iter().map(|&time_s| ping(time_s)).collect(),
+            side_scan: std::sync::Arc::new(times.iter().map(|&time_s| ping(time_s)).collect()),
             ..Survey::default()
         };
         // Ten seconds straight at 1.5 m/s, then a circle at 9 degrees a second.

@@ -20,6 +20,7 @@ pub use track::{ExternalTrack, Fix, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The side of the boat that a beam looks to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -187,8 +188,8 @@ pub struct Survey {
     pub start_unix_s: Option<f64>,
     /// What each channel holds.
     pub channels: Vec<Channel>,
-    /// The side-scan pings, both sides joined.
-    pub side_scan: Vec<SidePing>,
+    /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change of the track makes one.
+    pub side_scan: Arc<Vec<SidePing>>,
     /// Whether the side-scan is worth drawing.
     pub side_scan_state: SideScanState,
     /// Depths under the boat.

@@ -31,7 +31,7 @@ impl RangeAxis {
     /// The axis of a survey; `None` when no ping has a usable span. One pass over the spans, none over the samples.
     pub fn of(survey: &Survey) -> Option<Self> {
         let (mut finest_m, mut far_m, mut samples) = (f64::INFINITY, 0.0_f64, 0_u64);
-        for ping in &survey.side_scan {
+        for ping in survey.side_scan.iter() {
             for span in Side::BOTH.into_iter().filter_map(|side| ping.side(side)) {
                 if is_usable(span) {
                     finest_m = finest_m.min(span.metres_per_sample());

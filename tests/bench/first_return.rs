@@ -84,13 +84,14 @@ fn long_survey() -> Survey {
     let mut survey = survey.expect("a readable log");
     let once = std::mem::take(&mut survey.side_scan);
     let lap_s = once.last().map_or(0.0, |ping| ping.time_s) + 0.05;
-    survey.side_scan = (0..PINGS)
+    let pings = (0..PINGS)
         .map(|index| {
             let mut ping = once[index % once.len()];
             ping.time_s += (index / once.len()) as f64 * lap_s;
             ping
         })
         .collect();
+    survey.side_scan = std::sync::Arc::new(pings);
     survey
 }
 

@@ -136,7 +136,7 @@ fn app(count: usize) -> App {
     let mut app = App::new(Jobs::Inline);
     app.survey_serial = 1;
     app.survey = Some(Arc::new(Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         soundings: soundings.collect(),
         ..Survey::default()

@@ -135,7 +135,7 @@ fn survey(pings: usize) -> Survey {
         starboard: Some(span(ping, Order::NearToFar)),
     });
     Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()

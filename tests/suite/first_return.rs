@@ -33,7 +33,7 @@ fn composite(rows: &[Vec<u8>], far_m: f32, depth_m: f32) -> Survey {
         starboard: Some(span(row, Side::Starboard)),
     });
     Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(rows.concat().into())],
         ..Survey::default()
@@ -211,7 +211,7 @@ fn words_that_go_negative_are_warned_of() {
 fn empty_and_silent_surveys_have_no_picks() {
     let silent = composite(&vec![vec![0; 800]; 30], 4.0, f32::NAN);
     let mut none = composite(&[vec![0; 800]], 4.0, f32::NAN);
-    none.side_scan.clear();
+    none.side_scan = Default::default();
     for method in [Method::Threshold, Method::Tracker] {
         let settings = FirstReturnSettings {
             method,

@@ -49,7 +49,7 @@ fn sailed(duration_s: f64, fixes_hz: f64, path: impl Fn(f64) -> Option<[f64; 2]>
         });
     }
     Survey {
-        side_scan,
+        side_scan: std::sync::Arc::new(side_scan),
         side_scan_state: SideScanState::Usable,
         track: Track::new(fixes),
         ..Survey::default()

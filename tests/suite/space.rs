@@ -62,7 +62,7 @@ fn pond() -> (Survey, Products) {
         locked: true,
     });
     let survey = Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         soundings: soundings.collect(),
         track: Track::new(vec![Fix {

@@ -43,15 +43,17 @@ fn raster() -> Raster {
         far_m: 20.0,
     };
     let survey = Survey {
-        side_scan: (0..PINGS)
-            .map(|ping| SidePing {
-                time_s: ping as f64 * 0.1,
-                depth_m: 2.0,
-                depth_locked: true,
-                port: Some(span),
-                starboard: Some(span),
-            })
-            .collect(),
+        side_scan: std::sync::Arc::new(
+            (0..PINGS)
+                .map(|ping| SidePing {
+                    time_s: ping as f64 * 0.1,
+                    depth_m: 2.0,
+                    depth_locked: true,
+                    port: Some(span),
+                    starboard: Some(span),
+                })
+                .collect(),
+        ),
         ..Survey::default()
     };
     let navigation = navigation_of(PINGS);

@@ -113,7 +113,7 @@ mod tests {
             starboard: None,
         };
         Survey {
-            side_scan: times_and_ranges.map(ping).collect(),
+            side_scan: std::sync::Arc::new(times_and_ranges.map(ping).collect()),
             side_scan_state: SideScanState::Usable,
             ..Survey::default()
         }

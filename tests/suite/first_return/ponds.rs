@@ -198,7 +198,7 @@ fn missing_and_wrong_depths_do_not_lead_the_tracker_astray() {
         |depth_m| 0.4 * depth_m,
     ] {
         let mut pond = Pond::new(&Scene::gentle(), 3);
-        for ping in &mut pond.survey.side_scan {
+        for ping in std::sync::Arc::make_mut(&mut pond.survey.side_scan) {
             ping.depth_m = change(ping.depth_m);
         }
         let mut errors = Errors::default();

@@ -77,7 +77,7 @@ fn transcoded_river_is_the_river() {
                 .collect::<Vec<_>>()
         );
         assert_eq!(survey.start_unix_s, river.start_unix_s);
-        for (ping, original) in survey.side_scan.iter().zip(&river.side_scan) {
+        for (ping, original) in survey.side_scan.iter().zip(river.side_scan.iter()) {
             assert_eq!(ping.time_s, original.time_s);
             assert!((ping.depth_m - original.depth_m).abs() < 0.001);
             for side in Side::BOTH {

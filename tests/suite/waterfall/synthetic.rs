@@ -12,7 +12,7 @@ pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 
         starboard,
     });
     Survey {
-        side_scan: side_scan.collect(),
+        side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()
