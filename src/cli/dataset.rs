@@ -270,6 +270,7 @@ fn known(simulated: &Simulated) -> Vec<Known> {
                 class,
                 echo: mark(sighting.echo_m()),
                 whole: mark(sighting.echo_and_shadow_m()),
+                shown: sighting.shown.is_some(),
             }));
         }
     }

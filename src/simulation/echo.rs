@@ -7,6 +7,7 @@
 
 use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
+use super::ground::Ground;
 use super::path::Pose;
 use super::weed::Weed;
 use super::world::{World, backscatter};
@@ -22,6 +23,8 @@ pub struct Echo {
     pub canopy_m: f64,
     /// Objects heard.
     pub seen: Vec<Seen>,
+    /// For each object that the beam meets, its index and what `power` would be if it were not there.
+    pub without: Vec<(usize, Vec<f64>)>,
 }
 
 /// An object as one ping heard it.
@@ -53,20 +56,6 @@ pub struct Listener<'a> {
     pub samples: usize,
 }
 
-/// The ground as the rays meet it, one entry per step of the beam as far as there is water and range.
-struct Ground {
-    /// Depth along the ray behind, the middle ray and the ray ahead, metres.
-    depth_m: [Vec<f64>; 3],
-    /// Two-way gain of the beam towards the ground.
-    gain: Vec<f64>,
-    /// Scattering strength.
-    strength: Vec<f64>,
-    /// Depth under the boat, metres.
-    under_boat_m: f64,
-}
-
-/// Depth at which a ray has reached the shore, metres.
-const SHORE_M: f64 = 0.05;
 /// Scattering strength of weed, dB per square metre.
 const WEED_DB: f64 = -18.0;
 
@@ -78,31 +67,43 @@ impl Listener<'_> {
             first_return_m: f64::NAN,
             canopy_m: f64::INFINITY,
             seen: Vec::new(),
+            without: Vec::new(),
         };
         let reach_m = self.samples as f64 * self.metres_per_sample;
         let widest_m = self.beam.outer_ray_m(reach_m, reach_m);
         let objects = self.world.objects_across(self.pose, widest_m, reach_m);
-        let Some(ground) = self.ground(&objects, reach_m) else {
+        let Some(bare) = self.bare(&objects, reach_m) else {
             return echo;
         };
+        let ground = self.ground(&bare, None);
         echo.first_return_m = self.nearest(&ground.depth_m[1]);
-        for ray in 0..3 {
-            self.scatter(&ground, ray, &mut echo.power);
-        }
+        echo.canopy_m = self.sound(&ground, reach_m, &mut echo.power);
         let visible = self.visible_steps(&ground.depth_m[1]);
         let ground_end_m = self.last_step_m(&ground.depth_m[1]).min(reach_m);
         for object in objects {
             echo.seen
                 .extend(self.look_for(object, &visible, ground_end_m));
         }
-        for weed in &self.world.weed {
-            self.hear_weed(weed, &ground.depth_m[1], reach_m, &mut echo);
+        for rise in &bare.rises {
+            let mut power = vec![0.0; self.samples];
+            self.sound(&self.ground(&bare, Some(rise.object)), reach_m, &mut power);
+            echo.without.push((rise.object, power));
         }
         echo
     }
 
+    /// Adds the echoes of the ground and of what grows on it; returns the slant range of the nearest weed, metres.
+    fn sound(&self, ground: &Ground, reach_m: f64, power: &mut [f64]) -> f64 {
+        for ray in 0..3 {
+            self.scatter(ground, ray, power);
+        }
+        let weed = self.world.weed.iter();
+        let canopies = weed.map(|weed| self.hear_weed(weed, &ground.depth_m[1], reach_m, power));
+        canopies.fold(f64::INFINITY, f64::min)
+    }
+
     /// The place `across_m` to this side and `along_m` ahead of the boat.
-    fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
+    pub fn place(&self, across_m: f64, along_m: f64) -> [f64; 2] {
         let [east, north] = self.forward;
         let across_m = match self.side {
             Side::Starboard => across_m,
@@ -112,45 +113,6 @@ impl Listener<'_> {
             self.pose.east_m + along_m * east + across_m * north,
             self.pose.north_m + along_m * north - across_m * east,
         ]
-    }
-
-    /// Looks at the ground along the three rays; `None` on land.
-    fn ground(&self, objects: &[usize], reach_m: f64) -> Option<Ground> {
-        let under_boat_m = self.world.depth_m(self.pose.east_m, self.pose.north_m);
-        if under_boat_m <= SHORE_M {
-            return None;
-        }
-        let mut depth_m = [-1.0, 0.0, 1.0].map(|ray| {
-            let steps = self
-                .beam
-                .steps_m
-                .iter()
-                .take_while(|&&across| across <= reach_m);
-            let depths = steps.map(|&across| {
-                let along = ray * self.beam.outer_ray_m(across, under_boat_m);
-                let [east, north] = self.place(across, along);
-                self.world.depth_among_m(objects, east, north)
-            });
-            depths
-                .take_while(|&depth| depth > SHORE_M)
-                .collect::<Vec<f64>>()
-        });
-        let count = depth_m.iter().map(Vec::len).min().unwrap_or(0);
-        depth_m.iter_mut().for_each(|ray| ray.truncate(count));
-        let steps = || self.beam.steps_m.iter().take(count);
-        let towards = |(&across, depth): (&f64, &f64)| {
-            self.beam.two_way_gain(atan(across / depth) + self.roll_rad)
-        };
-        let strength = |&across: &f64| {
-            let [east, north] = self.place(across, 0.0);
-            self.world.strength(objects, east, north)
-        };
-        Some(Ground {
-            gain: steps().zip(&depth_m[1]).map(towards).collect(),
-            strength: steps().map(strength).collect(),
-            depth_m,
-            under_boat_m,
-        })
     }
 
     fn nearest(&self, depth_m: &[f64]) -> f64 {
@@ -261,10 +223,11 @@ impl Listener<'_> {
         found
     }
 
-    /// Adds the echo of a bed of weed.
-    fn hear_weed(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, echo: &mut Echo) {
+    /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres, infinite where none is met.
+    fn hear_weed(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
+        let mut canopy_m = f64::INFINITY;
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
-            return;
+            return canopy_m;
         }
         let steps = self.beam.steps_m.windows(2).zip(depth_m.iter().skip(1));
         for (step, &depth) in steps {
@@ -276,14 +239,15 @@ impl Listener<'_> {
             }
             let range = |depth: f64| (across * across + depth * depth).sqrt();
             let (top, foot) = (range(depth - height), range(depth));
-            echo.canopy_m = echo.canopy_m.min(top);
+            canopy_m = canopy_m.min(top);
             let gain = self.beam.two_way_gain(atan(across / depth) + self.roll_rad);
             let strength = from_db(WEED_DB) * weed.density(east, north);
             let amount = strength * gain * self.beam.azimuth_rad * (across - step[0]);
             // Most of the sound comes back from the upper third of the leaves.
-            self.spread_over(top, top + (foot - top) / 3.0, 0.8 * amount, &mut echo.power);
-            self.spread_over(top, foot, 0.2 * amount, &mut echo.power);
+            self.spread_over(top, top + (foot - top) / 3.0, 0.8 * amount, power);
+            self.spread_over(top, foot, 0.2 * amount, power);
         }
+        canopy_m
     }
 }
 

@@ -21,6 +21,7 @@ mod bed;
 mod check;
 mod clutter;
 mod echo;
+mod ground;
 mod hull;
 mod limbs;
 mod log;
@@ -34,6 +35,7 @@ mod ripples;
 mod scene;
 mod shape;
 mod shoal;
+mod shown;
 mod simulate;
 mod sl2;
 mod sonar;
@@ -49,6 +51,7 @@ pub use scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, ObjectSettings, Pit, RecorderSettings,
     RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
+pub use shown::Shown;
 pub use simulate::{Simulated, simulate};
 pub use training_scene::{Look, TrainingScene, training_scene, training_seed};
 pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};

@@ -8,8 +8,10 @@ use super::echo::{Echo, Listener};
 use super::path::Pose;
 use super::random::{Purpose, Random};
 use super::scene::{BedSettings, Curve, RecorderSettings, Scene};
+use super::shown::Trace;
 use super::world::World;
 use crate::survey::Side;
+use std::ops::Range;
 
 /// The receiver, with its tables for one recorded range.
 pub struct Receiver<'a> {
@@ -105,7 +107,9 @@ impl<'a> Receiver<'a> {
             heading_rad: 0.0,
         };
         let echo = self.listen(&world, pose, Side::Starboard, 0.0);
-        self.after_gain(&echo).into_iter().fold(0.0, f64::max)
+        self.after_gain(&echo.power, 0..self.samples)
+            .into_iter()
+            .fold(0.0, f64::max)
     }
 
     /// What one side hears at a place.
@@ -123,24 +127,64 @@ impl<'a> Receiver<'a> {
         listener.hear()
     }
 
-    /// Pulse, losses and time-varied gain.
-    fn after_gain(&self, echo: &Echo) -> Vec<f64> {
+    /// Pulse, losses and time-varied gain of some samples of an echo's power.
+    fn after_gain(&self, power: &[f64], samples: Range<usize>) -> Vec<f64> {
         let half = self.pulse.len() / 2;
-        let smeared = (0..self.samples).map(|i| {
+        let smeared = samples.clone().map(|i| {
             let taps = self.pulse.iter().enumerate();
             taps.map(|(k, tap)| {
                 let source = (i + k).checked_sub(half);
-                tap * source
-                    .and_then(|at| echo.power.get(at))
-                    .copied()
-                    .unwrap_or(0.0)
+                tap * source.and_then(|at| power.get(at)).copied().unwrap_or(0.0)
             })
             .sum::<f64>()
         });
         smeared
-            .zip(&self.echo_gain)
+            .zip(&self.echo_gain[samples])
             .map(|(power, gain)| power * gain)
             .collect()
+    }
+
+    /// By how much the mean levels of a ping differ for an object: its power as it is, and as it would be without the
+    /// object. The second echo, fish and glints are left out; both have them.
+    pub fn trace(
+        &self,
+        [with, without]: [&[f64]; 2],
+        trouble: &Trouble,
+        side: Side,
+        object: usize,
+    ) -> Option<Trace> {
+        let differs = |index: &usize| with[*index] != without[*index];
+        let half = self.pulse.len() / 2;
+        let first = (0..self.samples).find(differs)?.saturating_sub(half);
+        let last = (0..self.samples).rfind(differs)? + half;
+        let samples = first..(last + 1).min(self.samples);
+        let [with, without] = [with, without].map(|power| self.after_gain(power, samples.clone()));
+        let level = |power: f64, noise: f64| {
+            let byte = self.byte((power + noise) * trouble.gain);
+            byte.clamp(0.0, f64::from(self.scene.recorder.echo_ceiling))
+        };
+        let pairs = with.iter().zip(&without).zip(&self.noise[samples]);
+        let stands_out = pairs.map(|((&with, &without), &noise)| {
+            let (with, without) = (level(with, noise), level(without, noise));
+            ((with - without) / self.speckle_bytes(with.max(without))) as f32
+        });
+        Some(Trace {
+            object,
+            side,
+            metres_per_sample: self.metres_per_sample,
+            first_sample: first,
+            stands_out: stands_out.collect(),
+        })
+    }
+
+    /// Standard deviation of the speckle around a mean level: of the logarithm of an exponential (5.57 dB), or of a Rayleigh
+    /// amplitude (0.463 of its root mean square); a byte at least.
+    fn speckle_bytes(&self, level: f64) -> f64 {
+        let deviation = match self.scene.recorder.curve {
+            Curve::Decibel => 5.57 * self.scene.recorder.bytes_per_db,
+            Curve::Amplitude => 0.463 * level,
+        };
+        deviation.max(1.0)
     }
 
     /// The bytes of one side, nearest first; `fish` are the slant ranges (metres) and strengths (dB) of fish.
@@ -151,7 +195,7 @@ impl<'a> Receiver<'a> {
         fish: &[[f64; 2]],
         random: &mut Random,
     ) -> Vec<u8> {
-        let mut power = self.after_gain(echo);
+        let mut power = self.after_gain(&echo.power, 0..self.samples);
         self.add_second_echo(&mut power, echo.first_return_m);
         for &[fish_m, strength_db] in fish {
             self.add_fish(&mut power, fish_m, strength_db);

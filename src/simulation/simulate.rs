@@ -9,8 +9,9 @@ use super::random::{Purpose, Random};
 use super::recorder::{Receiver, speckle_stream};
 use super::scene::Scene;
 use super::shoal::Fishes;
+use super::shown::{Trace, shown};
 use super::sl2::{self, Frame};
-use super::truth::{self, ObjectTruth, PingTruth, SideTruth};
+use super::truth::{self, ObjectTruth, PingTruth, SideTruth, Sighting};
 use super::weed::Weed;
 use super::world::World;
 use crate::geo::{LocalFrame, LonLat, lowrance_mercator, lowrance_mercator_inverse};
@@ -120,6 +121,7 @@ pub struct Heard {
     pub ping: u64,
     pub truth: PingTruth,
     seen: Vec<(Side, Seen)>,
+    traces: Vec<Trace>,
     /// Port far to near, then starboard near to far.
     pub composite: Vec<u8>,
     pub range_m: f64,
@@ -213,6 +215,11 @@ impl<'a> Run<'a> {
             seen: [
                 seen(Side::Port, &port.0),
                 seen(Side::Starboard, &starboard.0),
+            ]
+            .concat(),
+            traces: [
+                traces(&port.0, Side::Port, &trouble, receiver),
+                traces(&starboard.0, Side::Starboard, &trouble, receiver),
             ]
             .concat(),
             composite,
@@ -309,10 +316,13 @@ impl<'a> Run<'a> {
             }
         }
         let spacing_m = self.scene.track.speed_mps / self.scene.track.ping_rate_hz;
-        for sighting in objects.iter_mut().flat_map(|object| &mut object.sightings) {
-            let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
-            let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
-            sighting.spread_pings = (spread_m / spacing_m).round() as usize;
+        for (index, object) in objects.iter_mut().enumerate() {
+            for sighting in &mut object.sightings {
+                let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
+                let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
+                sighting.spread_pings = (spread_m / spacing_m).round() as usize;
+                sighting.shown = shown(&pass(heard, index, sighting), spacing_m);
+            }
         }
         objects
     }
@@ -333,6 +343,30 @@ fn weed(scene: &Scene, path: &Path, seed: u64) -> Vec<Weed> {
     Weed::new(scene.artefacts.weed_m, path, seed)
         .into_iter()
         .chain(clumps)
+        .collect()
+}
+
+/// What the objects that one side met change in its levels.
+fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Vec<Trace> {
+    let without = echo.without.iter();
+    without
+        .filter_map(|(object, without)| {
+            receiver.trace([&echo.power, without], trouble, side, *object)
+        })
+        .collect()
+}
+
+/// The traces of one object in the pings of a pass, with the index of each ping.
+fn pass<'a>(heard: &'a [Heard], object: usize, sighting: &Sighting) -> Vec<(usize, &'a Trace)> {
+    // The rays at the beam's edge lie sqrt(3) standard deviations off.
+    let margin = 2 * sighting.spread_pings + 1;
+    let first = sighting.first_ping.saturating_sub(margin);
+    let end = (sighting.last_ping + margin + 1).min(heard.len());
+    let pings = (first..end).zip(&heard[first..end]);
+    let traces =
+        pings.flat_map(|(ping, heard)| heard.traces.iter().map(move |trace| (ping, trace)));
+    traces
+        .filter(|(_, trace)| trace.object == object && trace.side == sighting.side)
         .collect()
 }
 

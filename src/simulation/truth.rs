@@ -2,6 +2,7 @@
 
 use super::echo::Seen;
 use super::objects::ObjectKind;
+use super::shown::Shown;
 use crate::geo::LonLat;
 use crate::survey::Side;
 use std::io::{self, Write};
@@ -95,22 +96,32 @@ pub struct Sighting {
     /// How many pings before the first and after the last still hear it, because the beam is wide: one standard deviation
     /// of its two-way width on the ground.
     pub spread_pings: usize,
+    /// What a picture shows of it; `None` where speckle, noise, or the shadow of another hides it.
+    pub shown: Option<Shown>,
 }
 
 impl Sighting {
-    /// The recorded pings in which it is heard, the spread of the beam included, of `count` pings in all; the end excluded.
+    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that hear it, the spread of the beam
+    /// included, where nothing is shown.
     pub fn pings(&self, count: usize) -> Range<usize> {
+        if let Some(shown) = &self.shown {
+            return shown.first_ping..shown.last_ping + 1;
+        }
         let end = (self.last_ping + 1 + self.spread_pings).min(count);
         self.first_ping.saturating_sub(self.spread_pings)..end
     }
 
-    /// Slant ranges of the box around its echo alone, metres.
+    /// Slant ranges of its echo alone, metres.
     pub fn echo_m(&self) -> [f64; 2] {
         [self.near_m, self.far_m]
     }
 
-    /// Slant ranges of the box around its echo and its shadow, metres; a shadow that runs off the range ends with it.
+    /// Slant ranges of the box around what is shown of its echo and its shadow, metres. Where nothing is shown, those of the
+    /// geometry; a shadow that runs off the range then ends with it.
     pub fn echo_and_shadow_m(&self) -> [f64; 2] {
+        if let Some(shown) = &self.shown {
+            return [shown.near_m, shown.far_m];
+        }
         let [_, end] = self.shadow_m;
         let end = if end.is_nan() { self.reach_m } else { end };
         [self.near_m, self.far_m.max(end)]
@@ -145,6 +156,7 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             shadow_m: [seen.far_m, seen.shadow_end_m],
             reach_m: seen.reach_m,
             spread_pings: 0,
+            shown: None,
         }),
     }
 }
@@ -179,8 +191,9 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
 }
 
 /// Writes one line per sighting, and one with empty fields for an object that was never heard:
-/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_far_m`.
-/// The last three, with `near_m`, are the box around echo and shadow that a detector should propose; `count` pings were recorded.
+/// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
+/// The box holds what a picture shows of echo and shadow, so what a detector should propose; `shown` is 0 where that is
+/// nothing ([`Sighting::shown`]). `count` pings were recorded.
 pub fn write_objects(
     objects: &[ObjectTruth],
     count: usize,
@@ -190,7 +203,7 @@ pub fn write_objects(
         out,
         "object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,\
          side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,\
-         box_first_ping,box_last_ping,box_far_m"
+         box_first_ping,box_last_ping,box_near_m,box_far_m,shown"
     )?;
     for (index, object) in objects.iter().enumerate() {
         let what = format!(
@@ -206,14 +219,14 @@ pub fn write_objects(
             object.heading_deg,
         );
         if object.sightings.is_empty() {
-            writeln!(out, "{what},,,,,,,,,,")?;
+            writeln!(out, "{what},,,,,,,,,,,,")?;
         }
         for seen in &object.sightings {
             let pings = seen.pings(count);
-            let [_, far_m] = seen.echo_and_shadow_m();
+            let [box_near_m, box_far_m] = seen.echo_and_shadow_m();
             writeln!(
                 out,
-                "{what},{},{},{},{},{},{},{},{},{},{}",
+                "{what},{},{},{},{},{},{},{},{},{},{},{},{}",
                 seen.side.name(),
                 seen.first_ping,
                 seen.last_ping,
@@ -223,7 +236,9 @@ pub fn write_objects(
                 metres(seen.shadow_m[1]),
                 pings.start,
                 pings.end - 1,
-                metres(far_m),
+                metres(box_near_m),
+                metres(box_far_m),
+                u8::from(seen.shown.is_some()),
             )?;
         }
     }

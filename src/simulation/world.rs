@@ -26,26 +26,13 @@ impl World {
         self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
     }
 
-    /// As [`World::depth_m`], with only some objects to look at.
-    pub fn depth_among_m(&self, objects: &[usize], east_m: f64, north_m: f64) -> f64 {
-        let heights = objects
-            .iter()
-            .map(|&object| self.objects[object].height_m(east_m, north_m));
-        self.bed.depth_m(east_m, north_m) - heights.fold(0.0, f64::max)
-    }
-
-    /// How strongly a place scatters, as a factor of mean about 1 for bare ground.
-    pub fn strength(&self, objects: &[usize], east_m: f64, north_m: f64) -> f64 {
+    /// What weed over a place leaves of the echo of the ground.
+    pub fn weed_loss(&self, east_m: f64, north_m: f64) -> f64 {
         let grown = |weed: &Weed| weed.height_m(east_m, north_m) > 0.0;
-        let loss = if self.weed.iter().any(grown) {
+        if self.weed.iter().any(grown) {
             WEED_LOSS
         } else {
             1.0
-        };
-        let mut objects = objects.iter().map(|&object| &self.objects[object]);
-        match objects.find(|object| object.height_m(east_m, north_m) > 0.0) {
-            Some(object) => object.strength * loss,
-            None => self.bed.strength(east_m, north_m) * loss,
         }
     }
 

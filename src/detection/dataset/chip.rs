@@ -12,8 +12,10 @@ pub struct Known {
     pub class: usize,
     /// Around its echo.
     pub echo: Mark,
-    /// Around its echo and its shadow.
+    /// Around what is shown of its echo and its shadow.
     pub whole: Mark,
+    /// Whether anything is shown of it. What a person has seen is.
+    pub shown: bool,
 }
 
 /// A levelled tile with its boxes.
@@ -41,7 +43,7 @@ const LEAST_PX: f32 = 6.0;
 
 impl Chip {
     /// Labels a tile, then levels it. A box is a label when at least 40 % of its area lies in the tile, what lies there is
-    /// at least 6 pixels wide and high, and its echo or its shadow stands out ([`Contrast::is_seen`]); other boxes that
+    /// at least 6 pixels wide and high, something of the object is shown, and its echo or its shadow stands out ([`Contrast::is_seen`]); other boxes that
     /// reach into the tile are ignored ones.
     pub fn new(mut tile: Tile, raster: &Raster, known: &[Known]) -> Self {
         let smoothed = Smoothed::new(&tile.pixels);
@@ -63,7 +65,7 @@ impl Chip {
             let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
             let whole_enough = inside.area() >= LEAST_SHARE * whole.area();
             let seen = || Contrast::of(&smoothed, &echo, &whole).is_seen();
-            if large && whole_enough && seen() {
+            if object.shown && large && whole_enough && seen() {
                 boxes.labels.push(label);
             } else {
                 boxes.ignored.push(label);

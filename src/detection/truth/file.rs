@@ -42,6 +42,7 @@ impl Truth {
                     class: one.class,
                     echo: one.mark.clone(),
                     whole: one.mark.clone(),
+                    shown: true,
                 })
                 .collect(),
             was_seen: true,
@@ -55,8 +56,9 @@ struct Columns {
     side: usize,
     near: usize,
     far: usize,
-    /// First ping, last ping and far edge of the box around echo and shadow.
-    whole: [usize; 3],
+    /// First ping, last ping, near and far edge of the box around what is shown of echo and shadow.
+    whole: [usize; 4],
+    shown: usize,
 }
 
 impl Columns {
@@ -77,8 +79,10 @@ impl Columns {
             whole: [
                 column("box_first_ping")?,
                 column("box_last_ping")?,
+                column("box_near_m")?,
                 column("box_far_m")?,
             ],
+            shown: column("shown")?,
         })
     }
 }
@@ -131,22 +135,25 @@ fn known(
         .into_iter()
         .find(|side| side.name() == field(columns.side))
         .ok_or_else(|| format!("`{}` is no side", field(columns.side)))?;
-    let [first, last, box_far] = columns.whole;
+    let [first, last, box_near, box_far] = columns.whole;
     let (first, last) = (ping(first)?, ping(last)?);
     if last >= pings {
         return Err(format!(
             "ping {last} is beyond the {pings} of the open log; this is the truth of another"
         ));
     }
-    let (near_m, far_m, box_far_m) = (
-        metres(columns.near)?,
-        metres(columns.far)?,
-        metres(box_far)?,
-    );
-    if first > last || near_m >= far_m || far_m > box_far_m {
+    let echo_m = [metres(columns.near)?, metres(columns.far)?];
+    let whole_m = [metres(box_near)?, metres(box_far)?];
+    let turned = |[near_m, far_m]: [f64; 2]| near_m >= far_m;
+    if first > last || turned(echo_m) || turned(whole_m) {
         return Err("the object is inside out".to_owned());
     }
-    let mark = |far_m: f64| Mark {
+    let shown = match field(columns.shown) {
+        "0" => false,
+        "1" => true,
+        other => return Err(format!("`{other}` in `shown` is neither 0 nor 1")),
+    };
+    let mark = |[near_m, far_m]: [f64; 2]| Mark {
         side,
         pings: first..last + 1,
         near_m,
@@ -154,7 +161,8 @@ fn known(
     };
     Ok(Known {
         class: class_index(classes, field(columns.kind)),
-        echo: mark(far_m),
-        whole: mark(box_far_m),
+        echo: mark(echo_m),
+        whole: mark(whole_m),
+        shown,
     })
 }

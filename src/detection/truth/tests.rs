@@ -7,7 +7,8 @@ use crate::progress::Progress;
 use crate::survey::Side;
 use std::sync::Arc;
 
-const HEADER: &str = "object,kind,side,near_m,far_m,box_first_ping,box_last_ping,box_far_m\n";
+const HEADER: &str =
+    "object,kind,side,near_m,far_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\n";
 
 fn identity(pings: usize) -> Identity {
     Identity {
@@ -33,7 +34,7 @@ fn read(lines: &str) -> Result<Truth, String> {
 #[test]
 fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() {
     let truth = read(
-        "0,tyre,port,3.0,3.5,40,49,5.0\n1,rock,,,,,,\n2,log,starboard,2,3,0,199,3\n3,tyre,port,1,2,5,5,2\n",
+        "0,tyre,port,2.9,3.5,40,49,3.0,5.0,1\n1,rock,,,,,,,,\n2,log,starboard,2,3,0,199,2,3,0\n3,tyre,port,1,2,5,5,1,2,1\n",
     );
     let truth = truth.expect("a table");
     assert_eq!(truth.classes, ["tyre", "log"]);
@@ -42,7 +43,9 @@ fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() 
         panic!("{truth:?}");
     };
     assert_eq!(tyre.whole, mark(40, 3.0));
-    assert_eq!((tyre.echo.far_m, tyre.echo.pings.clone()), (3.5, 40..50));
+    assert_eq!((tyre.echo.near_m, tyre.echo.far_m), (2.9, 3.5));
+    assert_eq!(tyre.echo.pings, 40..50);
+    assert!(tyre.shown && !log.shown && other.shown);
     assert_eq!((log.class, log.whole.side), (1, Side::Starboard));
     assert_eq!((other.class, other.whole.pings.clone()), (0, 5..6));
 }
@@ -51,14 +54,16 @@ fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() 
 fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
     for (line, part) in [
         (
-            "0,tyre,port,3.0,3.5,40,200,5.0",
+            "0,tyre,port,3.0,3.5,40,200,3.0,5.0,1",
             "line 2: ping 200 is beyond the 200",
         ),
-        ("0,tyre,left,3.0,3.5,40,49,5.0", "`left` is no side"),
-        ("0,tyre,port,nan,3.5,40,49,5.0", "`nan` is no range"),
-        ("0,tyre,port,3.0,3.5,-1,49,5.0", "`-1` is no ping"),
-        ("0,tyre,port,3.0,3.5,50,49,5.0", "inside out"),
-        ("0,tyre,port,3.0,3.5,40,49,3.2", "inside out"),
+        ("0,tyre,left,3.0,3.5,40,49,3.0,5.0,1", "`left` is no side"),
+        ("0,tyre,port,nan,3.5,40,49,3.0,5.0,1", "`nan` is no range"),
+        ("0,tyre,port,3.0,3.5,-1,49,3.0,5.0,1", "`-1` is no ping"),
+        ("0,tyre,port,3.0,3.5,50,49,3.0,5.0,1", "inside out"),
+        ("0,tyre,port,3.0,3.5,40,49,3.2,3.2,1", "inside out"),
+        ("0,tyre,port,3.6,3.5,40,49,3.0,5.0,1", "inside out"),
+        ("0,tyre,port,3.0,3.5,40,49,3.0,5.0,yes", "`yes` in `shown`"),
         ("0,tyre,port", "broken"),
     ] {
         let sentence = read(line).expect_err(line);
@@ -105,7 +110,8 @@ fn objects_that_do_not_stand_out_count_only_when_somebody_saw_them() {
         80 + (speckle % 20) as u8 + u8::from(bright) * 100
     });
     let raster = Raster::new(&survey, &navigation, 0.04);
-    let mut truth = read("0,tyre,port,3,5,40,49,5\n0,tyre,port,3,5,100,109,5\n").expect("a table");
+    let mut truth =
+        read("0,tyre,port,3,5,40,49,3,5,1\n0,tyre,port,3,5,100,109,3,5,1\n").expect("a table");
     let lay = |truth: &Truth| {
         let truth = Arc::new(truth.clone());
         let laid = LaidTruth::new(&survey, &raster, truth, &Progress::new());
@@ -129,6 +135,7 @@ fn compared() -> Comparison {
                 class,
                 echo: mark(start, 3.0),
                 whole: mark(start, 3.0),
+                shown: true,
             })
             .to_vec(),
         was_seen: true,

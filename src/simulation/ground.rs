@@ -1,0 +1,132 @@
+//! The ground as the three rays of a side meet it, with what lies on it or without one of the objects.
+
+use super::arithmetic::atan;
+use super::echo::Listener;
+
+/// The ground as the rays meet it, one entry per step of the beam as far as there is water and range.
+pub struct Ground {
+    /// Depth along the ray behind, the middle ray and the ray ahead, metres.
+    pub depth_m: [Vec<f64>; 3],
+    /// Two-way gain of the beam towards the ground.
+    pub gain: Vec<f64>,
+    /// Scattering strength.
+    pub strength: Vec<f64>,
+    /// Depth under the boat, metres.
+    pub under_boat_m: f64,
+}
+
+/// The ground without the objects on it, and how high each of them rises over it.
+pub struct Bare {
+    /// Depth along the three rays, metres.
+    depth_m: [Vec<f64>; 3],
+    /// Scattering strength of the ground.
+    strength: Vec<f64>,
+    /// What the weed over it leaves of an echo.
+    weed_loss: Vec<f64>,
+    /// Depth under the boat, objects included, metres.
+    under_boat_m: f64,
+    /// Where the rays meet objects.
+    pub rises: Vec<Rise>,
+}
+
+/// Where the rays meet an object.
+pub struct Rise {
+    /// Index of the object.
+    pub object: usize,
+    /// Steps of each ray, and the object's height above the ground there, metres.
+    height_m: [Vec<(usize, f64)>; 3],
+}
+
+/// Depth at which a ray has reached the shore, metres.
+const SHORE_M: f64 = 0.05;
+
+impl Listener<'_> {
+    /// Looks at the ground along the three rays; `None` on land.
+    pub fn bare(&self, objects: &[usize], reach_m: f64) -> Option<Bare> {
+        let under_boat_m = self.world.depth_m(self.pose.east_m, self.pose.north_m);
+        if under_boat_m <= SHORE_M {
+            return None;
+        }
+        let steps = || (self.beam.steps_m.iter()).take_while(|&&across_m| across_m <= reach_m);
+        let places = [-1.0, 0.0, 1.0].map(|ray| {
+            let place = |&across_m: &f64| {
+                let along_m = ray * self.beam.outer_ray_m(across_m, under_boat_m);
+                self.place(across_m, along_m)
+            };
+            steps().map(place).collect::<Vec<[f64; 2]>>()
+        });
+        let depth_m = places.each_ref().map(|places| {
+            let depths = (places.iter()).map(|&[east, north]| self.world.bed.depth_m(east, north));
+            (depths.take_while(|&depth| depth > SHORE_M)).collect::<Vec<f64>>()
+        });
+        let ground = places[1].iter().take(depth_m[1].len());
+        Some(Bare {
+            strength: (ground.clone())
+                .map(|&[east, north]| self.world.bed.strength(east, north))
+                .collect(),
+            weed_loss: ground
+                .map(|&[east, north]| self.world.weed_loss(east, north))
+                .collect(),
+            rises: (objects.iter())
+                .filter_map(|&object| self.rise(object, &places))
+                .collect(),
+            depth_m,
+            under_boat_m,
+        })
+    }
+
+    /// Where the rays meet an object; `None` where they pass it by.
+    fn rise(&self, object: usize, places: &[Vec<[f64; 2]>; 3]) -> Option<Rise> {
+        let placed = &self.world.objects[object];
+        let height_m = places.each_ref().map(|places| {
+            let heights = (places.iter()).map(|&[east, north]| placed.height_m(east, north));
+            (heights.enumerate())
+                .filter(|&(_, height_m)| height_m > 0.0)
+                .collect::<Vec<(usize, f64)>>()
+        });
+        (height_m.iter().any(|ray| !ray.is_empty())).then_some(Rise { object, height_m })
+    }
+
+    /// The ground with the objects on it but for one.
+    pub fn ground(&self, bare: &Bare, missing: Option<usize>) -> Ground {
+        let mut depth_m = bare.depth_m.clone();
+        let mut strength = bare.strength.clone();
+        let rises = || (bare.rises.iter()).filter(|rise| Some(rise.object) != missing);
+        for (ray, depths) in depth_m.iter_mut().enumerate() {
+            // Where objects overlap the higher one counts.
+            for &(step, height_m) in rises().flat_map(|rise| &rise.height_m[ray]) {
+                if let (Some(depth), Some(bed)) =
+                    (depths.get_mut(step), bare.depth_m[ray].get(step))
+                {
+                    *depth = depth.min(bed - height_m);
+                }
+            }
+            let wet = depths.iter().position(|&depth| depth <= SHORE_M);
+            depths.truncate(wet.unwrap_or(depths.len()));
+        }
+        let count = depth_m.iter().map(Vec::len).min().unwrap_or(0);
+        depth_m.iter_mut().for_each(|ray| ray.truncate(count));
+        strength.truncate(count);
+        // The first of two objects at one place gives its material.
+        for rise in rises().collect::<Vec<&Rise>>().into_iter().rev() {
+            for &(step, _) in &rise.height_m[1] {
+                if let Some(strength) = strength.get_mut(step) {
+                    *strength = self.world.objects[rise.object].strength;
+                }
+            }
+        }
+        let losses = strength.iter_mut().zip(&bare.weed_loss);
+        losses.for_each(|(strength, loss)| *strength *= loss);
+        let towards = |(&across, depth): (&f64, &f64)| {
+            self.beam.two_way_gain(atan(across / depth) + self.roll_rad)
+        };
+        Ground {
+            gain: (self.beam.steps_m.iter().zip(&depth_m[1]))
+                .map(towards)
+                .collect(),
+            strength,
+            depth_m,
+            under_boat_m: bare.under_boat_m,
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! What of an object a picture shows: the part of its echo and shadow that stands out from the speckle and the noise.
+//!
+//! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with noise, an object in the
+//! shadow of another. So each ping is heard twice, with the object and without it, and what a recorder would write on
+//! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown.
+
+use crate::survey::Side;
+use std::ops::Range;
+
+/// By how much one ping's levels differ for an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Index of the object.
+    pub object: usize,
+    /// The side that heard it.
+    pub side: Side,
+    /// Slant range of one sample, metres.
+    pub metres_per_sample: f64,
+    /// The first sample that differs.
+    pub first_sample: usize,
+    /// Level with the object less the level without it, of each sample from there on, in standard deviations of the speckle.
+    pub stands_out: Vec<f32>,
+}
+
+/// The box around what is shown of an object in one pass. Pings count recorded pings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// First ping that shows it.
+    pub first_ping: usize,
+    /// Last ping that shows it.
+    pub last_ping: usize,
+    /// Nearest slant range that shows its echo or its shadow, metres.
+    pub near_m: f64,
+    /// Farthest slant range that shows its echo or its shadow, metres.
+    pub far_m: f64,
+}
+
+/// Side of the square over which an eye averages speckle, metres.
+const EYE_M: f64 = 0.2;
+/// Difference of such a square that stands out, in standard deviations of the speckle (2.2 dB).
+const SEEN: f32 = 0.4;
+/// Difference of a single sample that belongs to it (1.4 dB): an average alone would reach beyond the edges.
+const OWN: f32 = 0.25;
+/// Difference beyond which a sample counts no more.
+const PLAIN: f32 = 1.5;
+/// Share of what stands out that may stick out of each side of the box: the last hair of an edge or a twig.
+const TRIMMED: f64 = 0.01;
+
+/// The box around what the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and
+/// what stands out in them; `spacing_m` lies between two pings.
+pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64) -> Option<Shown> {
+    let (first, last) = (rows.first()?, rows.last()?);
+    let metres_per_sample = first.1.metres_per_sample;
+    // A recorder that changes its range in the middle of an object shows it twice; the first scale is the one kept.
+    let rows = rows
+        .iter()
+        .filter(|(_, trace)| trace.metres_per_sample == metres_per_sample);
+    let start = rows.clone().map(|(_, trace)| trace.first_sample).min()?;
+    let end = rows
+        .clone()
+        .map(|(_, trace)| trace.first_sample + trace.stands_out.len())
+        .max()?;
+    let mut picture = Picture::new(last.0 + 1 - first.0, end - start);
+    for (ping, trace) in rows {
+        picture.put(
+            ping - first.0,
+            trace.first_sample - start,
+            &trace.stands_out,
+        );
+    }
+    let half = |step_m: f64| (0.5 * EYE_M / step_m.max(1e-6)).round() as usize;
+    let [pings, samples] = picture.extent([half(spacing_m), half(metres_per_sample)])?;
+    Some(Shown {
+        first_ping: first.0 + pings.start,
+        last_ping: first.0 + pings.end - 1,
+        near_m: (start + samples.start) as f64 * metres_per_sample,
+        far_m: (start + samples.end) as f64 * metres_per_sample,
+    })
+}
+
+/// What stands out, a row for each ping.
+struct Picture {
+    rows: usize,
+    columns: usize,
+    levels: Vec<f32>,
+}
+
+impl Picture {
+    fn new(rows: usize, columns: usize) -> Self {
+        Self {
+            rows,
+            columns,
+            levels: vec![0.0; rows * columns],
+        }
+    }
+
+    fn put(&mut self, row: usize, column: usize, levels: &[f32]) {
+        let from = row * self.columns + column;
+        self.levels[from..from + levels.len()].copy_from_slice(levels);
+    }
+
+    /// Rows and columns of the box around what stands out when averaged over squares of twice `half` and one.
+    fn extent(&self, half: [usize; 2]) -> Option<[Range<usize>; 2]> {
+        let along_columns = running_mean(&self.levels, half[1], [self.rows, self.columns], false);
+        let averaged = running_mean(&along_columns, half[0], [self.rows, self.columns], true);
+        let (mut by_row, mut by_column) = (vec![0.0; self.rows], vec![0.0; self.columns]);
+        for (index, (&own, mean)) in self.levels.iter().zip(averaged).enumerate() {
+            if own.abs() >= OWN && mean.abs() >= SEEN {
+                let amount = f64::from(own.abs().min(PLAIN));
+                by_row[index / self.columns] += amount;
+                by_column[index % self.columns] += amount;
+            }
+        }
+        Some([trimmed(&by_row)?, trimmed(&by_column)?])
+    }
+}
+
+/// Mean over `half` neighbours on either side, along the columns of each row or, `down`, along the rows. What lies outside
+/// of the picture is nought.
+fn running_mean(levels: &[f32], half: usize, [rows, columns]: [usize; 2], down: bool) -> Vec<f32> {
+    let (lines, length) = if down {
+        (columns, rows)
+    } else {
+        (rows, columns)
+    };
+    let at = |line: usize, place: usize| {
+        if down {
+            place * columns + line
+        } else {
+            line * columns + place
+        }
+    };
+    let mut means = vec![0.0; levels.len()];
+    let width = (2 * half + 1) as f64;
+    for line in 0..lines {
+        let level = |place: usize| f64::from(levels[at(line, place)]);
+        let mut sum: f64 = (0..half.min(length)).map(level).sum();
+        for place in 0..length {
+            if place + half < length {
+                sum += level(place + half);
+            }
+            if place > half {
+                sum -= level(place - half - 1);
+            }
+            means[at(line, place)] = (sum / width) as f32;
+        }
+    }
+    means
+}
+
+/// The shortest run without a hundredth of the whole at either end; `None` of nothing.
+fn trimmed(amounts: &[f64]) -> Option<Range<usize>> {
+    let cut = TRIMMED * amounts.iter().sum::<f64>();
+    let reach = |mut places: Box<dyn Iterator<Item = usize> + '_>| {
+        let mut sum = 0.0;
+        places.find(|&place| {
+            sum += amounts[place];
+            sum > cut
+        })
+    };
+    let first = reach(Box::new(0..amounts.len()))?;
+    let last = reach(Box::new((0..amounts.len()).rev()))?;
+    Some(first..last + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(first_sample: usize, stands_out: Vec<f32>) -> Trace {
+        Trace {
+            object: 0,
+            side: Side::Port,
+            metres_per_sample: 0.02,
+            first_sample,
+            stands_out,
+        }
+    }
+
+    #[test]
+    fn the_box_holds_the_echo_and_the_shadow_and_no_faint_end() {
+        // Ten samples of echo, thirty of shadow, then twenty of a shadow that noise has filled.
+        let levels = [vec![1.5; 10], vec![-1.0; 30], vec![-0.1; 20]].concat();
+        let traces: Vec<Trace> = (0..12).map(|_| trace(100, levels.clone())).collect();
+        let rows: Vec<(usize, &Trace)> = (40..).zip(&traces).collect();
+        let found = shown(&rows, 0.1).expect("a box");
+        assert_eq!([found.first_ping, found.last_ping], [40, 51]);
+        assert!((found.near_m - 2.0).abs() < 1e-9 && (found.far_m - 2.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn speckle_hides_what_is_faint_or_single() {
+        let faint = trace(5, vec![0.3; 50]);
+        let rows: Vec<(usize, &Trace)> = (0..9).map(|ping| (ping, &faint)).collect();
+        assert_eq!(shown(&rows, 0.1), None);
+        let single = trace(5, vec![1.5]);
+        assert_eq!(shown(&[(3, &single)], 0.1), None);
+        assert_eq!(shown(&[], 0.1), None);
+    }
+
+    #[test]
+    fn a_running_mean_is_the_mean() {
+        let levels: Vec<f32> = (0..35).map(|i| ((i * 7919) % 23) as f32).collect();
+        for half in [0, 1, 3, 9] {
+            for down in [false, true] {
+                let means = running_mean(&levels, half, [5, 7], down);
+                for (row, column) in (0..5).flat_map(|row| (0..7).map(move |column| (row, column)))
+                {
+                    let half = half as isize;
+                    let neighbours = (-half..=half).map(|off| {
+                        let (row, column) = (row as isize, column as isize);
+                        let [row, column] = if down {
+                            [row + off, column]
+                        } else {
+                            [row, column + off]
+                        };
+                        let inside = (0..5).contains(&row) && (0..7).contains(&column);
+                        if inside {
+                            levels[(row * 7 + column) as usize]
+                        } else {
+                            0.0
+                        }
+                    });
+                    let mean = neighbours.sum::<f32>() / (2 * half + 1) as f32;
+                    assert!((means[row * 7 + column] - mean).abs() < 1e-4);
+                }
+            }
+        }
+    }
+}
