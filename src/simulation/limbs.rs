@@ -9,6 +9,8 @@ struct Limb {
     ends: [[f64; 2]; 2],
     /// Radius at each end, metres.
     radius_m: [f64; 2],
+    /// Height of its axis above the ground at each end, metres.
+    axis_m: [f64; 2],
 }
 
 /// Members that together make an object.
@@ -19,30 +21,35 @@ pub struct Limbs {
 }
 
 /// Thinnest radius of a branch, metres.
-const TWIG_M: f64 = 0.025;
+const TWIG_M: f64 = 0.05;
+/// Fewest branches of a trunk, and how many more there may be.
+const BRANCHES: (u64, u64) = (3, 5);
 /// Pieces that a bent trunk is made of.
 const TRUNK_PIECES: usize = 5;
 
 impl Limb {
+    /// A member that touches the ground along its whole length.
     fn new(from: [f64; 2], to: [f64; 2], radius_m: [f64; 2]) -> Self {
         Self {
             ends: [from, to],
             radius_m,
+            axis_m: radius_m,
         }
     }
 
-    /// Height above the ground of the member's upper side: it touches the ground along its whole length.
+    /// Height above the ground of the member's upper side. What is below it counts as filled.
     fn height_m(&self, place: [f64; 2]) -> f64 {
         let [from, to] = self.ends;
         let way = [to[0] - from[0], to[1] - from[1]];
         let off = [place[0] - from[0], place[1] - from[1]];
         let square = (way[0] * way[0] + way[1] * way[1]).max(1e-12);
         let share = ((off[0] * way[0] + off[1] * way[1]) / square).clamp(0.0, 1.0);
-        let radius = self.radius_m[0] + (self.radius_m[1] - self.radius_m[0]) * share;
+        let here = |[first, second]: [f64; 2]| first + (second - first) * share;
+        let radius = here(self.radius_m);
         let aside = [off[0] - share * way[0], off[1] - share * way[1]];
         let rest = radius * radius - aside[0] * aside[0] - aside[1] * aside[1];
         if rest > 0.0 {
-            radius + rest.sqrt()
+            here(self.axis_m) + rest.sqrt()
         } else {
             0.0
         }
@@ -50,11 +57,12 @@ impl Limb {
 }
 
 impl Limbs {
-    /// A trunk that tapers and bends, with some branches and now and then its root plate. `height_m` is the diameter of its
-    /// thick end; the width holds the branches.
+    /// A trunk that tapers and bends, with stout branches on both sides and often its root plate. `height_m` is the diameter
+    /// of its thick end; the width holds the branches. All this is what tells a tree from a pipe: a bare trunk looks like
+    /// one, to a person as to a network, so scenes hold none.
     pub fn log(length_m: f64, width_m: f64, height_m: f64, random: &mut Random) -> Self {
         let thick = 0.5 * height_m;
-        let tip = thick * random.between(0.35, 0.7);
+        let tip = thick * random.between(0.25, 0.5);
         let bend = random.between(-0.3, 0.3) * width_m;
         let trunk = |share: f64| {
             let along = (share - 0.5) * length_m;
@@ -67,9 +75,10 @@ impl Limbs {
                 Limb::new(trunk(from), trunk(to), [radius(from), radius(to)])
             })
             .collect();
-        for _ in 0..1 + random.bits() % 5 {
+        let first = if random.chance(0.5) { 1.0 } else { -1.0 };
+        for branch in 0..BRANCHES.0 + random.bits() % (BRANCHES.1 + 1) {
             let share = random.between(0.2, 0.95);
-            let side = if random.chance(0.5) { 1.0 } else { -1.0 };
+            let side = if branch % 2 == 0 { first } else { -first };
             let angle = random.between(0.5, 1.3);
             let reach = random.between(0.3, 0.5) * width_m / sin(angle);
             let from = trunk(share);
@@ -77,12 +86,17 @@ impl Limbs {
                 from[0] + reach * cos(angle),
                 from[1] + side * reach * sin(angle),
             ];
-            let thin = (radius(share) * random.between(0.25, 0.5)).max(TWIG_M);
-            limbs.push(Limb::new(from, to, [thin, TWIG_M]));
+            let stout = (radius(share) * random.between(0.45, 0.75)).max(TWIG_M);
+            // It springs from the trunk's middle and stands off the ground, though not higher than the trunk.
+            let rise = (thick * random.between(0.7, 2.0) - TWIG_M).max(TWIG_M);
+            limbs.push(Limb {
+                axis_m: [radius(share), rise],
+                ..Limb::new(from, to, [stout, TWIG_M])
+            });
         }
-        if random.chance(0.3) {
+        if random.chance(0.5) {
             let root = trunk(0.0);
-            let plate = 1.5 * thick;
+            let plate = 2.0 * thick;
             limbs.push(Limb::new(
                 [root[0], root[1] - plate],
                 [root[0], root[1] + plate],
