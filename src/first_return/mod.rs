@@ -1,14 +1,17 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first heard.
 //!
 //! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
-//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth.
+//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth,
+//! `by_hand` holds what the analyst drew instead.
 
+mod by_hand;
 mod canopy;
 mod normalise;
 mod threshold;
 mod tracker;
 mod words;
 
+pub use by_hand::{BottomSettings, HandLine};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 

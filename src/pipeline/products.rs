@@ -49,7 +49,10 @@ impl Stage {
         let same_track = old.track == new.track;
         if old.heading != new.heading || old.projection != new.projection || !same_track {
             Some(Stage::Navigation)
-        } else if old.image != new.image || old.first_return != new.first_return {
+        } else if old.image != new.image
+            || old.first_return != new.first_return
+            || old.bottom != new.bottom
+        {
             Some(Stage::FirstReturn)
         } else if old.calibration != new.calibration {
             Some(Stage::Calibration)
@@ -72,7 +75,9 @@ pub struct Products {
     pub navigation: Arc<Navigation>,
     /// Ranked flat stretches.
     pub flat_spots: Arc<Vec<FlatSpot>>,
-    /// First returns.
+    /// First returns as they were found.
+    pub found: Arc<FirstReturns>,
+    /// First returns with what was drawn by hand.
     pub returns: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
@@ -104,6 +109,7 @@ pub fn run(
         old.settings.image == settings.image && old.settings.first_return == settings.first_return
     };
     let reuse = |stage: Stage| match stage {
+        // What was drawn by hand is laid over anew, and costs next to nothing.
         Stage::FirstReturn => previous.filter(same_picks),
         _ => previous.filter(|_| stale.is_none_or(|first| stage < first)),
     };
@@ -120,8 +126,8 @@ pub fn run(
             Arc::new(navigate(survey, how, plane, progress)?)
         }
     };
-    let returns = match reuse(Stage::FirstReturn) {
-        Some(old) => old.returns.clone(),
+    let found = match reuse(Stage::FirstReturn) {
+        Some(old) => old.found.clone(),
         None => {
             begin(Stage::FirstReturn)?;
             let Settings {
@@ -132,6 +138,7 @@ pub fn run(
             Arc::new(first_return::detect(survey, image, first_return, progress)?)
         }
     };
+    let returns = with_bottom(survey, settings, previous, &found);
     let (flat_spots, calibration) = match reuse(Stage::Calibration) {
         Some(old) => (old.flat_spots.clone(), old.calibration.clone()),
         None => {
@@ -175,12 +182,33 @@ pub fn run(
         settings: settings.clone(),
         navigation,
         flat_spots,
+        found,
         returns,
         calibration,
         correction,
         cloud,
         kept,
     })
+}
+
+/// First returns with what was drawn by hand; those of `previous` where they are the same.
+fn with_bottom(
+    survey: &Survey,
+    settings: &Settings,
+    previous: Option<&Products>,
+    found: &Arc<FirstReturns>,
+) -> Arc<FirstReturns> {
+    if settings.bottom.is_empty() {
+        return found.clone();
+    }
+    let same =
+        |old: &&Products| Arc::ptr_eq(&old.found, found) && old.settings.bottom == settings.bottom;
+    if let Some(old) = previous.filter(same) {
+        return old.returns.clone();
+    }
+    let mut returns = FirstReturns::clone(found);
+    settings.bottom.lay_over(survey, &mut returns);
+    Arc::new(returns)
 }
 
 /// The flat stretches. They depend on track and picks only: choosing one of them, or a scale, leaves the ranking as it is.

@@ -6,7 +6,7 @@ use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
 use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
-use crate::first_return::{FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
 use crate::survey::{HeadingSettings, HeadingSource, Projection, TrackSettings};
@@ -59,6 +59,9 @@ pub struct Settings {
     pub image: ImageSettings,
     /// `first_return.*`.
     pub first_return: FirstReturnSettings,
+    /// `bottom.*`: the bottom drawn by hand.
+    #[serde(skip_serializing_if = "BottomSettings::is_empty")]
+    pub bottom: BottomSettings,
     /// `calibration.*`.
     pub calibration: CalibrationSettings,
     /// `cloud.*`.
@@ -132,9 +135,10 @@ impl Settings {
         }
     }
 
-    /// These settings, with what holds for one survey only (its flat spot, its water, its transducer) from others.
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water, its transducer) from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
+        settings.bottom = other.bottom.clone();
         settings.calibration.pings = other.calibration.pings;
         settings.track = other.track.clone();
         settings.draft_m = other.draft_m;
@@ -195,7 +199,9 @@ impl Settings {
     /// Refuses values that no stage can work with.
     pub fn check(&self) -> Result<(), SettingsError> {
         let depth = self.depth().check();
-        depth.map_err(|rule| SettingsError(rule.to_owned()))?;
+        depth
+            .and_then(|()| self.bottom.check())
+            .map_err(|rule| SettingsError(rule.to_owned()))?;
         let rules = [
             (
                 (0.0..=1.0).contains(&self.first_return.threshold),

@@ -19,11 +19,13 @@ pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The side of the boat that a beam looks to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Side {
     /// Left of the boat, looking forward.
     Port,

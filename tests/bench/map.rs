@@ -156,6 +156,7 @@ fn products(nav: Vec<PingNav>) -> Products {
             moving: 0,
         }),
         flat_spots: Arc::new(Vec::new()),
+        found: Arc::default(),
         returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,

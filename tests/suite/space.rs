@@ -146,6 +146,7 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
             zero_heading: 0,
             moving: 0,
         }),
+        found: Arc::default(),
         returns: Arc::new(FirstReturns::default()),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
