@@ -116,6 +116,9 @@ actions! {
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
+    DrawBottom, "Draw the bottom", Some("M"), "Drags in the waterfall draw the first return; with Ctrl none is heard there, with Alt the search counts again. Up and Down make it shallower and deeper at the selected ping.";
+    BottomBothSides, "Draw the bottom on both sides", None, "What is drawn on one side is drawn on the other at the same ranges.";
+    ForgetBottom, "Forget the drawn bottom", None, "Takes the first returns that were found again, everywhere.";
     LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box, or else removes the measurement.";
     MeasureDistance, "Measure distance", Some("D"), "Click corners on the map: the length of the line on the ground.";
     MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map: area and perimeter on the ground.";

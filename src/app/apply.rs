@@ -56,6 +56,8 @@ impl App {
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::SelectBox(id) => self.select_box(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
+            Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
+            Command::NudgeBottom(samples) => self.nudge_bottom(samples),
             Command::LineUp(queue) => self.set_queue(*queue),
             Command::UseModel(path) => self.use_model(Some(path)),
             Command::OpenReview(path) => self.open_review(path),
@@ -114,6 +116,9 @@ impl App {
             return self.tell(text, true);
         }
         self.settings = settings;
+        if !live {
+            self.keep_bottom();
+        }
         let same_returns = self.products.as_ref().is_some_and(|products| {
             products.settings.first_return == self.settings.first_return
                 && products.settings.image == self.settings.image
@@ -238,6 +243,12 @@ impl App {
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
+            Action::DrawBottom => self.take_tool(Tool::Bottom),
+            Action::BottomBothSides => {
+                let both = &mut self.options.waterfall.bottom_both_sides;
+                *both = !*both;
+            }
+            Action::ForgetBottom => self.forget_bottom(),
             Action::LeaveTool if self.leave_measuring() => {}
             Action::LeaveTool if self.reviewing.is_in_use() => self.leave_tool(),
             Action::LeaveTool => self.remove_figure(),

@@ -1,7 +1,8 @@
 //! Everything the window can ask for.
 
 use super::{
-    Action, LayoutPreset, Mark, Measure, MistakeSort, Nudge, ReferenceBy, View, ViewOptions,
+    Action, BottomStroke, LayoutPreset, Mark, Measure, MistakeSort, Nudge, ReferenceBy, View,
+    ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
@@ -81,6 +82,10 @@ pub enum Command {
     OpenReview(PathBuf),
     /// Read what is known to lie in the open survey, or in the one that is being opened, from a file.
     OpenTruth(PathBuf),
+    /// Draw the bottom over the waterfall.
+    DrawBottom(BottomStroke),
+    /// Move the bottom at the selected ping outward by so many samples.
+    NudgeBottom(i32),
     /// Show a false alarm or a missed object in all views.
     ShowMistake(Mistake),
     /// Sort the list of mistakes.

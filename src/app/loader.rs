@@ -1,6 +1,7 @@
 //! Opening a log off the window's thread.
 
 use super::Jobs;
+use super::bottom::{self, ReadBottom};
 use super::task::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
@@ -48,7 +49,8 @@ pub struct LoadStatus {
     pub fraction: f32,
 }
 
-type Opened = Result<Survey, String>;
+/// A log, and what was drawn on it when it was last open.
+type Opened = Result<(Survey, Option<ReadBottom>), String>;
 
 /// A log being opened. Dropping it cancels it.
 pub(super) struct Loading {
@@ -61,7 +63,13 @@ impl Loading {
     pub fn start(origin: Origin, jobs: &Jobs) -> Self {
         let wanted = origin.clone();
         let task = Task::start(jobs, move |progress| {
-            wanted.open(progress).map_err(|error| error.to_string())
+            let survey = wanted.open(progress).map_err(|error| error.to_string())?;
+            let log = survey.source.files.first();
+            let drawn = match &wanted {
+                Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),
+                Origin::Demo => None,
+            };
+            Ok((survey, drawn))
         });
         Self { origin, task }
     }

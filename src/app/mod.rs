@@ -6,6 +6,7 @@
 mod action;
 mod apply;
 mod base_map;
+mod bottom;
 mod command;
 mod comparing;
 mod exporting;
@@ -27,6 +28,7 @@ mod task;
 mod work;
 
 pub use action::{Action, Keys};
+pub use bottom::{BottomStroke, Ink};
 pub use command::Command;
 pub use comparing::{Comparing, ReferenceBy, open_reference};
 pub use figures::Figures;

@@ -135,6 +135,8 @@ pub struct WaterfallOptions {
     pub flat_stretches: bool,
     /// Draw the boxes of objects.
     pub boxes: bool,
+    /// The bottom that is drawn by hand on one side is drawn on the other too.
+    pub bottom_both_sides: bool,
 }
 
 impl WaterfallOptions {
@@ -162,6 +164,7 @@ impl Default for WaterfallOptions {
             depth_line: false,
             flat_stretches: true,
             boxes: true,
+            bottom_both_sides: false,
         }
     }
 }

@@ -6,8 +6,8 @@
 
 use super::{Jobs, Outcome, Task};
 use crate::first_return::{
-    FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation, SampleMode,
-    ThresholdIndex, track_range,
+    BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings, Method, Normalisation,
+    SampleMode, ThresholdIndex, track_range,
 };
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
@@ -20,6 +20,8 @@ pub(super) struct Request {
     pub survey: Arc<Survey>,
     pub image: ImageSettings,
     pub first_return: FirstReturnSettings,
+    /// Drawn by hand over what is found.
+    pub bottom: BottomSettings,
     /// Pings on screen.
     pub visible: Range<usize>,
     /// The last result; pings that are not on screen keep it.
@@ -165,11 +167,12 @@ fn answer(
         None => Arc::new(Measured::measure(&request, progress)?),
     };
     let preview = if wanted {
-        let returns = Arc::new(search(&request, &measured, progress)?);
+        let mut returns = search(&request, &measured, progress)?;
+        request.bottom.lay_over(&request.survey, &mut returns);
         Some(Preview {
             image: request.image,
             first_return: request.first_return,
-            returns,
+            returns: Arc::new(returns),
         })
     } else {
         None

@@ -1,6 +1,7 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
 use super::base_map::OpeningBaseMap;
+use super::bottom::BottomFile;
 use super::comparing::Comparing;
 use super::exporting::Exporting;
 use super::external::External;
@@ -129,6 +130,7 @@ pub struct App {
     pub(super) tabulating: Tabulating,
     pub(super) exporting: Option<Exporting>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
+    pub(super) bottom_file: BottomFile,
     pub(super) jobs: Jobs,
 }
 
@@ -170,6 +172,7 @@ impl App {
             tabulating: Tabulating::default(),
             exporting: None,
             opening_base_map: None,
+            bottom_file: BottomFile::default(),
             jobs,
         }
     }

@@ -1,5 +1,6 @@
 //! What runs off the window's thread: started here, collected here.
 
+use super::bottom::ReadBottom;
 use super::external::External;
 use super::figures::Figures;
 use super::loader::Loading;
@@ -56,13 +57,13 @@ impl App {
             && let Some(loading) = self.loading.take()
         {
             match outcome {
-                Ok(survey) => self.take_survey(survey, loading.origin),
+                Ok((survey, drawn)) => self.take_survey(survey, loading.origin, drawn),
                 Err(text) => self.tell(text, true),
             }
         }
     }
 
-    fn take_survey(&mut self, survey: Survey, origin: Origin) {
+    fn take_survey(&mut self, survey: Survey, origin: Origin, drawn: Option<ReadBottom>) {
         let path = match origin {
             Origin::Path(path) => Some(path),
             Origin::Demo => None,
@@ -93,6 +94,11 @@ impl App {
         self.visible = 0..0;
         // A flat spot belongs to the survey that it was picked in.
         self.settings = self.settings.with_survey_of(&Settings::default());
+        let log = self
+            .survey
+            .as_ref()
+            .and_then(|survey| survey.source.files.first().cloned());
+        self.take_bottom(log.filter(|_| path.is_some()).as_deref(), drawn);
         self.measuring = Measuring::default();
         self.history = History::default();
         self.previewer.forget();
@@ -151,6 +157,7 @@ impl App {
             survey: survey.clone(),
             image: self.settings.image.clone(),
             first_return: self.settings.first_return.clone(),
+            bottom: self.settings.bottom.clone(),
             visible: self.visible.clone(),
             base: self.products.as_ref()?.returns.clone(),
         })

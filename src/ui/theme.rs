@@ -307,6 +307,11 @@ pub fn plot_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
+/// The bottom drawn by hand, in the waterfall.
+pub fn hand_colour() -> Color32 {
+    Color32::from_rgb(120, 255, 140)
+}
+
 /// The depth that the recorder itself found, on waterfall and profile.
 pub fn depth_line_colour() -> Color32 {
     Color32::from_rgb(225, 200, 60)

@@ -4,6 +4,7 @@
 mod architecture;
 mod base_map;
 mod bathymetry;
+mod bottom;
 mod calibration;
 mod cli;
 mod cloud;

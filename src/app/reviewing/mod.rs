@@ -34,7 +34,7 @@ pub const PIXEL_M: f64 = 0.04;
 /// Reviews of other logs kept at hand while the window is open.
 const PARKED: usize = 10;
 
-/// What a drag in the waterfall does to boxes.
+/// What a drag in the waterfall does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
     /// Nothing: it moves the picture.
@@ -44,6 +44,8 @@ pub enum Tool {
     Edit,
     /// Draws a new box.
     Draw,
+    /// Draws the bottom.
+    Bottom,
 }
 
 /// What undo goes back to.

@@ -1,11 +1,12 @@
 //! Step 1: where the bottom is first heard.
 
 use super::parts::{self, Choice, Knob, Section, choice, knob, section};
+use crate::app::{Action, Command, Tool};
 use crate::first_return::{Method, SampleMode};
 use crate::pipeline::Stage;
 use crate::survey::Side;
 use crate::ui::{ViewContext, text, theme};
-use egui::{RichText, Ui};
+use egui::{Button, Response, RichText, Ui};
 
 const METHODS: &[Choice<Method>] = &[
     (
@@ -43,6 +44,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         found(ui, context);
         controls(ui, context);
+        by_hand(ui, context);
     });
 }
 
@@ -87,6 +89,44 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     for text in &products.returns.warnings {
         parts::warning(ui, context, text);
     }
+}
+
+/// The pen, and what was drawn with it.
+fn by_hand(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let drawn = app.settings.bottom.ping_count();
+    let mut wanted = None;
+    ui.horizontal(|ui| {
+        let holds = app.reviewing.tool == Tool::Bottom;
+        let mut both = app.options.waterfall.bottom_both_sides;
+        let pen = Button::selectable(holds, "Draw bottom");
+        let pen = action(ui.add(pen), Action::DrawBottom);
+        let sides = action(
+            ui.checkbox(&mut both, "Both sides"),
+            Action::BottomBothSides,
+        );
+        wanted = [(pen, Action::DrawBottom), (sides, Action::BottomBothSides)]
+            .into_iter()
+            .find_map(|(response, action)| response.clicked().then_some(action));
+    });
+    if drawn > 0 {
+        ui.horizontal(|ui| {
+            ui.label(format!("{} by hand", text::plural(drawn, "ping", "pings")))
+                .on_hover_text("Pings whose first return was drawn, both sides counted.");
+            if action(ui.button("Forget"), Action::ForgetBottom).clicked() {
+                wanted = Some(Action::ForgetBottom);
+            }
+        });
+    }
+    if let Some(action) = wanted {
+        context.push(Command::Do(action));
+    }
+}
+
+fn action(response: Response, action: Action) -> Response {
+    response
+        .accessible_name(action.label())
+        .on_hover_text(action.hint())
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {

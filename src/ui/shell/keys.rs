@@ -65,6 +65,7 @@ pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Comma
         name_box(ui, app, commands);
         if !control_focused {
             move_box(ui, app, commands);
+            move_bottom(ui, app, commands);
         }
     }
     for (shortcut, action) in SHORTCUTS.iter() {
@@ -164,6 +165,22 @@ fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
                     down: down * steps,
                     resize,
                 }));
+            }
+        }
+    }
+}
+
+/// While the bottom is drawn, Up and Down make it shallower and deeper at the selected ping.
+fn move_bottom(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+    if app.reviewing.tool != Tool::Bottom {
+        return;
+    }
+    for (key, outward) in [(Key::ArrowUp, -1), (Key::ArrowDown, 1)] {
+        for (modifiers, samples) in [(Modifiers::SHIFT, 10), (Modifiers::NONE, 1)] {
+            if ui.input_mut(|input| input.consume_key(modifiers, key)) {
+                // egui has seen it too, and would walk to a control.
+                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+                commands.push(Command::NudgeBottom(outward * samples));
             }
         }
     }

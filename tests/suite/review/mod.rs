@@ -3,7 +3,7 @@
 mod exported;
 mod judged;
 mod kept;
-mod mouse;
+pub(crate) mod mouse;
 mod on_map;
 mod search;
 

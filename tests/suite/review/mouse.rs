@@ -3,7 +3,7 @@
 use super::*;
 
 /// Where a place is on the screen of a waterfall that shows all of the demo, time to the right.
-fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
+pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
     let view = window.get_by_label_contains("Waterfall, pings").rect();
     let seen = &app(window).visible;
     let share = (ping - seen.start as f64) / seen.len() as f64;
@@ -26,7 +26,7 @@ fn farthest_m(window: &Window) -> f64 {
         .fold(0.0, |far_m, side| f64::max(far_m, f64::from(side.far_m)))
 }
 
-fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+pub(crate) fn drag(window: &mut Window, from: Pos2, to: Pos2) {
     window.hover_at(from);
     window.step();
     window.drag_at(from);

@@ -182,6 +182,19 @@ fn runs(columns: &Columns, lens: &Lens) -> Vec<Run> {
     runs
 }
 
+/// A line drawn by hand; of a single ping a dot.
+pub(super) fn hand(painter: &Painter, lens: &Lens, points: Vec<Pos2>, pen: Pen) {
+    let run = Run {
+        doubtful: false,
+        points,
+    };
+    for pen in [pen.rim(), pen] {
+        if !run.points.is_empty() {
+            draw_run(painter, &run, lens, pen);
+        }
+    }
+}
+
 fn draw_run(painter: &Painter, run: &Run, lens: &Lens, pen: Pen) {
     let colour = pen.of(run.doubtful);
     let stroke = Stroke::new(pen.stroke_width(), colour);

@@ -1,5 +1,6 @@
 //! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
 
+mod bottom;
 mod boxes;
 mod camera;
 mod drawing;
@@ -47,6 +48,7 @@ pub struct WaterfallView {
     reveal_serial: u64,
     was_over: Option<Mark>,
     boxes: boxes::Boxes,
+    pen: bottom::BottomPen,
     settled: bool,
 }
 
@@ -87,7 +89,8 @@ impl WaterfallView {
             .camera
             .map(|camera| Lens::new(camera, rect, orientation));
         let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, &lens, context));
-        let lens = self.aim(ui, &response, &axis, context, !holds_box);
+        let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, &lens, context));
+        let lens = self.aim(ui, &response, &axis, context, !holds_box && !draws);
         self.draw_picture(&painter, &lens, context);
         let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
         if let Some(ping) = followed.equal_scales_at
@@ -114,9 +117,12 @@ impl WaterfallView {
             },
         );
         self.boxes.draw(&painter, response.interact_pointer_pos());
+        self.pen.draw(&painter, &lens, context.app);
         let read_out =
             (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
-        if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
+        // A hand that draws wants to see what lies ahead.
+        let reads = response.hover_pos().filter(|_| !draws);
+        if let Some((at, text)) = reads.zip(read_out.as_ref()) {
             pointer::read_out(&painter, &lens, at, text);
         }
         let visible = lens.visible(survey.side_scan.len());

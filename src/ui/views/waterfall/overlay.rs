@@ -4,7 +4,7 @@ use super::drawing::Drawing;
 use super::labels::Labels;
 use super::lens::Lens;
 use super::scales::RangeLines;
-use super::{boxes, flat_spots, lines, marks, scales};
+use super::{bottom, boxes, flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::survey::{Side, Survey};
 use crate::ui::theme;
@@ -107,4 +107,5 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         };
         lines::first_return(painter, lens, shown.survey, drawing, returns, side, pen);
     }
+    bottom::drawn(painter, lens, shown.app);
 }

@@ -55,10 +55,10 @@ pub(super) fn follow(
     let clicked = response.clicked() || response.secondary_clicked();
     if clicked && let Some(at) = response.interact_pointer_pos() {
         // The tool in hand has a use of its own for the pointer.
-        let finds = context.app.reviewing.tool != Tool::Draw;
+        let finds = !matches!(context.app.reviewing.tool, Tool::Draw | Tool::Bottom);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
-            None if context.app.reviewing.tool == Tool::Look => {
+            None if matches!(context.app.reviewing.tool, Tool::Look | Tool::Bottom) => {
                 context.push(Command::Select(mark_at(survey, lens.place_at(at))));
             }
             None => {}

@@ -44,7 +44,7 @@ impl Boxes {
         context: &mut ViewContext<'_>,
     ) -> bool {
         let tool = context.app.reviewing.tool;
-        if tool == Tool::Look {
+        if matches!(tool, Tool::Look | Tool::Bottom) {
             self.held = None;
             return false;
         }
@@ -102,7 +102,7 @@ impl Boxes {
                 .selected_box()
                 .and_then(|one| Edges::under(lens, &one.mark, lens.place_at(at)))
                 .map(|edges| edges.cursor()),
-            Tool::Look => None,
+            Tool::Look | Tool::Bottom => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);

@@ -99,7 +99,7 @@ fn caption(one: &Reviewed, review: &Review) -> String {
 /// What the view says about its boxes to screen readers and tests.
 pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> String {
     if !app.reviewing.has_boxes() {
-        return String::new();
+        return tool_in_hand(app).to_owned();
     }
     let selected = app.reviewing.selected_box();
     let selected = selected.map_or_else(String::new, |one| {
@@ -110,17 +110,22 @@ pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> Str
             one.state.name()
         )
     });
-    let tool = match app.reviewing.tool {
-        Tool::Look => "",
-        Tool::Edit => ", editing it",
-        Tool::Draw => ", drawing a box",
-    };
     let missed = match missed.len() {
         0 => String::new(),
         count => format!(", {count} missed in view"),
     };
     format!(
-        ", {} in view{missed}{selected}{tool}",
-        text::plural(seen.len(), "box", "boxes")
+        ", {} in view{missed}{selected}{}",
+        text::plural(seen.len(), "box", "boxes"),
+        tool_in_hand(app)
     )
+}
+
+fn tool_in_hand(app: &App) -> &'static str {
+    match app.reviewing.tool {
+        Tool::Look => "",
+        Tool::Edit => ", editing it",
+        Tool::Draw => ", drawing a box",
+        Tool::Bottom => ", drawing the bottom",
+    }
 }

@@ -1,0 +1,245 @@
+//! The bottom drawn by hand: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
+//! in `LOG.bottom.toml` beside the log as they are made.
+
+use super::{App, Mark};
+use crate::export;
+use crate::first_return::{BottomSettings, HandLine};
+use crate::survey::{Side, Survey};
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// End of the name of the file, in place of the log's.
+const SUFFIX: &str = "bottom.toml";
+/// A longer file was not written by this program.
+const LONGEST: u64 = 64 << 20;
+/// Undo's name for all of it.
+const LABEL: &str = "bottom";
+
+/// What a stroke of the pen says of its pings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// The bottom is where it was drawn.
+    Bottom,
+    /// No bottom is heard.
+    Silence,
+    /// What the search found counts again.
+    Search,
+}
+
+/// A stroke of the pen over the waterfall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BottomStroke {
+    /// The side it began on.
+    pub side: Side,
+    /// Pings with their fractions, and slant ranges, metres by the recorder's scale.
+    pub path: Vec<[f64; 2]>,
+    /// What it says.
+    pub ink: Ink,
+}
+
+/// The file: settings, so that `bathyscope process --settings` takes it as it is.
+#[derive(Default, Serialize, Deserialize)]
+struct Kept {
+    bottom: BottomSettings,
+}
+
+/// Where the bottom drawn on the open log is kept, and what is there.
+#[derive(Default)]
+pub(super) struct BottomFile {
+    /// `None` where nothing may be written: the demo, or a file that could not be read.
+    path: Option<PathBuf>,
+    written: BottomSettings,
+}
+
+impl App {
+    /// Takes a stroke over; with both sides asked for, on the other side at the same ranges too.
+    pub(super) fn draw_bottom(&mut self, stroke: &BottomStroke) {
+        let Some(survey) = &self.survey else {
+            return;
+        };
+        let count = survey.side_scan.len();
+        let mut bottom = self.bottom_of(survey);
+        for side in self.sides_of(stroke.side) {
+            let tolerance_m = half_a_sample_m(survey, side, &stroke.path);
+            let Some(line) = HandLine::along(&stroke.path, side, count, tolerance_m) else {
+                return;
+            };
+            bottom = match stroke.ink {
+                Ink::Bottom => bottom.with(line),
+                Ink::Silence => bottom.with(HandLine {
+                    corners: Vec::new(),
+                    ..line
+                }),
+                Ink::Search => bottom.without(side, line.pings),
+            };
+        }
+        self.set_bottom(bottom);
+    }
+
+    fn sides_of(&self, side: Side) -> impl Iterator<Item = Side> + use<> {
+        let both = self.options.waterfall.bottom_both_sides;
+        (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
+    }
+
+    /// Moves the bottom at the selected ping outward by samples; where none is heard, it begins at the recorded depth.
+    pub(super) fn nudge_bottom(&mut self, samples: i32) {
+        let (Some(survey), Some(mark)) = (self.survey.clone(), self.selection) else {
+            let text = "select a ping first, with the arrow keys or a click";
+            return self.tell(text.to_owned(), true);
+        };
+        let mut bottom = self.bottom_of(&survey);
+        for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
+            let Some(span) = survey.span(mark.ping, side) else {
+                continue;
+            };
+            let from_m = self.bottom_at(&survey, mark, side);
+            let range_m = from_m.unwrap_or_else(|| span.range_m(0.0))
+                + f64::from(samples) * span.metres_per_sample();
+            let range_m = range_m.clamp(f64::from(span.near_m), f64::from(span.far_m));
+            let line = HandLine {
+                side,
+                pings: [mark.ping, mark.ping],
+                corners: vec![[mark.ping as f64, range_m]],
+            };
+            bottom = bottom.with(line);
+        }
+        self.set_bottom(bottom);
+    }
+
+    /// What was drawn on the open log; of a drawing of another one that the settings may hold, nothing.
+    fn bottom_of(&self, survey: &Survey) -> BottomSettings {
+        let bottom = &self.settings.bottom;
+        match bottom.belongs_to(survey) {
+            Ok(()) => bottom.clone(),
+            Err(_) => BottomSettings::of(survey),
+        }
+    }
+
+    /// Where the bottom is now, metres: as drawn, as found, or as recorded.
+    fn bottom_at(&self, survey: &Survey, mark: Mark, side: Side) -> Option<f64> {
+        let line = self.settings.bottom.line_at(side, mark.ping);
+        let drawn_m = line.and_then(|line| line.range_m(mark.ping));
+        let span = survey.span(mark.ping, side)?;
+        let pick = self.returns().and_then(|all| all.side(side).get(mark.ping));
+        let found_m = pick
+            .filter(|pick| pick.is_some())
+            .map(|pick| span.range_m(f64::from(pick.sample)));
+        let recorded_m = Some(f64::from(survey.locked_depth_m(mark.ping)));
+        drawn_m
+            .or(found_m)
+            .or(recorded_m.filter(|depth_m| depth_m.is_finite()))
+    }
+
+    /// Goes back to what the search found, everywhere.
+    pub(super) fn forget_bottom(&mut self) {
+        self.set_bottom(BottomSettings::default());
+    }
+
+    fn set_bottom(&mut self, bottom: BottomSettings) {
+        let mut settings = self.settings.clone();
+        settings.bottom = bottom;
+        self.change(settings, LABEL, false);
+    }
+
+    /// Takes up what was drawn on the log that is opened, `read` off the window's thread.
+    pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
+        let path = log.map(|log| log.with_extension(SUFFIX));
+        self.bottom_file = BottomFile {
+            path,
+            ..BottomFile::default()
+        };
+        let kept = match read {
+            None => return,
+            Some(Ok(kept)) => kept,
+            Some(Err(text)) => {
+                // Never written over: it may be somebody's work.
+                self.bottom_file.path = None;
+                return self.tell(text, true);
+            }
+        };
+        let pings = kept.ping_count();
+        self.bottom_file.written = kept.clone();
+        self.settings.bottom = kept;
+        let name = self
+            .bottom_file
+            .path
+            .as_deref()
+            .unwrap_or(Path::new(SUFFIX));
+        let text = format!(
+            "The bottom of {pings} pings was drawn by hand when this log was last open: {}",
+            name.display()
+        );
+        self.tell(text, false);
+    }
+
+    /// Writes what was drawn, when it is not what the file holds. An empty drawing takes the file away.
+    pub(super) fn keep_bottom(&mut self) {
+        let bottom = &self.settings.bottom;
+        let Some(path) = self.bottom_file.path.clone() else {
+            return;
+        };
+        if *bottom == self.bottom_file.written {
+            return;
+        }
+        match write(&path, bottom) {
+            Ok(()) => self.bottom_file.written = bottom.clone(),
+            Err(text) => {
+                self.bottom_file.path = None;
+                let text = format!("the bottom drawn by hand cannot be kept: {text}");
+                self.tell(text, true);
+            }
+        }
+    }
+}
+
+/// Half of a sample's slant range where a stroke begins, metres: finer corners say nothing.
+fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
+    let ping = path.first().map_or(0, |[ping, _]| ping.max(0.0) as usize);
+    let span = survey.span(ping, side);
+    0.5 * span.map_or(0.02, |span| span.metres_per_sample())
+}
+
+/// A drawing that lay beside a log, or why it cannot be used.
+pub(super) type ReadBottom = Result<BottomSettings, String>;
+
+/// Reads what was drawn on a log of so many pings, if anything was.
+pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
+    let path = log.with_extension(SUFFIX);
+    let length = fs::metadata(&path)
+        .ok()
+        .filter(|found| found.is_file())?
+        .len();
+    let parsed = || -> Result<BottomSettings, String> {
+        if length > LONGEST {
+            return Err("it is longer than 64 MiB".to_owned());
+        }
+        let text = fs::read_to_string(&path).map_err(|error| error.to_string())?;
+        let kept: Kept = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
+        kept.bottom.check().map_err(str::to_owned)?;
+        kept.bottom.belongs_to(survey)?;
+        Ok(kept.bottom)
+    };
+    Some(parsed().map_err(|what| {
+        format!(
+            "cannot use the bottom drawn by hand: {what}: {}",
+            path.display()
+        )
+    }))
+}
+
+fn write(path: &Path, bottom: &BottomSettings) -> Result<(), String> {
+    if bottom.is_empty() {
+        return match fs::remove_file(path) {
+            Err(error) if path.exists() => Err(format!("{error}: {}", path.display())),
+            _ => Ok(()),
+        };
+    }
+    let kept = Kept {
+        bottom: bottom.clone(),
+    };
+    let text = toml::to_string(&kept).map_err(|error| error.to_string())?;
+    export::write_aside(path, |mut file| file.write_all(text.as_bytes()))
+        .map_err(|error| error.to_string())
+}

@@ -1,0 +1,143 @@
+//! The pen that draws the bottom by hand, and what was drawn.
+
+use super::lens::{Lens, Place, across_m};
+use super::lines::Pen;
+use crate::app::{App, BottomStroke, Command, Ink, Tool};
+use crate::survey::Side;
+use crate::ui::{ViewContext, theme};
+use egui::{CursorIcon, Key, Modifiers, Painter, PointerButton, Pos2, Response, Shape, Stroke, Ui};
+
+/// Width of a drawn line, points.
+const WIDTH: f32 = 2.0;
+/// Length of the dashes of a stroke that takes away, points.
+const DASH: f32 = 5.0;
+
+/// The stroke under way.
+#[derive(Default)]
+pub(super) struct BottomPen {
+    stroke: Option<BottomStroke>,
+}
+
+impl BottomPen {
+    /// Follows a drag with the pen in hand; returns whether the drag draws and must not move the picture. The middle button
+    /// and Space move the picture in any tool.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        lens: &Lens,
+        context: &mut ViewContext<'_>,
+    ) -> bool {
+        if context.app.reviewing.tool != Tool::Bottom {
+            self.stroke = None;
+            return false;
+        }
+        if response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+        }
+        let (space, modifiers, origin) = ui.input(|input| {
+            let origin = input.pointer.press_origin();
+            (input.key_down(Key::Space), input.modifiers, origin)
+        });
+        let pointer = response.interact_pointer_pos().or(response.hover_pos());
+        if response.drag_started_by(PointerButton::Primary) && !space {
+            self.stroke = origin.or(pointer).map(|at| begun(lens, at, modifiers));
+        }
+        let Some(stroke) = &mut self.stroke else {
+            return false;
+        };
+        if let Some(at) = pointer {
+            extend(stroke, lens.place_at(at));
+        }
+        if response.drag_stopped()
+            && let Some(stroke) = self.stroke.take()
+        {
+            context.push(Command::DrawBottom(stroke));
+        }
+        true
+    }
+
+    /// Draws the stroke under way.
+    pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+        let Some(stroke) = &self.stroke else {
+            return;
+        };
+        for side in Side::BOTH {
+            if side == stroke.side || app.options.waterfall.bottom_both_sides {
+                let points = stroke
+                    .path
+                    .iter()
+                    .map(|&[ping, range_m]| at(lens, side, ping, range_m));
+                let points: Vec<Pos2> = points.collect();
+                let line = Stroke::new(WIDTH, theme::hand_colour());
+                match stroke.ink {
+                    Ink::Bottom => {
+                        painter.line(points, line);
+                    }
+                    Ink::Silence | Ink::Search => {
+                        painter.extend(Shape::dashed_line(&points, line, DASH, DASH));
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn begun(lens: &Lens, at: Pos2, modifiers: Modifiers) -> BottomStroke {
+    let place = lens.place_at(at);
+    BottomStroke {
+        side: place.side(),
+        path: vec![[place.ping, place.across_m.abs()]],
+        ink: if modifiers.alt {
+            Ink::Search
+        } else if modifiers.command {
+            Ink::Silence
+        } else {
+            Ink::Bottom
+        },
+    }
+}
+
+/// A stroke stays on its side: beyond the nadir it lies on it.
+fn extend(stroke: &mut BottomStroke, to: Place) {
+    let outward_m = match stroke.side {
+        Side::Port => -to.across_m,
+        Side::Starboard => to.across_m,
+    };
+    let point = [to.ping, outward_m.max(0.0)];
+    if stroke.path.last() != Some(&point) {
+        stroke.path.push(point);
+    }
+}
+
+fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
+    lens.screen_at(Place {
+        ping,
+        across_m: across_m(side, range_m),
+    })
+}
+
+/// The stretches in view that were drawn by hand, over the first returns: they are there before the results are.
+pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
+    let seen = lens.pings();
+    let pen = Pen {
+        colour: theme::hand_colour(),
+        width: WIDTH,
+        rim: 0.0,
+    };
+    for line in &app.settings.bottom.lines {
+        let [first, last] = line.pings.map(|ping| ping as f64);
+        if last + 1.0 < seen.start || first > seen.end {
+            continue;
+        }
+        let corners = line.corners.iter().map(|[ping, _]| *ping);
+        let within = corners.filter(|ping| (first..=last).contains(ping));
+        let mut pings: Vec<f64> = [first].into_iter().chain(within).chain([last]).collect();
+        pings.dedup();
+        let points = pings.iter().filter_map(|&ping| {
+            let range_m = line.range_m(ping as usize)?;
+            Some(at(lens, line.side, ping + 0.5, range_m))
+        });
+        super::lines::hand(painter, lens, points.collect(), pen);
+    }
+}
