@@ -10,8 +10,6 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// End of the name of the file, in place of the log's.
-const SUFFIX: &str = "bottom.toml";
 /// A longer file was not written by this program.
 const LONGEST: u64 = 64 << 20;
 /// Undo's name for all of it.
@@ -145,7 +143,7 @@ impl App {
 
     /// Takes up what was drawn on the log that is opened, `read` off the window's thread.
     pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
-        let path = log.map(|log| log.with_extension(SUFFIX));
+        let path = log.map(|log| log.with_extension(BottomSettings::BESIDE));
         self.bottom_file = BottomFile {
             path,
             ..BottomFile::default()
@@ -166,7 +164,7 @@ impl App {
             .bottom_file
             .path
             .as_deref()
-            .unwrap_or(Path::new(SUFFIX));
+            .unwrap_or(Path::new(BottomSettings::BESIDE));
         let text = format!(
             "The bottom of {pings} pings was drawn by hand when this log was last open: {}",
             name.display()
@@ -206,7 +204,7 @@ pub(super) type ReadBottom = Result<BottomSettings, String>;
 
 /// Reads what was drawn on a log of so many pings, if anything was.
 pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
-    let path = log.with_extension(SUFFIX);
+    let path = log.with_extension(BottomSettings::BESIDE);
     let length = fs::metadata(&path)
         .ok()
         .filter(|found| found.is_file())?

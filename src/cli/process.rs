@@ -7,6 +7,7 @@ use crate::app::open_reference;
 use crate::bathymetry::compare::Matching;
 use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
+use crate::first_return::BottomSettings;
 use crate::formats::{self, TrackFile};
 use crate::handover::{self, Objects};
 use crate::pipeline::{
@@ -48,15 +49,15 @@ pub struct ProcessArgs {
     settings: SettingsArgs,
 }
 
-/// Where settings come from: the preset, then the file, then each `--set`, the last word winning.
+/// Where settings come from: the preset, then the files, then each `--set`, the last word winning.
 #[derive(Debug, Default, clap::Args)]
 pub struct SettingsArgs {
     /// The settings to start from
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// TOML file of settings laid over the preset
+    /// TOML file of settings laid over the preset; may be given again, LOG.bottom.toml of the window among them
     #[arg(long, value_name = "FILE.toml")]
-    settings: Option<PathBuf>,
+    settings: Vec<PathBuf>,
     /// One setting, for example first_return.threshold=0.35
     #[arg(long = "set", value_name = "KEY=VALUE")]
     assignments: Vec<String>,
@@ -66,7 +67,7 @@ impl SettingsArgs {
     /// The settings that the arguments describe.
     pub fn resolve(&self) -> Result<Settings, String> {
         let mut settings = Settings::preset(self.preset);
-        if let Some(path) = &self.settings {
+        for path in &self.settings {
             let text = input::text(path).map_err(|error| {
                 format!("cannot read the settings: {error}: {}", path.display())
             })?;
@@ -138,9 +139,22 @@ impl How<'_> {
         folder: impl FnOnce(&Survey) -> PathBuf,
     ) -> Result<(Survey, Products, Report), String> {
         let survey = open(path, self.track, self.settings)?;
+        tell_of_drawing(&survey, self.settings);
         let folder = folder(&survey);
         let (products, report) = process_into(&survey, self, &folder)?;
         Ok((survey, products, report))
+    }
+}
+
+/// Says that a bottom drawn by hand lies beside the log and is not in force: nothing is taken up unasked.
+fn tell_of_drawing(survey: &Survey, settings: &Settings) {
+    let log = survey.source.files.first();
+    let beside = log.map(|log| log.with_extension(BottomSettings::BESIDE));
+    if let Some(path) = beside.filter(|path| settings.bottom.is_empty() && path.is_file()) {
+        output::tell(format_args!(
+            "warning: a bottom drawn by hand lies beside the log and is not used; --settings takes it: {}",
+            path.display()
+        ));
     }
 }
 

@@ -114,6 +114,9 @@ impl HandLine {
 }
 
 impl BottomSettings {
+    /// End of the name of the file that they are kept in, in place of the log's.
+    pub const BESIDE: &str = "bottom.toml";
+
     /// Nothing yet, over a log.
     pub fn of(survey: &Survey) -> Self {
         Self {
@@ -173,6 +176,15 @@ impl BottomSettings {
     pub fn ping_count(&self) -> usize {
         let counts = self.lines.iter().map(|line| line.span().count());
         counts.sum()
+    }
+
+    /// What was done to the first returns of this log, in a sentence for its report; empty where it is nothing.
+    pub fn statement(&self, survey: &Survey) -> String {
+        match self.ping_count() {
+            0 => String::new(),
+            _ if self.belongs_to(survey).is_err() => String::new(),
+            count => format!("{count} first returns were drawn by hand."),
+        }
     }
 
     /// Refuses what no hand can have drawn, in one sentence.

@@ -169,11 +169,15 @@ impl Report {
             },
             calibration: CalibrationReport::new(calibration),
             residuals: residuals(survey, cloud, correction, kept),
-            statement: format!(
-                "{} {} {STATEMENT}",
-                correction.statement(),
-                positions(&survey.track)
-            ),
+            statement: [
+                settings.bottom.statement(survey).as_str(),
+                correction.statement().as_str(),
+                positions(&survey.track).as_str(),
+                STATEMENT,
+            ]
+            .join(" ")
+            .trim_start()
+            .to_owned(),
             warnings: warnings(survey, products),
         })
     }

@@ -1,6 +1,6 @@
 //! The bottom drawn by hand: in the window with the mouse and the keys, and headless from the file that the window keeps.
 
-use crate::cli::{refusal, run};
+use crate::cli::{refusal, run, told};
 use crate::review::mouse::{at, drag};
 use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
@@ -177,6 +177,7 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
         "pond.sl2",
         "-o",
         "out",
+        "--no-objects",
         "--settings",
         "pond.bottom.toml",
     ];
@@ -194,9 +195,20 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
         "{row}"
     );
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
+    assert!(report.contains("101 first returns were drawn by hand."));
     assert!(
         report.contains("\"bottom\""),
         "settings are all in the report"
+    );
+
+    // Nothing is taken up unasked; that it lies there is said.
+    let said = told(
+        folder.path(),
+        &["process", "pond.sl2", "-o", "plain", "--no-objects"],
+    );
+    assert!(
+        said.contains("drawn by hand lies beside the log and is not used"),
+        "{said}"
     );
 
     // Taken back, nothing is left to be taken up.
@@ -248,6 +260,7 @@ fn a_drawing_of_another_log_is_left_alone_and_said() {
         "pond.sl2",
         "-o",
         "out",
+        "--no-objects",
         "--settings",
         "pond.bottom.toml",
     ];

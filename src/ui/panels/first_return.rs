@@ -99,7 +99,7 @@ fn by_hand(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal(|ui| {
         let holds = app.reviewing.tool == Tool::Bottom;
         let mut both = app.options.waterfall.bottom_both_sides;
-        let pen = Button::selectable(holds, "Draw bottom");
+        let pen = Button::new("Draw bottom").selected(holds);
         let pen = action(ui.add(pen), Action::DrawBottom);
         let sides = action(
             ui.checkbox(&mut both, "Both sides"),

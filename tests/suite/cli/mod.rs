@@ -31,6 +31,13 @@ pub(crate) fn run(folder: &Path, args: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text on stdout")
 }
 
+/// What a run says on the way.
+pub(crate) fn told(folder: &Path, args: &[&str]) -> String {
+    let output = bathyscope(folder, args);
+    assert!(output.status.success(), "{args:?} failed");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
 /// The one sentence that a failing run ends on.
 pub(crate) fn refusal(folder: &Path, args: &[&str], code: i32) -> String {
     let output = bathyscope(folder, args);
