@@ -144,8 +144,8 @@ fn known(
     }
     let echo_m = [metres(columns.near)?, metres(columns.far)?];
     let whole_m = [metres(box_near)?, metres(box_far)?];
-    let turned = |[near_m, far_m]: [f64; 2]| near_m >= far_m;
-    if first > last || turned(echo_m) || turned(whole_m) {
+    // A glimpse may have an echo of a single range; a box has an extent.
+    if first > last || echo_m[0] > echo_m[1] || whole_m[0] >= whole_m[1] {
         return Err("the object is inside out".to_owned());
     }
     let shown = match field(columns.shown) {
