@@ -1,7 +1,7 @@
 //! The bottom drawn by hand: in the window with the mouse and the keys, and headless from the file that the window keeps.
 
 use crate::cli::{refusal, run, told};
-use crate::review::mouse::{at, drag};
+use crate::review::mouse::{at, drag, pull};
 use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
 use bathyscope::app::{Action, App, BottomStroke, Command, Ink};
@@ -140,6 +140,17 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     }
 }
 
+/// The drawing that the window keeps, headless.
+const PROCESS: [&str; 7] = [
+    "process",
+    "pond.sl2",
+    "-o",
+    "out",
+    "--no-objects",
+    "--settings",
+    "pond.bottom.toml",
+];
+
 fn copied(folder: &Path) -> PathBuf {
     let log = folder.join("pond.sl2");
     fs::copy(support::demo_log(), &log).expect("a copy");
@@ -172,16 +183,7 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window.get_by_label_contains("was drawn by hand when this log was last open");
 
-    let process = [
-        "process",
-        "pond.sl2",
-        "-o",
-        "out",
-        "--no-objects",
-        "--settings",
-        "pond.bottom.toml",
-    ];
-    run(folder.path(), &process);
+    run(folder.path(), &PROCESS);
     let table = fs::read_to_string(folder.path().join("out/first_returns.csv")).expect("a table");
     let row = table.lines().nth(351).expect("ping 350");
     let sample: f64 = row
@@ -255,23 +257,14 @@ fn a_drawing_of_another_log_is_left_alone_and_said() {
         );
     }
     fs::write(&kept, format!("[bottom]\npings = 50\n{lines}")).expect("a file");
-    let process = [
-        "process",
-        "pond.sl2",
-        "-o",
-        "out",
-        "--no-objects",
-        "--settings",
-        "pond.bottom.toml",
-    ];
-    run(folder.path(), &process);
+    run(folder.path(), &PROCESS);
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
     assert!(
         report.contains("it belongs to a log of 0 bytes and 50 pings"),
         "{report}"
     );
     fs::write(&kept, format!("[bottom]\npings = 5\n{lines}")).expect("a file");
-    let sentence = refusal(folder.path(), &process, 1);
+    let sentence = refusal(folder.path(), &PROCESS, 1);
     assert!(sentence.contains("below bottom.pings"), "{sentence}");
 }
 
@@ -300,13 +293,6 @@ fn the_window_with_the_pen_in_hand_looks_as_it_did() {
     settle(&mut window);
     // A stroke under way, in the other direction.
     let (from, to) = (at(&window, 420.0, 3.0), at(&window, 340.0, 6.0));
-    window.hover_at(from);
-    window.step();
-    window.drag_at(from);
-    window.step();
-    for share in [0.3, 0.7, 1.0] {
-        window.hover_at(from.lerp(to, share));
-        window.step();
-    }
+    pull(&mut window, from, to);
     window.snapshot("window_bottom");
 }

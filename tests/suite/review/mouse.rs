@@ -27,6 +27,13 @@ fn farthest_m(window: &Window) -> f64 {
 }
 
 pub(crate) fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+    pull(window, from, to);
+    window.drop_at(to);
+    window.run();
+}
+
+/// A drag that has not ended.
+pub(crate) fn pull(window: &mut Window, from: Pos2, to: Pos2) {
     window.hover_at(from);
     window.step();
     window.drag_at(from);
@@ -36,8 +43,6 @@ pub(crate) fn drag(window: &mut Window, from: Pos2, to: Pos2) {
         window.step();
         window.step();
     }
-    window.drop_at(to);
-    window.run();
 }
 
 #[test]
