@@ -294,5 +294,6 @@ fn the_window_with_the_pen_in_hand_looks_as_it_did() {
     // A stroke under way, in the other direction.
     let (from, to) = (at(&window, 420.0, 3.0), at(&window, 340.0, 6.0));
     pull(&mut window, from, to);
+    settle(&mut window);
     window.snapshot("window_bottom");
 }
