@@ -95,7 +95,10 @@ impl App {
             let from_m = self.bottom_at(&survey, mark, side);
             let range_m = from_m.unwrap_or_else(|| span.range_m(0.0))
                 + f64::from(samples) * span.metres_per_sample();
-            let range_m = range_m.clamp(f64::from(span.near_m), f64::from(span.far_m));
+            // Not `clamp`, which panics on the limits that a damaged header may state.
+            let range_m = range_m
+                .max(f64::from(span.near_m))
+                .min(f64::from(span.far_m));
             let line = HandLine {
                 side,
                 pings: [mark.ping, mark.ping],

@@ -180,11 +180,11 @@ impl BottomSettings {
 
     /// What was done to the first returns of this log, in a sentence for its report; empty where it is nothing.
     pub fn statement(&self, survey: &Survey) -> String {
-        match self.ping_count() {
-            0 => String::new(),
-            _ if self.belongs_to(survey).is_err() => String::new(),
-            count => format!("{count} first returns were drawn by hand."),
+        // A drawing of another log is not even counted: it may claim any number of pings.
+        if self.is_empty() || self.belongs_to(survey).is_err() {
+            return String::new();
         }
+        format!("{} first returns were drawn by hand.", self.ping_count())
     }
 
     /// Refuses what no hand can have drawn, in one sentence.
@@ -231,8 +231,11 @@ impl BottomSettings {
                 if let (Some(pick), Some(span)) =
                     (picks.get_mut(ping), survey.span(ping, line.side))
                 {
-                    *pick = line.range_m(ping).map_or(Pick::NONE, |range_m| Pick {
-                        sample: span.sample_at(range_m).clamp(0.0, f64::from(span.count)) as f32,
+                    let sample = line.range_m(ping).map(|range_m| span.sample_at(range_m));
+                    // A damaged header may state a range without extent.
+                    let sample = sample.filter(|sample| sample.is_finite());
+                    *pick = sample.map_or(Pick::NONE, |sample| Pick {
+                        sample: sample.clamp(0.0, f64::from(span.count)) as f32,
                         confidence: 1.0,
                         canopy: false,
                     });
@@ -269,6 +272,8 @@ fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::survey::{Encoding, Order, SidePing, SideSpan};
+    use std::sync::Arc;
 
     fn line(side: Side, pings: [usize; 2], range_m: f64) -> HandLine {
         HandLine {
@@ -345,6 +350,58 @@ mod tests {
             .without(Side::Port, [0, 98]);
         assert_eq!(less.ping_count(), 1);
         assert!(less.without(Side::Starboard, [98, 98]).is_empty());
+    }
+
+    #[test]
+    fn damaged_ranges_and_foreign_drawings_do_no_harm() {
+        let span = |near_m: f32, far_m: f32| SideSpan {
+            file: 0,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset: 0,
+            count: 100,
+            near_m,
+            far_m,
+        };
+        let pings = [(0.0, 10.0), (2.0, 2.0), (f32::NAN, 5.0), (9.0, 1.0)];
+        let survey = Survey {
+            side_scan: Arc::new(
+                pings
+                    .map(|(near_m, far_m)| SidePing {
+                        time_s: 0.0,
+                        depth_m: f32::NAN,
+                        depth_locked: false,
+                        port: Some(span(near_m, far_m)),
+                        starboard: None,
+                    })
+                    .to_vec(),
+            ),
+            ..Survey::default()
+        };
+        let drawn = BottomSettings::of(&survey).with(line(Side::Port, [0, 3], 2.0));
+        let mut returns = FirstReturns {
+            port: vec![Pick::NONE; 4],
+            starboard: vec![Pick::NONE; 4],
+            warnings: Vec::new(),
+        };
+        drawn.lay_over(&survey, &mut returns);
+        assert_eq!(returns.port[0].sample, 20.0);
+        assert!(
+            returns
+                .port
+                .iter()
+                .all(|pick| pick.is_some() || pick.confidence == 0.0)
+        );
+        assert!(!returns.port[1].is_some() && !returns.port[2].is_some());
+
+        let foreign = BottomSettings {
+            log_bytes: 1,
+            pings: usize::MAX,
+            lines: vec![line(Side::Port, [0, usize::MAX - 2], 2.0); 3],
+        };
+        assert_eq!(foreign.statement(&survey), "");
+        foreign.lay_over(&survey, &mut returns);
+        assert_eq!(returns.warnings.len(), 1);
     }
 
     #[test]
