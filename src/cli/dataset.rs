@@ -2,13 +2,13 @@
 
 use super::status_line::StatusLine;
 use super::{output, simulate};
-use crate::detection::dataset::{Boxes, Chip, Known};
+use crate::detection::dataset::{Boxes, Chip, Known, Slice};
 use crate::detection::{Mark, Raster, TILE_PX};
 use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::formats;
 use crate::progress::Progress;
 use crate::simulation::{
-    self, Look, ObjectKind, Simulated, TrainingScene, training_scene, training_seed,
+    self, Look, ObjectKind, Sighting, Simulated, TrainingScene, training_scene, training_seed,
 };
 use crate::survey::{HeadingSettings, Projection, Survey, navigate};
 use rayon::prelude::*;
@@ -260,21 +260,33 @@ fn known(simulated: &Simulated) -> Vec<Known> {
     for object in &simulated.objects {
         let class = ObjectKind::ALL.iter().position(|&kind| kind == object.kind);
         for sighting in &object.sightings {
-            let mark = |[near_m, far_m]: [f64; 2]| Mark {
-                side: sighting.side,
-                pings: sighting.pings(count),
-                near_m,
-                far_m,
-            };
-            known.extend(class.map(|class| Known {
-                class,
-                echo: mark(sighting.echo_m()),
-                whole: mark(sighting.echo_and_shadow_m()),
-                shown: sighting.shown.is_some(),
-            }));
+            known.extend(class.map(|class| of_sighting(class, sighting, count)));
         }
     }
     known
+}
+
+fn of_sighting(class: usize, sighting: &Sighting, count: usize) -> Known {
+    let [near_m, far_m] = sighting.echo_and_shadow_m();
+    let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
+    Known {
+        class,
+        whole: Mark {
+            side: sighting.side,
+            pings: sighting.pings(count),
+            near_m,
+            far_m,
+        },
+        shown: sighting.shown.is_some(),
+        slices: slices
+            .map(|slice| Slice {
+                ping: slice.ping,
+                near_m: slice.near_m,
+                far_m: slice.far_m,
+                visibility: slice.visibility,
+            })
+            .collect(),
+    }
 }
 
 /// How a dataset was made: enough to make it again.

@@ -102,6 +102,7 @@ impl Lessons<'_> {
             boxes: Boxes {
                 labels: renumbered(&tile.boxes.labels),
                 ignored: renumbered(&tile.boxes.ignored),
+                outlines: Vec::new(),
             },
         }
     }

@@ -51,7 +51,7 @@ pub use scene::{
     Artefacts, Bank, BedKind, BedSettings, Curve, ObjectSettings, Pit, RecorderSettings,
     RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
-pub use shown::Shown;
+pub use shown::{Shown, Slice};
 pub use simulate::{Simulated, simulate};
 pub use training_scene::{Look, TrainingScene, training_scene, training_seed};
 pub use truth::{ObjectTruth, PingTruth, SideTruth, Sighting};

@@ -55,6 +55,9 @@ const FILTER: [f64; 5] = [
 ];
 /// Root of the sum of the squares of `FILTER`.
 const FILTER_NORM: f64 = 1.331_311_443_697_662;
+/// Samples that share one grain of speckle: the sum over all lags of the correlation of the power, which is the square of
+/// that of `FILTER`.
+pub const GRAIN: f32 = 2.485;
 
 impl<'a> Receiver<'a> {
     /// The receiver of a scene at one recorded range; its level is set on a level bottom at the scene's mean depth.
@@ -334,4 +337,20 @@ pub fn speckle_stream(seed: u64, ping: u64, side: Side) -> Random {
         Side::Starboard => 1,
     };
     Random::new(seed, Purpose::Speckle, 2 * ping + side)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grain_is_what_the_filter_makes_alike() {
+        let lag = |lag: usize| {
+            let pairs = FILTER.iter().zip(&FILTER[lag..]);
+            let product: f64 = pairs.map(|(a, b)| a * b).sum();
+            (product / (FILTER_NORM * FILTER_NORM)).powi(2)
+        };
+        let grain = lag(0) + 2.0 * (1..FILTER.len()).map(lag).sum::<f64>();
+        assert!((grain - f64::from(GRAIN)).abs() < 1e-3, "{grain}");
+    }
 }

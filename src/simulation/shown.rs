@@ -2,7 +2,8 @@
 //!
 //! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with noise, an object in the
 //! shadow of another. So each ping is heard twice, with the object and without it, and what a recorder would write on
-//! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown.
+//! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown; and where all that
+//! differs, weighed as the best filter would, does not rise out of the speckle, nothing is.
 
 use crate::survey::Side;
 use std::ops::Range;
@@ -22,8 +23,8 @@ pub struct Trace {
     pub stands_out: Vec<f32>,
 }
 
-/// The box around what is shown of an object in one pass. Pings count recorded pings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is shown of an object in one pass, and the box around it. Pings count recorded pings.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
     /// First ping that shows it.
     pub first_ping: usize,
@@ -33,22 +34,42 @@ pub struct Shown {
     pub near_m: f64,
     /// Farthest slant range that shows its echo or its shadow, metres.
     pub far_m: f64,
+    /// What each ping shows of it, in their order; pings that show nothing are left out.
+    pub slices: Vec<Slice>,
 }
 
+/// What one ping shows of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slice {
+    /// The ping.
+    pub ping: usize,
+    /// Nearest slant range that shows it, metres.
+    pub near_m: f64,
+    /// Farthest slant range that shows it, metres.
+    pub far_m: f64,
+    /// How much it adds to the object's visibility; the object is seen where that adds up to 1. The sum over its samples of
+    /// the squared difference, in standard deviations of the speckle, over the samples of one grain of speckle, is its
+    /// share in the square of the signal-to-noise ratio behind the best (matched) filter; visibility is that over the
+    /// square of [`SEEN_RATIO`].
+    pub visibility: f32,
+}
+
+/// Signal-to-noise ratio from which an observer tells an object from chance (A. Rose, J. Opt. Soc. Am. 38, 1948).
+const SEEN_RATIO: f32 = 5.0;
 /// Side of the square over which an eye averages speckle, metres.
 const EYE_M: f64 = 0.2;
 /// Difference of such a square that stands out, in standard deviations of the speckle (2.2 dB).
 const SEEN: f32 = 0.4;
 /// Difference of a single sample that belongs to it (1.4 dB): an average alone would reach beyond the edges.
 const OWN: f32 = 0.25;
-/// Difference beyond which a sample counts no more.
+/// Difference beyond which a sample counts no more when a box is trimmed.
 const PLAIN: f32 = 1.5;
 /// Share of what stands out that may stick out of each side of the box: the last hair of an edge or a twig.
 const TRIMMED: f64 = 0.01;
 
-/// The box around what the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and
-/// what stands out in them; `spacing_m` lies between two pings.
-pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64) -> Option<Shown> {
+/// What the pings of one pass show; `None` where nothing stands out. `rows` are pings, in their order, and what stands out
+/// in them; `spacing_m` lies between two pings, and `grain` neighbouring samples have one speckle.
+pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64, grain: f32) -> Option<Shown> {
     let (first, last) = (rows.first()?, rows.last()?);
     let metres_per_sample = first.1.metres_per_sample;
     // A recorder that changes its range in the middle of an object shows it twice; the first scale is the one kept.
@@ -70,11 +91,24 @@ pub fn shown(rows: &[(usize, &Trace)], spacing_m: f64) -> Option<Shown> {
     }
     let half = |step_m: f64| (0.5 * EYE_M / step_m.max(1e-6)).round() as usize;
     let [pings, samples] = picture.extent([half(spacing_m), half(metres_per_sample)])?;
-    Some(Shown {
+    let range_m = |sample: usize| (start + sample) as f64 * metres_per_sample;
+    let slice = |row: usize| {
+        let columns = picture.slice(row, &samples)?;
+        Some(Slice {
+            ping: first.0 + row,
+            near_m: range_m(columns.start),
+            far_m: range_m(columns.end),
+            visibility: picture.energy(row, &samples) / (grain * SEEN_RATIO * SEEN_RATIO),
+        })
+    };
+    let slices: Vec<Slice> = pings.clone().filter_map(slice).collect();
+    let visibility: f32 = slices.iter().map(|slice| slice.visibility).sum();
+    (visibility >= 1.0).then(|| Shown {
         first_ping: first.0 + pings.start,
         last_ping: first.0 + pings.end - 1,
-        near_m: (start + samples.start) as f64 * metres_per_sample,
-        far_m: (start + samples.end) as f64 * metres_per_sample,
+        near_m: range_m(samples.start),
+        far_m: range_m(samples.end),
+        slices,
     })
 }
 
@@ -83,6 +117,8 @@ struct Picture {
     rows: usize,
     columns: usize,
     levels: Vec<f32>,
+    /// Whether each stands out, once [`Picture::extent`] has looked.
+    stands_out: Vec<bool>,
 }
 
 impl Picture {
@@ -91,6 +127,7 @@ impl Picture {
             rows,
             columns,
             levels: vec![0.0; rows * columns],
+            stands_out: vec![false; rows * columns],
         }
     }
 
@@ -100,7 +137,7 @@ impl Picture {
     }
 
     /// Rows and columns of the box around what stands out when averaged over squares of twice `half` and one.
-    fn extent(&self, half: [usize; 2]) -> Option<[Range<usize>; 2]> {
+    fn extent(&mut self, half: [usize; 2]) -> Option<[Range<usize>; 2]> {
         let along_columns = running_mean(&self.levels, half[1], [self.rows, self.columns], false);
         let averaged = running_mean(&along_columns, half[0], [self.rows, self.columns], true);
         let (mut by_row, mut by_column) = (vec![0.0; self.rows], vec![0.0; self.columns]);
@@ -109,9 +146,24 @@ impl Picture {
                 let amount = f64::from(own.abs().min(PLAIN));
                 by_row[index / self.columns] += amount;
                 by_column[index % self.columns] += amount;
+                self.stands_out[index] = true;
             }
         }
         Some([trimmed(&by_row)?, trimmed(&by_column)?])
+    }
+
+    /// The shortest run of some columns that holds all that stands out there in one row.
+    fn slice(&self, row: usize, columns: &Range<usize>) -> Option<Range<usize>> {
+        let seen = &self.stands_out[row * self.columns..][columns.clone()];
+        let first = seen.iter().position(|&seen| seen)?;
+        let last = seen.iter().rposition(|&seen| seen)?;
+        Some(columns.start + first..columns.start + last + 1)
+    }
+
+    /// Sum of the squares of one row's levels in some columns.
+    fn energy(&self, row: usize, columns: &Range<usize>) -> f32 {
+        let levels = &self.levels[row * self.columns..][columns.clone()];
+        levels.iter().map(|level| level * level).sum()
     }
 }
 
@@ -183,8 +235,16 @@ mod tests {
         let levels = [vec![1.5; 10], vec![-1.0; 30], vec![-0.1; 20]].concat();
         let traces: Vec<Trace> = (0..12).map(|_| trace(100, levels.clone())).collect();
         let rows: Vec<(usize, &Trace)> = (40..).zip(&traces).collect();
-        let found = shown(&rows, 0.1).expect("a box");
+        let found = shown(&rows, 0.1, 1.0).expect("a box");
         assert_eq!([found.first_ping, found.last_ping], [40, 51]);
+        assert_eq!(found.slices.len(), 12);
+        let slice = found.slices[3];
+        assert_eq!(
+            (slice.ping, slice.near_m, slice.far_m),
+            (43, found.near_m, found.far_m)
+        );
+        // Ten samples of 1.5 and thirty of 1, squared, over 5 squared.
+        assert!((slice.visibility - 52.5 / 25.0).abs() < 1e-4);
         assert!((found.near_m - 2.0).abs() < 1e-9 && (found.far_m - 2.8).abs() < 1e-9);
     }
 
@@ -192,10 +252,20 @@ mod tests {
     fn speckle_hides_what_is_faint_or_single() {
         let faint = trace(5, vec![0.3; 50]);
         let rows: Vec<(usize, &Trace)> = (0..9).map(|ping| (ping, &faint)).collect();
-        assert_eq!(shown(&rows, 0.1), None);
+        assert_eq!(shown(&rows, 0.1, 1.0), None);
         let single = trace(5, vec![1.5]);
-        assert_eq!(shown(&[(3, &single)], 0.1), None);
-        assert_eq!(shown(&[], 0.1), None);
+        assert_eq!(shown(&[(3, &single)], 0.1, 1.0), None);
+        assert_eq!(shown(&[], 0.1, 1.0), None);
+    }
+
+    #[test]
+    fn an_object_rises_out_of_the_speckle_as_a_whole_or_is_not_shown() {
+        let rows = |trace| (0..10).map(move |ping| (ping, trace));
+        let plain = trace(5, vec![0.5; 30]);
+        let rows: Vec<(usize, &Trace)> = rows(&plain).collect();
+        // Some 250 samples at a half, but for the edges: the root of 63 is 8; with four samples to a grain half of that.
+        assert!(shown(&rows, 0.1, 1.0).is_some());
+        assert_eq!(shown(&rows, 0.1, 4.0), None);
     }
 
     #[test]

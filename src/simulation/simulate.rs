@@ -6,7 +6,7 @@ use super::echo::{Echo, Seen};
 use super::objects;
 use super::path::{Path, Pose};
 use super::random::{Purpose, Random};
-use super::recorder::{Receiver, speckle_stream};
+use super::recorder::{GRAIN, Receiver, speckle_stream};
 use super::scene::Scene;
 use super::shoal::Fishes;
 use super::shown::{Trace, shown};
@@ -321,7 +321,7 @@ impl<'a> Run<'a> {
                 let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
                 let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
                 sighting.spread_pings = (spread_m / spacing_m).round() as usize;
-                sighting.shown = shown(&pass(heard, index, sighting), spacing_m);
+                sighting.shown = shown(&pass(heard, index, sighting), spacing_m, GRAIN);
             }
         }
         objects

@@ -76,7 +76,7 @@ pub struct ObjectTruth {
 }
 
 /// One pass of the boat along an object. Pings count recorded pings ([`super::Simulated::pings`]).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sighting {
     /// The side that heard it.
     pub side: Side,
@@ -109,11 +109,6 @@ impl Sighting {
         }
         let end = (self.last_ping + 1 + self.spread_pings).min(count);
         self.first_ping.saturating_sub(self.spread_pings)..end
-    }
-
-    /// Slant ranges of its echo alone, metres.
-    pub fn echo_m(&self) -> [f64; 2] {
-        [self.near_m, self.far_m]
     }
 
     /// Slant ranges of the box around what is shown of its echo and its shadow, metres. Where nothing is shown, those of the

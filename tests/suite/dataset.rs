@@ -1,6 +1,6 @@
 //! Labelled pictures of simulated surveys: boxes against what objects really change in the picture, and the files.
 
-use bathyscope::detection::dataset::{Chip, Known};
+use bathyscope::detection::dataset::{Chip, Known, Slice};
 use bathyscope::detection::{Mark, Raster, Rect, TILE_PX};
 use bathyscope::formats;
 use bathyscope::progress::Progress;
@@ -38,22 +38,30 @@ fn known(simulated: &Simulated) -> Vec<Known> {
             .iter()
             .map(move |sighting| (class.expect("a class"), sighting))
     });
-    let mark = |class, sighting: &bathyscope::simulation::Sighting| {
-        let mark = |[near_m, far_m]: [f64; 2]| Mark {
-            side: sighting.side,
-            pings: sighting.pings(simulated.pings.len()),
-            near_m,
-            far_m,
-        };
+    let known = |class, sighting: &bathyscope::simulation::Sighting| {
+        let [near_m, far_m] = sighting.echo_and_shadow_m();
+        let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
         Known {
             class,
-            echo: mark(sighting.echo_m()),
-            whole: mark(sighting.echo_and_shadow_m()),
+            whole: Mark {
+                side: sighting.side,
+                pings: sighting.pings(simulated.pings.len()),
+                near_m,
+                far_m,
+            },
             shown: sighting.shown.is_some(),
+            slices: slices
+                .map(|slice| Slice {
+                    ping: slice.ping,
+                    near_m: slice.near_m,
+                    far_m: slice.far_m,
+                    visibility: slice.visibility,
+                })
+                .collect(),
         }
     };
     sightings
-        .map(|(class, sighting)| mark(class, sighting))
+        .map(|(class, sighting)| known(class, sighting))
         .collect()
 }
 

@@ -258,7 +258,7 @@ fn shadow_tells_the_height_of_a_block() {
     }];
     let simulated = run(&scene, 1);
     let survey = open(&simulated);
-    let [seen] = simulated.objects[0].sightings[..] else {
+    let [seen] = &simulated.objects[0].sightings[..] else {
         panic!("{:?}", simulated.objects);
     };
     // Sailing east, south is starboard; 2 m at 0.135 m a ping.

@@ -298,23 +298,18 @@ impl App {
         };
         let review = self.reviewing.review.clone();
         let judging = &mut self.reviewing.judging;
-        let (Some(survey), Some((_, truth)), true) =
-            (&self.survey, &judging.truth, judging.outdated)
-        else {
+        let (Some((_, truth)), true) = (&judging.truth, judging.outdated) else {
             return;
         };
         judging.outdated = false;
-        let (survey, truth) = (survey.clone(), truth.clone());
+        let truth = truth.clone();
         let known = judging.compared.as_ref();
         let laid = known
             .filter(|known| Arc::ptr_eq(&known.raster, &raster))
             .filter(|known| Arc::ptr_eq(known.laid.truth(), &truth))
             .map(|known| known.laid.clone());
-        judging.running = Some(Task::start(&self.jobs, move |progress| {
-            let laid = match laid {
-                Some(laid) => laid,
-                None => Arc::new(LaidTruth::new(&survey, &raster, truth, progress).ok()?),
-            };
+        judging.running = Some(Task::start(&self.jobs, move |_| {
+            let laid = laid.unwrap_or_else(|| Arc::new(LaidTruth::new(&raster, truth)));
             Some(Compared {
                 comparison: Comparison::new(&review, laid.clone(), &raster),
                 raster,

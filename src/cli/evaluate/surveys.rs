@@ -80,8 +80,7 @@ impl Known {
         let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)
             .map_err(|error| error.to_string())?;
         let raster = Raster::new(&survey, &navigation, pixel_m);
-        let laid = LaidTruth::new(&survey, &raster, Arc::new(truth), &progress)
-            .map_err(|error| error.to_string())?;
+        let laid = LaidTruth::new(&raster, Arc::new(truth));
         Ok(Self {
             survey,
             navigation,

@@ -1,22 +1,9 @@
 //! A tile with the boxes in it.
 
-use super::visible::{Contrast, Smoothed};
-use crate::detection::{Labelled, Mark, Raster, Rect, TILE_PX, Tile, level};
+use super::Known;
+use crate::detection::{Labelled, Raster, TILE_PX, Tile, level};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
-
-/// An object whose place is known.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Known {
-    /// Index into the class names.
-    pub class: usize,
-    /// Around its echo.
-    pub echo: Mark,
-    /// Around what is shown of its echo and its shadow.
-    pub whole: Mark,
-    /// Whether anything is shown of it. What a person has seen is.
-    pub shown: bool,
-}
 
 /// A levelled tile with its boxes.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,41 +19,28 @@ pub struct Chip {
 pub struct Boxes {
     /// Boxes (echo and shadow) that a detector should find.
     pub labels: Vec<Labelled>,
+    /// The outline of each label as a polygon of columns and rows; empty where only its box is known.
+    pub outlines: Vec<Vec<[f32; 2]>>,
     /// Boxes that it may find or not: cut off by the tile's edge, or too small or faint to be seen.
     pub ignored: Vec<Labelled>,
 }
 
-/// Least share of a box that lies in the tile.
-const LEAST_SHARE: f32 = 0.4;
-/// Least width and height of a box, pixels.
-const LEAST_PX: f32 = 6.0;
-
 impl Chip {
-    /// Labels a tile, then levels it. A box is a label when at least 40 % of its area lies in the tile, what lies there is
-    /// at least 6 pixels wide and high, something of the object is shown, and its echo or its shadow stands out ([`Contrast::is_seen`]); other boxes that
-    /// reach into the tile are ignored ones.
+    /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::Part::is_plain`]) has a
+    /// label; others that reach into the tile have an ignored box.
     pub fn new(mut tile: Tile, raster: &Raster, known: &[Known]) -> Self {
-        let smoothed = Smoothed::new(&tile.pixels);
         let mut boxes = Boxes::default();
         for object in known.iter().filter(|object| object.whole.side == tile.side) {
-            let place = |mark: &Mark| {
-                let rect = raster.rect_of(mark);
-                rect.shifted(-(tile.column as f32), -(tile.row as f32))
-            };
-            let (echo, whole) = (place(&object.echo), place(&object.whole));
-            let inside = whole.intersection(&FRAME);
-            if inside.area() <= 0.0 {
+            let Some(part) = object.part_in(&tile, raster) else {
                 continue;
-            }
+            };
             let label = Labelled {
                 class: object.class,
-                rect: inside,
+                rect: part.rect,
             };
-            let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
-            let whole_enough = inside.area() >= LEAST_SHARE * whole.area();
-            let seen = || Contrast::of(&smoothed, &echo, &whole).is_seen();
-            if object.shown && large && whole_enough && seen() {
+            if part.is_plain() {
                 boxes.labels.push(label);
+                boxes.outlines.push(part.outline);
             } else {
                 boxes.ignored.push(label);
             }
@@ -92,11 +66,3 @@ impl Chip {
         bytes
     }
 }
-
-/// The tile.
-pub const FRAME: Rect = Rect {
-    x0: 0.0,
-    y0: 0.0,
-    x1: TILE_PX as f32,
-    y1: TILE_PX as f32,
-};

@@ -30,6 +30,9 @@ struct Annotation {
     bbox: [f32; 4],
     area: f32,
     iscrowd: u8,
+    /// The outline as `x, y, x, y, ...`, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    segmentation: Option<[Vec<f32>; 1]>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -64,7 +67,8 @@ impl Coco {
             height: TILE_PX,
         });
         for (group, iscrowd) in [(&boxes.labels, 0), (&boxes.ignored, 1)] {
-            for Labelled { class, rect } in group {
+            for (index, Labelled { class, rect }) in group.iter().enumerate() {
+                let outline = boxes.outlines.get(index).filter(|_| iscrowd == 0);
                 self.annotations.push(Annotation {
                     id: self.annotations.len() + 1,
                     image_id: id,
@@ -72,6 +76,9 @@ impl Coco {
                     bbox: [rect.x0, rect.y0, rect.x1 - rect.x0, rect.y1 - rect.y0],
                     area: rect.area(),
                     iscrowd,
+                    segmentation: outline
+                        .filter(|outline| !outline.is_empty())
+                        .map(|outline| [outline.concat()]),
                 });
             }
         }

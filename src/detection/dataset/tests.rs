@@ -1,47 +1,81 @@
-use super::visible::{Contrast, Smoothed};
+use super::part::Part;
 use super::*;
-use crate::detection::{Labelled, Rect, TILE_PX};
+use crate::detection::testing::survey;
+use crate::detection::{Labelled, Mark, Raster, Rect, TILE_PX};
+use crate::survey::Side;
 
 fn rect(x0: f32, y0: f32, x1: f32, y1: f32) -> Rect {
     Rect { x0, y0, x1, y1 }
 }
 
-/// A tile of grey noise between 80 and 119, with a patch of another level.
-fn noisy(patch: &Rect, level: u8) -> Vec<u8> {
-    let inside = |x: usize, y: usize| {
-        let (x, y) = (x as f32, y as f32);
-        x >= patch.x0 && x < patch.x1 && y >= patch.y0 && y < patch.y1
-    };
-    let pixel = |index: usize| {
-        let noise = (index.wrapping_mul(2_654_435_761) >> 7) % 40;
-        if inside(index % TILE_PX, index / TILE_PX) {
-            level
-        } else {
-            80 + noise as u8
-        }
-    };
-    (0..TILE_PX * TILE_PX).map(pixel).collect()
+/// A pipe that leaves the boat: 20 pings from 100 on show it, each 0.2 m farther out and 0.4 m wide, each with 0.16 of the visibility.
+fn pipe(shown: bool, slices: bool) -> Known {
+    let near_m = |ping: usize| 1.0 + 0.2 * (ping - 100) as f64;
+    Known {
+        class: 2,
+        whole: Mark {
+            side: Side::Port,
+            pings: 100..120,
+            near_m: near_m(100),
+            far_m: near_m(119) + 0.4,
+        },
+        shown,
+        slices: (100..120)
+            .filter(|_| slices)
+            .map(|ping| Slice {
+                ping,
+                near_m: near_m(ping),
+                far_m: near_m(ping) + 0.4,
+                visibility: 0.16,
+            })
+            .collect(),
+    }
+}
+
+/// The part of an object in the tile that starts `pings` before the first ping that shows it, or so many after.
+fn part(known: &Known, pings: isize) -> Option<Part> {
+    let (survey, navigation) = survey(300, |_, _| 0);
+    let raster = Raster::new(&survey, &navigation, 0.04);
+    let row = raster.row_of((100 - pings) as f64) as usize;
+    known.part_in(&raster.tile(&survey, Side::Port, row, 0), &raster)
 }
 
 #[test]
-fn an_echo_or_a_shadow_is_seen_and_level_ground_is_not() {
-    let echo = rect(200.0, 100.0, 215.0, 130.0);
-    let shadow = rect(215.0, 100.0, 250.0, 130.0);
-    let whole = echo.hull(&shadow);
-    let contrast =
-        |patch: &Rect, level| Contrast::of(&Smoothed::new(&noisy(patch, level)), &echo, &whole);
-    let bright = contrast(&echo, 140);
-    assert!(
-        bright.is_seen() && bright.echo.rise > 5.0 && !bright.shadow.is_seen(),
-        "{bright:?}"
-    );
-    let dark = contrast(&shadow, 60);
-    assert!(
-        dark.is_seen() && dark.shadow.rise > 5.0 && !dark.echo.is_seen(),
-        "{dark:?}"
-    );
-    let nothing = contrast(&rect(0.0, 0.0, 0.0, 0.0), 0);
-    assert!(!nothing.is_seen(), "{nothing:?}");
+fn a_cut_object_has_the_box_of_what_is_left() {
+    let close = |a: Rect, b: Rect| {
+        let off = [a.x0 - b.x0, a.y0 - b.y0, a.x1 - b.x1, a.y1 - b.y1];
+        assert!(off.iter().all(|off| off.abs() < 1.0), "{a:?} for {b:?}");
+    };
+    // Five rows of pixels to a ping, 25 columns to a metre.
+    let whole = part(&pipe(true, true), 20).expect("in the tile");
+    close(whole.rect, rect(25.0, 100.0, 130.0, 200.0));
+    assert_eq!(whole.outline.len(), 4 * 20);
+    assert!(whole.is_plain());
+    // The upper half is gone, and with it the near half of the box; a sliver of the ping before is left.
+    let lower = part(&pipe(true, true), -10).expect("in the tile");
+    close(lower.rect, rect(70.0, 0.0, 130.0, 50.0));
+    assert!(lower.is_plain());
+    // Of a box that somebody drew nobody knows where in it the object lies: it is cut as it is.
+    let drawn = part(&pipe(true, false), -10).expect("in the tile");
+    close(drawn.rect, rect(25.0, 0.0, 130.0, 50.0));
+    assert!(drawn.is_plain() && drawn.outline.is_empty());
+    assert_eq!(part(&pipe(true, true), -30), None);
+}
+
+#[test]
+fn what_is_too_little_or_drowns_in_the_speckle_is_not_asked_for() {
+    // Seven of twenty pings are less than 40 % of it.
+    assert!(!part(&pipe(true, true), -13).expect("a part").is_plain());
+    assert!(part(&pipe(true, true), -11).expect("a part").is_plain());
+    assert!(!part(&pipe(false, true), 20).expect("a part").is_plain());
+    // All of it is seen, half of it is not.
+    let mut faint = pipe(true, true);
+    faint
+        .slices
+        .iter_mut()
+        .for_each(|slice| slice.visibility = 0.08);
+    assert!(part(&faint, 20).expect("a part").is_plain());
+    assert!(!part(&faint, -10).expect("a part").is_plain());
 }
 
 #[test]
@@ -52,6 +86,7 @@ fn yolo_and_coco_tell_the_same_boxes() {
             label(2, rect(104.0, 0.0, 312.0, 208.0)),
             label(0, rect(10.5, 20.25, 30.0, 416.0)),
         ],
+        outlines: vec![vec![[104.0, 0.0], [104.0, 208.0], [312.0, 99.5]], vec![]],
         ignored: vec![label(1, rect(1.0, 2.0, 3.0, 5.0))],
     };
     let yolo = yolo_lines(&boxes.labels);
@@ -83,5 +118,12 @@ fn yolo_and_coco_tell_the_same_boxes() {
     let crowds: Vec<&serde_json::Value> = annotations.iter().map(|one| &one["iscrowd"]).collect();
     assert_eq!(crowds, [0, 0, 1]);
     assert_eq!(annotations[2]["area"], 6.0);
+    let outline = serde_json::json!([[104.0, 0.0, 104.0, 208.0, 312.0, 99.5]]);
+    assert_eq!(annotations[0]["segmentation"], outline);
+    assert!(
+        annotations[1..]
+            .iter()
+            .all(|one| one.get("segmentation").is_none())
+    );
     assert_eq!(json["categories"][2]["name"], "tyre");
 }

@@ -58,6 +58,7 @@ mod tests {
         };
         let boxes = Boxes {
             labels: vec![label(20.0, 50.0)],
+            outlines: Vec::new(),
             ignored: vec![label(400.0, 416.0)],
         };
         let text = voc_xml("1.png", &["rock & co".to_owned()], &boxes);

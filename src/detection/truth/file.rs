@@ -40,9 +40,9 @@ impl Truth {
             objects: objects
                 .map(|one| Known {
                     class: one.class,
-                    echo: one.mark.clone(),
                     whole: one.mark.clone(),
                     shown: true,
+                    slices: Vec::new(),
                 })
                 .collect(),
             was_seen: true,
@@ -54,8 +54,6 @@ impl Truth {
 struct Columns {
     kind: usize,
     side: usize,
-    near: usize,
-    far: usize,
     /// First ping, last ping, near and far edge of the box around what is shown of echo and shadow.
     whole: [usize; 4],
     shown: usize,
@@ -74,8 +72,6 @@ impl Columns {
         Ok(Self {
             kind: column("kind")?,
             side: column("side")?,
-            near: column("near_m")?,
-            far: column("far_m")?,
             whole: [
                 column("box_first_ping")?,
                 column("box_last_ping")?,
@@ -142,10 +138,8 @@ fn known(
             "ping {last} is beyond the {pings} of the open log; this is the truth of another"
         ));
     }
-    let echo_m = [metres(columns.near)?, metres(columns.far)?];
-    let whole_m = [metres(box_near)?, metres(box_far)?];
-    // A glimpse may have an echo of a single range; a box has an extent.
-    if first > last || echo_m[0] > echo_m[1] || whole_m[0] >= whole_m[1] {
+    let (near_m, far_m) = (metres(box_near)?, metres(box_far)?);
+    if first > last || near_m >= far_m {
         return Err("the object is inside out".to_owned());
     }
     let shown = match field(columns.shown) {
@@ -153,16 +147,15 @@ fn known(
         "1" => true,
         other => return Err(format!("`{other}` in `shown` is neither 0 nor 1")),
     };
-    let mark = |[near_m, far_m]: [f64; 2]| Mark {
-        side,
-        pings: first..last + 1,
-        near_m,
-        far_m,
-    };
     Ok(Known {
         class: class_index(classes, field(columns.kind)),
-        echo: mark(echo_m),
-        whole: mark(whole_m),
+        whole: Mark {
+            side,
+            pings: first..last + 1,
+            near_m,
+            far_m,
+        },
         shown,
+        slices: Vec::new(),
     })
 }

@@ -1,11 +1,9 @@
 //! The truth in the survey's raster.
 
 use super::Truth;
-use crate::detection::dataset::{Chip, Known};
+use crate::detection::dataset::Known;
 use crate::detection::{Raster, class_index, metrics};
-use crate::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
-use rayon::prelude::*;
+use crate::survey::Side;
 use std::sync::Arc;
 
 /// The objects of a truth as boxes in the pixels of a raster.
@@ -17,42 +15,25 @@ pub struct LaidTruth {
 }
 
 impl LaidTruth {
-    /// Lays the objects out. Those that do not stand out in a tile around them, by the rule by which a detector is taught
-    /// ([`Chip::new`]), are marked to be ignored unless somebody saw them.
-    ///
-    /// # Errors
-    /// When cancelled.
-    pub fn new(
-        survey: &Survey,
-        raster: &Raster,
-        truth: Arc<Truth>,
-        progress: &Progress,
-    ) -> Result<Self, Cancelled> {
-        progress.start(truth.objects.len() as u64);
-        let laid: Vec<metrics::Truth> = truth
-            .objects
-            .par_iter()
-            .map(|known| {
-                progress.check()?;
-                let ignored = !truth.was_seen && !is_seen(survey, raster, known);
-                progress.advance(1);
-                Ok(metrics::Truth {
-                    class: known.class,
-                    rect: raster.rect_of(&known.whole),
-                    ignored,
-                })
-            })
-            .collect::<Result<_, Cancelled>>()?;
+    /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector is taught
+    /// ([`Known::is_plain`]), are marked to be ignored unless somebody saw them.
+    pub fn new(raster: &Raster, truth: Arc<Truth>) -> Self {
+        let lay = |known: &Known| metrics::Truth {
+            class: known.class,
+            rect: raster.rect_of(&known.whole),
+            ignored: !truth.was_seen && !known.is_plain(raster),
+        };
+        let laid: Vec<metrics::Truth> = truth.objects.iter().map(lay).collect();
         let on = |side: Side| {
             let all = laid.iter().zip(&truth.objects).enumerate();
             all.filter(|(_, (_, known))| known.whole.side == side)
                 .map(|(object, (laid, _))| (*laid, object))
                 .collect()
         };
-        Ok(Self {
+        Self {
             sides: Side::BOTH.map(on),
             truth,
-        })
+        }
     }
 
     /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the same where their names are;
@@ -78,11 +59,4 @@ impl LaidTruth {
     pub fn truth(&self) -> &Arc<Truth> {
         &self.truth
     }
-}
-
-fn is_seen(survey: &Survey, raster: &Raster, known: &Known) -> bool {
-    let [row, column] = raster.start_about(&raster.rect_of(&known.whole));
-    let tile = raster.tile(survey, known.whole.side, row, column);
-    let chip = Chip::new(tile, raster, std::slice::from_ref(known));
-    !chip.boxes.labels.is_empty()
 }

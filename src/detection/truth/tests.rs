@@ -3,12 +3,10 @@ use crate::detection::metrics::{Cause, MetricSettings, evaluate};
 use crate::detection::review::{BoxId, Edit, Identity, Review};
 use crate::detection::testing::survey;
 use crate::detection::{Detection, Mark, Raster};
-use crate::progress::Progress;
 use crate::survey::Side;
 use std::sync::Arc;
 
-const HEADER: &str =
-    "object,kind,side,near_m,far_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\n";
+const HEADER: &str = "object,kind,side,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\n";
 
 fn identity(pings: usize) -> Identity {
     Identity {
@@ -32,9 +30,9 @@ fn read(lines: &str) -> Result<Truth, String> {
 }
 
 #[test]
-fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() {
+fn the_table_tells_boxes_and_objects_that_nobody_heard_are_left_out() {
     let truth = read(
-        "0,tyre,port,2.9,3.5,40,49,3.0,5.0,1\n1,rock,,,,,,,,\n2,log,starboard,2,3,0,199,2,3,0\n3,tyre,port,1,2,5,5,1,2,1\n",
+        "0,tyre,port,40,49,3.0,5.0,1\n1,rock,,,,,,\n2,log,starboard,0,199,2,3,0\n3,tyre,port,5,5,1,2,1\n",
     );
     let truth = truth.expect("a table");
     assert_eq!(truth.classes, ["tyre", "log"]);
@@ -43,8 +41,6 @@ fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() 
         panic!("{truth:?}");
     };
     assert_eq!(tyre.whole, mark(40, 3.0));
-    assert_eq!((tyre.echo.near_m, tyre.echo.far_m), (2.9, 3.5));
-    assert_eq!(tyre.echo.pings, 40..50);
     assert!(tyre.shown && !log.shown && other.shown);
     assert_eq!((log.class, log.whole.side), (1, Side::Starboard));
     assert_eq!((other.class, other.whole.pings.clone()), (0, 5..6));
@@ -54,16 +50,15 @@ fn the_table_tells_echo_and_shadow_and_objects_that_nobody_heard_are_left_out() 
 fn what_is_no_truth_of_this_log_is_refused_in_a_sentence() {
     for (line, part) in [
         (
-            "0,tyre,port,3.0,3.5,40,200,3.0,5.0,1",
+            "0,tyre,port,40,200,3.0,5.0,1",
             "line 2: ping 200 is beyond the 200",
         ),
-        ("0,tyre,left,3.0,3.5,40,49,3.0,5.0,1", "`left` is no side"),
-        ("0,tyre,port,nan,3.5,40,49,3.0,5.0,1", "`nan` is no range"),
-        ("0,tyre,port,3.0,3.5,-1,49,3.0,5.0,1", "`-1` is no ping"),
-        ("0,tyre,port,3.0,3.5,50,49,3.0,5.0,1", "inside out"),
-        ("0,tyre,port,3.0,3.5,40,49,3.2,3.2,1", "inside out"),
-        ("0,tyre,port,3.6,3.5,40,49,3.0,5.0,1", "inside out"),
-        ("0,tyre,port,3.0,3.5,40,49,3.0,5.0,yes", "`yes` in `shown`"),
+        ("0,tyre,left,40,49,3.0,5.0,1", "`left` is no side"),
+        ("0,tyre,port,40,49,nan,5.0,1", "`nan` is no range"),
+        ("0,tyre,port,-1,49,3.0,5.0,1", "`-1` is no ping"),
+        ("0,tyre,port,50,49,3.0,5.0,1", "inside out"),
+        ("0,tyre,port,40,49,3.2,3.2,1", "inside out"),
+        ("0,tyre,port,40,49,3.0,5.0,yes", "`yes` in `shown`"),
         ("0,tyre,port", "broken"),
     ] {
         let sentence = read(line).expect_err(line);
@@ -102,26 +97,19 @@ fn a_review_is_truth_by_what_was_accepted_and_added() {
 }
 
 #[test]
-fn objects_that_do_not_stand_out_count_only_when_somebody_saw_them() {
-    // Bright from ping 40 to 49 between 3 and 5 m, level elsewhere.
-    let (survey, navigation) = survey(200, |ping, sample| {
-        let speckle = (ping * 100 + sample).wrapping_mul(2_654_435_761) >> 7;
-        let bright = (40..50).contains(&ping) && (30..50).contains(&sample);
-        80 + (speckle % 20) as u8 + u8::from(bright) * 100
-    });
+fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_them() {
+    let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
-    let mut truth =
-        read("0,tyre,port,3,5,40,49,3,5,1\n0,tyre,port,3,5,100,109,3,5,1\n").expect("a table");
+    let lines = "0,tyre,port,40,49,3,5,1\n0,tyre,port,100,109,3,5,0\n0,tyre,port,140,149,3,3.1,1\n";
+    let mut truth = read(lines).expect("a table");
     let lay = |truth: &Truth| {
-        let truth = Arc::new(truth.clone());
-        let laid = LaidTruth::new(&survey, &raster, truth, &Progress::new());
-        let [port, starboard] = laid.expect("nobody cancels").sides;
+        let [port, starboard] = LaidTruth::new(&raster, Arc::new(truth.clone())).sides;
         assert!(starboard.is_empty());
         port.iter().map(|(one, _)| one.ignored).collect::<Vec<_>>()
     };
-    assert_eq!(lay(&truth), [false, true]);
+    assert_eq!(lay(&truth), [false, true, true]);
     truth.was_seen = true;
-    assert_eq!(lay(&truth), [false, false]);
+    assert_eq!(lay(&truth), [false; 3]);
 }
 
 /// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
@@ -133,9 +121,9 @@ fn compared() -> Comparison {
         objects: [(1, 20), (0, 60), (1, 140)]
             .map(|(class, start)| Known {
                 class,
-                echo: mark(start, 3.0),
                 whole: mark(start, 3.0),
                 shown: true,
+                slices: Vec::new(),
             })
             .to_vec(),
         was_seen: true,
@@ -152,8 +140,8 @@ fn compared() -> Comparison {
     let review = Review::new(identity(200), Vec::new());
     let review = review.adopt("model", &names, &found, &raster);
     let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
-    let laid = LaidTruth::new(&survey, &raster, Arc::new(truth), &Progress::new());
-    Comparison::new(&review, Arc::new(laid.expect("nobody cancels")), &raster)
+    let laid = LaidTruth::new(&raster, Arc::new(truth));
+    Comparison::new(&review, Arc::new(laid), &raster)
 }
 
 #[test]
