@@ -10,7 +10,7 @@ import torch.nn.functional as F
 
 from data import ABSENT, IGNORE, Chips
 
-# Below this visible share a cut box is no longer a truth, and below the second nothing at all.
+# Below this visible share a cut object is no longer a truth, and below the second nothing at all.
 TRUTH_SHARE, TRACE_SHARE = 0.45, 0.08
 SMALLEST_PX = 3.0
 
@@ -85,7 +85,8 @@ class Augmenter:
                 offset = self.around_objects(self.chips.boxes[source], scale, offset, mirrored)
             picture = sample(self.chips.images[source], scale, offset, mirrored, side)
             out = torch.where(inside(rectangle, side), picture, out)
-            boxes.append(place(self.chips.boxes[source], rectangle, scale, offset, mirrored, self.chips.side))
+            placed = place(self.chips.boxes[source], self.chips.edges[source], rectangle, scale, offset, mirrored, self.chips.side)
+            boxes.append(placed)
         return out, torch.cat(boxes, 1)
 
     def placement(self, rectangle: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
@@ -156,22 +157,37 @@ def inside(rectangle: torch.Tensor, side: int) -> torch.Tensor:
     return (rows[:, :, None] & columns[:, None, :]).unsqueeze(1)
 
 
-def place(boxes, rectangle, scale, offset, mirrored, source: int) -> torch.Tensor:
-    """Moves boxes as `sample` moves pixels, cuts them at the rectangle and demotes those that lose too much."""
+def place(boxes, edges, rectangle, scale, offset, mirrored, source: int) -> torch.Tensor:
+    """Moves boxes as `sample` moves pixels, cuts the objects at the rectangle and demotes those that lose too much.
+
+    The box of a cut object is that of the bands of its outline, and the parts of these, that remain.
+    """
     kind, x1, y1, x2, y2 = boxes.unbind(-1)
     up = mirrored[:, None]
     y1, y2 = torch.where(up, source - y2, y1), torch.where(up, source - y1, y2)
-    moved = torch.stack([x1, y1, x2, y2], -1) * scale[:, None].repeat(1, 1, 2) + offset[:, None].repeat(1, 1, 2)
-    low, high = rectangle[:, None, :2], rectangle[:, None, 2:]
-    cut = torch.cat(
-        [torch.minimum(torch.maximum(moved[..., :2], low), high), torch.minimum(torch.maximum(moved[..., 2:], low), high)], -1
-    )
+    edges = torch.where(up[..., None, None], edges.flip(2), edges)
+    (scale_x, scale_y), (shift_x, shift_y) = scale[:, :, None].unbind(1), offset[:, :, None].unbind(1)
+    y1, y2 = y1 * scale_y + shift_y, y2 * scale_y + shift_y
+    near, far = (edges * scale_x[..., None, None] + shift_x[..., None, None]).unbind(-1)
+    left, top, right, bottom = (side[:, None] for side in rectangle.unbind(-1))
+    # The rows of each band, whole and cut.
+    steps = torch.arange(edges.shape[2] + 1, device=boxes.device) / edges.shape[2]
+    rows = y1[..., None] + (y2 - y1)[..., None] * steps
+    cut_rows = torch.minimum(torch.maximum(rows, top[..., None]), bottom[..., None])
+    cut_near, cut_far = torch.maximum(near, left[..., None]), torch.minimum(far, right[..., None])
+    height, width = cut_rows.diff(dim=-1), (cut_far - cut_near).clamp(min=0)
+    share = (height * width).sum(-1) / (rows.diff(dim=-1) * (far - near).clamp(min=0)).sum(-1).clamp(min=1e-6)
+    here = (height > 0) & (width > 0)
+
+    def least(values: torch.Tensor) -> torch.Tensor:
+        return torch.where(here, values, torch.full_like(values, 1e6)).amin(-1)
+
+    cut = torch.stack([least(cut_near), least(cut_rows[..., :-1]), -least(-cut_far), -least(-cut_rows[..., 1:])], -1)
     size = cut[..., 2:] - cut[..., :2]
-    share = size.prod(-1) / (moved[..., 2:] - moved[..., :2]).prod(-1).clamp(min=1e-6)
-    gone = (kind == ABSENT) | (share < TRACE_SHARE)
+    gone = (kind == ABSENT) | (share < TRACE_SHARE) | ~here.any(-1)
     doubtful = (kind == IGNORE) | (share < TRUTH_SHARE) | (size.amin(-1) < SMALLEST_PX)
     kind = torch.where(gone, torch.full_like(kind, ABSENT), torch.where(doubtful, torch.full_like(kind, IGNORE), kind))
-    return torch.cat([kind[..., None], cut], -1)
+    return torch.cat([kind[..., None], torch.where(gone[..., None], torch.zeros_like(cut), cut)], -1)
 
 
 def compact(boxes: torch.Tensor) -> torch.Tensor:

@@ -3,7 +3,8 @@ as its `dataset`: then all chips of a log are in one split, and the others are e
 
 DIR/images/{train,val,test}/NNNNNN.png   8-bit grey; rows run along track, columns outward in slant range
 DIR/labels/{train,val,test}/NNNNNN.txt   `class cx cy w h` per line, fractions of the chip; a box holds echo and shadow
-DIR/{train,val,test}.json                COCO; its boxes with `iscrowd` 1 may be found or not: cut off, or hardly to be seen
+DIR/{train,val,test}.json                COCO; its boxes with `iscrowd` 1 may be found or not: cut off, or hardly to be seen;
+                                         the others are those of the labels, in their order, some with an outline
 DIR/classes.txt                          one class name per line
 DIR/manifest.json                        how the data was made (`pixel_m` among it)
 """
@@ -21,15 +22,26 @@ from PIL import Image
 # In the class column of `Chips.boxes`: an object of unknown or too little content (no loss, no truth), and an empty slot.
 IGNORE, ABSENT = -1, -2
 DEFAULT_PIXEL_M = 0.04
+# Bands of rows in which the near and the far edge of an object's outline are kept.
+BANDS = 16
 
 
 @dataclass
 class Chips:
-    """`images [n, side, side]` as u8 and `boxes [n, slots, 5]`: class (or IGNORE, ABSENT), x1, y1, x2, y2 in pixels."""
+    """`images [n, side, side]` as u8 and `boxes [n, slots, 5]`: class (or IGNORE, ABSENT), x1, y1, x2, y2 in pixels.
+
+    `edges [n, slots, BANDS, 2]` are the nearest and farthest column of each box's outline in equal bands of its rows (x1, x2
+    where only the box is known): what is left of an object that is cut.
+    """
 
     images: torch.Tensor
     boxes: torch.Tensor
     names: list[str]
+    edges: torch.Tensor | None = None
+
+    def __post_init__(self):
+        if self.edges is None:
+            self.edges = self.boxes[..., [1, 3]].unsqueeze(2).repeat(1, 1, BANDS, 1)
 
     def __len__(self) -> int:
         return len(self.images)
@@ -41,14 +53,14 @@ class Chips:
 
     def to(self, device) -> "Chips":
         """The same chips in the memory of `device`."""
-        return Chips(self.images.to(device), self.boxes.to(device), self.names)
+        return Chips(self.images.to(device), self.boxes.to(device), self.names, self.edges.to(device))
 
     def first(self, count: int) -> "Chips":
         """At most `count` chips, spread evenly."""
         if count >= len(self):
             return self
         pick = torch.linspace(0, len(self) - 1, count).long()
-        return Chips(self.images[pick], self.boxes[pick], [self.names[i] for i in pick.tolist()])
+        return Chips(self.images[pick], self.boxes[pick], [self.names[i] for i in pick.tolist()], self.edges[pick])
 
 
 def read_label(path: Path, side: int) -> np.ndarray:
@@ -72,6 +84,37 @@ def read_ignored(path: Path) -> dict[str, np.ndarray]:
             x, y, width, height = box["bbox"]
             rows.setdefault(stems[box["image_id"]], []).append((IGNORE, x, y, x + width, y + height))
     return {stem: np.array(boxes, np.float32) for stem, boxes in rows.items()}
+
+
+def read_outlines(path: Path) -> dict[str, list[np.ndarray]]:
+    """The outlines `[n, 2]` of a COCO file's objects, by the picture's stem, in the order of its labels; empty where unknown."""
+    if not path.exists():
+        return {}
+    coco = json.loads(path.read_text())
+    stems, rows = {image["id"]: Path(image["file_name"]).stem for image in coco["images"]}, {}
+    for one in coco["annotations"]:
+        if not one.get("iscrowd"):
+            outline = np.array(one.get("segmentation", [[]])[0], np.float32).reshape(-1, 2)
+            rows.setdefault(stems[one["image_id"]], []).append(outline)
+    return rows
+
+
+def banded(box: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Nearest and farthest column `[BANDS, 2]` of an outline in equal bands of the rows of its box `x1 y1 x2 y2`.
+
+    The outline runs down the near side and up the far side, a pair of corners for each ping. A band without a ping has an
+    edge that is inside out.
+    """
+    if not len(outline):
+        return np.repeat(box[None, [0, 2]], BANDS, 0)
+    half = len(outline) // 2
+    near, far = outline[:half:2], outline[half:][::-1][:half:2]
+    top, bottom = outline[:half:2, 1], outline[1:half:2, 1]
+    step, edges = (box[3] - box[1]) / BANDS, np.empty((BANDS, 2), np.float32)
+    for band in range(BANDS):
+        rows = (bottom > box[1] + band * step) & (top < box[1] + (band + 1) * step)
+        edges[band] = (near[rows, 0].min(), far[rows, 0].max()) if rows.any() else (box[2], box[0])
+    return edges
 
 
 def read_picture(path: Path) -> np.ndarray:
@@ -98,6 +141,7 @@ def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
             f"no chips to read: write them with `bathyscope simulate --dataset`, looked in {root / 'images' / split}"
         )
     ignored, nothing = read_ignored(root / f"{split}.json"), np.zeros((0, 5), np.float32)
+    outlines = read_outlines(root / f"{split}.json")
     images = torch.empty(len(paths), *read_picture(paths[0]).shape, dtype=torch.uint8)
 
     def read(index: int) -> np.ndarray:
@@ -109,7 +153,11 @@ def read_split(root: Path, split: str, limit: int | None = None) -> Chips:
     # Decoding a PNG releases Python's lock, so threads are enough, and no picture is copied between processes.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         boxes = list(pool.map(read, range(len(paths))))
-    return Chips(images, pad_boxes(boxes), [path.stem for path in paths])
+    chips = Chips(images, pad_boxes(boxes), [path.stem for path in paths])
+    for row, path in enumerate(paths):
+        for slot, outline in enumerate(outlines.get(path.stem, [])):
+            chips.edges[row, slot] = torch.from_numpy(banded(boxes[row][slot, 1:], outline))
+    return chips
 
 
 def has_split(root: Path, split: str) -> bool:
@@ -128,8 +176,9 @@ def join(parts: list[Chips]) -> Chips:
         return parts[0]
     slots = max(part.boxes.shape[1] for part in parts)
     boxes = [torch.nn.functional.pad(part.boxes, (0, 0, 0, slots - part.boxes.shape[1]), value=ABSENT) for part in parts]
+    edges = [torch.nn.functional.pad(part.edges, (0, 0, 0, 0, 0, slots - part.edges.shape[1])) for part in parts]
     names = [f"{index}/{name}" for index, part in enumerate(parts) for name in part.names]
-    return Chips(torch.cat([part.images for part in parts]), torch.cat(boxes), names)
+    return Chips(torch.cat([part.images for part in parts]), torch.cat(boxes), names, torch.cat(edges))
 
 
 def read_names(root: Path) -> list[str]:

@@ -330,7 +330,7 @@ def main() -> None:
         start += f", gone on from step {trainer.steps}"
     real_chips = None
     if tiles is not None and args.real_share > 0:
-        real_chips = real.packed_chips(tiles, 1500 if device.type == "cuda" else 100, meta, args.seed).to(device)
+        real_chips = real.packed_chips(tiles, 1500, meta, args.seed).to(device)
     batches = Batches(train.to(device), real_chips, args, trainer.generator)
     with open(args.out / "log.csv", "a", newline="") as log:
         run(trainer, batches, val.first(LOOK_CHIPS), meta, Log(log))
