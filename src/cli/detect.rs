@@ -1,13 +1,13 @@
 //! `bathyscope detect`: the objects on the bottom, found by a YOLO model, in logs or in pictures of other programs.
 
 use super::folders::Folders;
+use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{found, output};
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture, find_in_picture};
 use crate::export;
-use crate::formats;
-use crate::pipeline::{self, Settings};
+use crate::pipeline;
 use crate::progress::Progress;
 use image::{ImageReader, Limits};
 use std::fs;
@@ -27,7 +27,8 @@ pub struct DetectArgs {
     /// Folder for detections.csv, detections.geojson and the chips; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too
+    /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too; the same as the
+    /// setting `detector.model`
     #[arg(long, value_name = "MODEL.onnx")]
     model: Option<PathBuf>,
     /// Least confidence of a box, 0 to 1; without it the model's own
@@ -36,6 +37,8 @@ pub struct DetectArgs {
     /// Overlap (IoU) above which the less sure of two boxes is dropped, 0 to 1; without it the model's own
     #[arg(long, value_parser = share)]
     iou: Option<f32>,
+    #[command(flatten)]
+    settings: SettingsArgs,
 }
 
 fn share(text: &str) -> Result<f32, String> {
@@ -47,17 +50,18 @@ fn share(text: &str) -> Result<f32, String> {
 
 /// Searches every input. Of several, one that cannot be used does not keep the others from being searched.
 pub fn run(args: DetectArgs) -> Result<(), String> {
-    let model = load(args.model.as_deref())?;
+    let mut settings = args.settings.resolve()?;
+    let detector = &mut settings.detector;
+    detector.model = args.model.or(detector.model.take());
+    detector.score = args.score.or(detector.score);
+    detector.iou = args.iou.or(detector.iou);
+    let model = load(detector.model.as_deref())?;
     output::tell(format_args!("model: {}", model.description()));
-    let settings = DetectorSettings {
-        model: args.model,
-        score: args.score,
-        iou: args.iou,
-    };
+    let logs = Logs::new(settings)?;
     let [input] = args.inputs.as_slice() else {
-        return each(&args.inputs, &model, &settings, &args.output);
+        return each(&args.inputs, &model, &logs, &args.output);
     };
-    detect_into(input, &model, &settings, &args.output)
+    detect_into(input, &model, &logs, &args.output)
 }
 
 /// The model at a path, or the one that comes with the program.
@@ -69,18 +73,13 @@ pub fn load(path: Option<&Path>) -> Result<Model, String> {
     loaded.map_err(|error| error.to_string())
 }
 
-fn each(
-    inputs: &[PathBuf],
-    model: &Model,
-    settings: &DetectorSettings,
-    output: &Path,
-) -> Result<(), String> {
+fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
     for input in inputs {
         let name = input.file_stem().unwrap_or(input.as_os_str());
         let folder = folders.next(&name.to_string_lossy());
-        if let Err(sentence) = detect_into(input, model, settings, &folder) {
+        if let Err(sentence) = detect_into(input, model, logs, &folder) {
             failed += 1;
             output::tell(format_args!("bathyscope: {sentence}"));
         }
@@ -94,19 +93,14 @@ fn each(
     ))
 }
 
-fn detect_into(
-    input: &Path,
-    model: &Model,
-    settings: &DetectorSettings,
-    folder: &Path,
-) -> Result<(), String> {
+fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), String> {
     // Before the work: a folder that cannot be made should not cost minutes first.
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let found = if is_picture(input) {
-        search_picture(input, model, settings, folder)?
+        search_picture(input, model, &logs.settings.detector, folder)?
     } else {
-        search_survey(input, model, settings, folder)?
+        search_survey(input, model, logs, folder)?
     };
     output::results(format_args!(
         "found {found}; wrote the tables and chips into {}",
@@ -123,19 +117,16 @@ fn is_picture(path: &Path) -> bool {
 fn search_survey(
     input: &Path,
     model: &Model,
-    settings: &DetectorSettings,
+    logs: &Logs,
     folder: &Path,
 ) -> Result<String, String> {
     let progress = Progress::new();
+    let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
-    status.step("reading");
-    let survey = formats::open(input, &progress).map_err(|error| error.to_string())?;
-    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |stage| {
-        status.step(stage.name())
-    })
-    .map_err(|error| error.to_string())?;
+    let products = logs.process(&survey, &status, &progress)?;
     status.step("detecting");
-    let found = pipeline::write_detections(&survey, &products, model, settings, folder, &progress)
+    let how = &logs.settings.detector;
+    let found = pipeline::write_detections(&survey, &products, model, how, folder, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
     Ok(found::proposed(&found, model.names()))
 }

@@ -14,6 +14,7 @@ mod input;
 mod output;
 mod process;
 mod review;
+mod settings;
 mod simulate;
 mod snapshot;
 mod start;

@@ -1,17 +1,15 @@
 //! `bathyscope process`: the whole pipeline without a window.
 
 use super::folders::Folders;
+use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{detect, found, input, output};
+use super::{detect, found, output};
 use crate::app::open_reference;
 use crate::bathymetry::compare::Matching;
-use crate::cloud::Correction;
 use crate::detection::{Model, Raster};
-use crate::first_return::BottomSettings;
-use crate::formats::{self, TrackFile};
 use crate::handover::{self, Objects};
 use crate::pipeline::{
-    self, Agreement, Merged, Preset, Product, Products, Report, Settings, write_comparison,
+    self, Agreement, Merged, Product, Products, Report, Settings, write_comparison,
 };
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -49,43 +47,6 @@ pub struct ProcessArgs {
     settings: SettingsArgs,
 }
 
-/// Where settings come from: the preset, then the files, then each `--set`, the last word winning.
-#[derive(Debug, Default, clap::Args)]
-pub struct SettingsArgs {
-    /// The settings to start from
-    #[arg(long, value_enum, default_value_t)]
-    preset: Preset,
-    /// TOML file of settings laid over the preset; may be given again, LOG.bottom.toml of the window among them
-    #[arg(long, value_name = "FILE.toml")]
-    settings: Vec<PathBuf>,
-    /// One setting, for example first_return.threshold=0.35
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    assignments: Vec<String>,
-}
-
-impl SettingsArgs {
-    /// The settings that the arguments describe.
-    pub fn resolve(&self) -> Result<Settings, String> {
-        let mut settings = Settings::preset(self.preset);
-        for path in &self.settings {
-            let text = input::text(path).map_err(|error| {
-                format!("cannot read the settings: {error}: {}", path.display())
-            })?;
-            settings = settings
-                .with_toml(&text)
-                .map_err(|error| format!("{error}: {}", path.display()))?;
-        }
-        for assignment in &self.assignments {
-            settings = settings
-                .with_assignment(assignment)
-                .map_err(|error| error.to_string())?;
-        }
-        settings.check().map_err(|error| error.to_string())?;
-        settings.water_level.load()?;
-        Ok(settings)
-    }
-}
-
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
     let mut settings = args.settings.resolve()?;
@@ -97,30 +58,29 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         true => None,
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
-    let track = settings.track.file.as_deref();
-    let track = track.map(TrackFile::read).transpose()?;
+    let logs = Logs::new(settings)?;
     let wanted = match args.products.as_slice() {
         [] => &Product::ALL,
         named => named,
     };
     let how = How {
-        track: track.as_ref(),
-        settings: &settings,
+        settings: &logs.settings,
         model: model.as_ref(),
         wanted,
         reference: args.reference.as_deref(),
     };
     match (args.surveys.as_slice(), args.merge) {
         ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
-        ([survey], false) => how.process(survey, |_| args.output.clone()).map(|_| ()),
-        (surveys, merge) => each(surveys, &how, merge, &args.output),
+        ([survey], false) => {
+            how.process(&logs, survey, |_| args.output.clone())?;
+            Ok(())
+        }
+        (surveys, merge) => each(surveys, &logs, &how, merge, &args.output),
     }
 }
 
 /// What is done to every log.
 pub struct How<'a> {
-    /// Another receiver's track.
-    pub track: Option<&'a TrackFile>,
     /// All settings.
     pub settings: &'a Settings,
     /// What searches for objects, if anything does.
@@ -135,35 +95,29 @@ impl How<'_> {
     /// Opens and processes a log into the folder for it.
     fn process(
         &self,
+        logs: &Logs,
         path: &Path,
         folder: impl FnOnce(&Survey) -> PathBuf,
     ) -> Result<(Survey, Products, Report), String> {
-        let survey = open(path, self.track, self.settings)?;
-        tell_of_drawing(&survey, self.settings);
+        let survey = logs.open(path, &Progress::new())?;
         let folder = folder(&survey);
         let (products, report) = process_into(&survey, self, &folder)?;
         Ok((survey, products, report))
     }
 }
 
-/// Says that a bottom drawn by hand lies beside the log and is not in force: nothing is taken up unasked.
-fn tell_of_drawing(survey: &Survey, settings: &Settings) {
-    let log = survey.source.files.first();
-    let beside = log.map(|log| log.with_extension(BottomSettings::BESIDE));
-    if let Some(path) = beside.filter(|path| settings.bottom.is_empty() && path.is_file()) {
-        output::tell(format_args!(
-            "warning: a bottom drawn by hand lies beside the log and is not used; --settings takes it: {}",
-            path.display()
-        ));
-    }
-}
-
-fn each(surveys: &[PathBuf], how: &How<'_>, merge: bool, output: &Path) -> Result<(), String> {
+fn each(
+    surveys: &[PathBuf],
+    logs: &Logs,
+    how: &How<'_>,
+    merge: bool,
+    output: &Path,
+) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
     let mut merged = Merged::default();
     let mut failed = 0;
     for path in surveys {
-        match how.process(path, |survey| folders.next(&survey.name())) {
+        match how.process(logs, path, |survey| folders.next(&survey.name())) {
             Ok((survey, products, report)) if merge => merged.add(&survey, &products, &report),
             Ok(_) => {}
             Err(sentence) => {
@@ -208,34 +162,6 @@ fn write_merged(merged: &Merged, wanted: &[Product], folder: &Path) -> Result<()
     ))
 }
 
-fn open(path: &Path, track: Option<&TrackFile>, settings: &Settings) -> Result<Survey, String> {
-    let track = track.map(|track| (track, settings.track.offset_s));
-    formats::open_with_track(path, track, &Progress::new())
-}
-
-/// Refuses settings that ask for what this log does not hold.
-pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
-    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
-        return Err(sentence.to_owned());
-    }
-    let origin = survey.track.frame.origin();
-    let crs = settings.crs.at(origin);
-    crs.map_err(|error| error.to_string())?;
-    let count = survey.side_scan.len();
-    match settings.calibration.pings {
-        Some(pings) if pings.end > count => Err(format!(
-            "calibration.pings is {}, but the log has {count} side-scan pings; choose a stretch among them: {}",
-            String::from(pings),
-            survey
-                .source
-                .files
-                .first()
-                .map_or(String::new(), |path| path.display().to_string())
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
 /// what came out, which it gives back.
 pub fn process_into(
@@ -250,7 +176,6 @@ pub fn process_into(
         reference,
         ..
     } = *how;
-    check_against(survey, settings)?;
     // Before the work: a folder that cannot be made should not cost minutes first.
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;

@@ -1,13 +1,13 @@
 //! `bathyscope review`: what was decided about the boxes of a log, written for maps and for training.
 
 use super::output;
+use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use crate::app::PIXEL_M;
 use crate::detection::Raster;
 use crate::detection::review::{Identity, Review};
 use crate::export::Part;
-use crate::formats;
-use crate::pipeline::{self, Settings};
+use crate::pipeline;
 use crate::progress::Progress;
 use std::path::PathBuf;
 
@@ -25,6 +25,8 @@ pub struct ReviewArgs {
     /// Part of a training set that this log belongs to: train, val or test
     #[arg(long, default_value = "train", value_parser = parse_part)]
     part: Part,
+    #[command(flatten)]
+    settings: SettingsArgs,
 }
 
 fn parse_part(text: &str) -> Result<Part, String> {
@@ -34,18 +36,16 @@ fn parse_part(text: &str) -> Result<Part, String> {
 
 /// Places the boxes and writes everything.
 pub fn run(args: ReviewArgs) -> Result<(), String> {
+    let logs = Logs::new(args.settings.resolve()?)?;
     let progress = Progress::new();
-    let survey = formats::open(&args.survey, &progress).map_err(|error| error.to_string())?;
+    let survey = logs.open(&args.survey, &progress)?;
     let path = args.review.unwrap_or_else(|| {
         let log = survey.source.files.first().unwrap_or(&args.survey);
         log.with_extension("review.json")
     });
     let review = Review::open(&path, &Identity::of(&survey)).map_err(|error| error.to_string())?;
     let status = StatusLine::new(&progress);
-    let products = pipeline::run(&survey, &Settings::default(), None, &progress, |stage| {
-        status.step(stage.name())
-    })
-    .map_err(|error| error.to_string())?;
+    let products = logs.process(&survey, &status, &progress)?;
     status.step("writing");
     let raster = Raster::new(&survey, &products.navigation, PIXEL_M);
     let written = pipeline::write_boxes(

@@ -1,7 +1,7 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
 use super::output;
-use super::process::{SettingsArgs, check_against};
+use super::settings::{SettingsArgs, check_against};
 use crate::app::{
     Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };

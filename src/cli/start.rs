@@ -50,7 +50,6 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
     process_into(
         &survey,
         &How {
-            track: None,
             settings: &Settings::default(),
             model: Some(&detect::load(None)?),
             wanted: &Product::ALL,

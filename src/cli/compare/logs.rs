@@ -3,11 +3,10 @@
 use super::{CompareArgs, print_json, table};
 use crate::app::open_reference;
 use crate::cli::output;
-use crate::cli::process::{SettingsArgs, check_against};
+use crate::cli::settings::{Logs, SettingsArgs};
 use crate::cli::status_line::StatusLine;
 use crate::export::points::{Elevations, Plane};
-use crate::formats;
-use crate::pipeline::{self, Agreement, ComparisonRecord, Products, Settings, write_differences};
+use crate::pipeline::{self, Agreement, ComparisonRecord, Products, write_differences};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
@@ -16,12 +15,12 @@ use std::sync::Arc;
 
 /// Compares the points that a log's depth map is made of, and prints the statistics.
 pub fn run(args: &CompareArgs) -> Result<(), String> {
-    let settings = args.settings.resolve()?;
+    let logs = Logs::new(args.settings.resolve()?)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let (survey, products) = processed(&args.measured, &settings, &status, &progress)?;
+    let (survey, products) = processed(&args.measured, &logs, &status, &progress)?;
     status.step("comparing");
-    let reference = open_reference(&args.reference, &survey, &settings, &progress)?;
+    let reference = open_reference(&args.reference, &survey, &logs.settings, &progress)?;
     let (reference, matching) = (Arc::new(reference), args.matching());
     let agreement = Agreement::with_reference(&survey, &products, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
@@ -41,10 +40,10 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
 
 /// The same points of a log as a file of points would hold them.
 pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, String> {
-    let settings = settings.resolve()?;
+    let logs = Logs::new(settings.resolve()?)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let (survey, products) = processed(argument, &settings, &status, &progress)?;
+    let (survey, products) = processed(argument, &logs, &status, &progress)?;
     Ok(Elevations {
         path: argument.into(),
         points: pipeline::positions(&survey, &products),
@@ -56,15 +55,11 @@ pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevation
 
 fn processed(
     argument: &OsStr,
-    settings: &Settings,
+    logs: &Logs,
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<(Survey, Products), String> {
-    let survey = formats::open(Path::new(argument), progress);
-    let survey = survey.map_err(|error| error.to_string())?;
-    check_against(&survey, settings)?;
-    let products = pipeline::run(&survey, settings, None, progress, |stage| {
-        status.step(stage.name());
-    });
-    Ok((survey, products.map_err(|error| error.to_string())?))
+    let survey = logs.open(Path::new(argument), progress)?;
+    let products = logs.process(&survey, status, progress)?;
+    Ok((survey, products))
 }

@@ -4,7 +4,7 @@ mod logs;
 mod plane;
 
 use super::output;
-use super::process::SettingsArgs;
+use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use crate::bathymetry::compare::{Comparison, Match, Matching, match_points};
 use crate::export::points::{Elevations, is_named_as_elevations, read_elevations, split_columns};

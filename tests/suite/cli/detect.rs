@@ -169,6 +169,53 @@ fn what_cannot_be_searched_is_refused() {
 }
 
 #[test]
+fn objects_lie_where_the_settings_put_them_and_process_agrees() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let model = model();
+    let [which, deeper] = [format!("detector.model={model}"), "draft_m=0.5".to_owned()];
+    let with = |command: &[&str], settings: &[&str]| {
+        let settings = settings.iter().flat_map(|one| ["--set", one]);
+        run(
+            folder,
+            &command.iter().copied().chain(settings).collect::<Vec<_>>(),
+        );
+    };
+    let score = "detector.score=0.5";
+    with(&["detect", "pond.sl2", "-o", "plain"], &[&which, score]);
+    with(
+        &["detect", "pond.sl2", "-o", "deeper"],
+        &[&which, score, &deeper],
+    );
+    with(
+        &["process", "pond.sl2", "-o", "out"],
+        &[&which, score, &deeper],
+    );
+    let [plain, deep, of_process] =
+        ["plain", "deeper", "out"].map(|name| rows(&folder.join(name).join("detections.csv")));
+    assert_eq!(deep, of_process);
+    let depths = |rows: &[Vec<String>]| -> Vec<f64> {
+        rows.iter().filter_map(|row| row[17].parse().ok()).collect()
+    };
+    let (plain, deep) = (depths(&plain), depths(&deep));
+    assert!(!plain.is_empty() && plain.len() == deep.len());
+    for (plain, deep) in plain.iter().zip(&deep) {
+        assert!((deep - plain - 0.5).abs() < 0.011, "{plain} {deep}");
+    }
+    // What a log does not hold is refused before the search.
+    let asked = [
+        "detect",
+        "pond.sl2",
+        "-o",
+        "no",
+        "--set",
+        "calibration.pings=5-99999",
+    ];
+    assert!(refusal(folder, &asked, 1).contains("calibration.pings"));
+}
+
+#[test]
 fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();

@@ -40,6 +40,26 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     let text = |name: &str| fs::read_to_string(folder.join("out").join(name)).expect(name);
     assert_eq!(text("objects.csv").lines().count(), 2);
     assert_eq!(text("dataset/classes.txt"), "rock\nsunken boat\n");
+    let args = [
+        "review",
+        "pond.sl2",
+        "-o",
+        "deeper",
+        "--part",
+        "val",
+        "--set",
+        "draft_m=0.5",
+    ];
+    run(folder, &args);
+    let depth_m = |name: &str| -> f64 {
+        let mut table = csv::Reader::from_path(folder.join(name)).expect("a table");
+        let column = |header: &csv::StringRecord| header.iter().position(|one| one == "depth_m");
+        let column = column(table.headers().expect("a header")).expect("the column");
+        let row = table.records().next().expect("an object").expect("a row");
+        row[column].parse().expect("a depth")
+    };
+    let deeper_m = depth_m("deeper/objects.csv") - depth_m("out/objects.csv");
+    assert!((deeper_m - 0.5).abs() < 0.011, "{deeper_m}");
     let label = text("dataset/labels/val/000000.txt");
     assert!(
         label.starts_with("1 ") && label.lines().count() == 1,

@@ -1,0 +1,133 @@
+//! The settings that a command works with, and logs opened and processed as they ask.
+
+use super::status_line::StatusLine;
+use super::{input, output};
+use crate::cloud::Correction;
+use crate::first_return::BottomSettings;
+use crate::formats::{self, TrackFile};
+use crate::pipeline::{self, Preset, Products, Settings};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use std::path::{Path, PathBuf};
+
+/// Where settings come from: the preset, then the files, then each `--set`, the last word winning.
+#[derive(Debug, Default, clap::Args)]
+pub struct SettingsArgs {
+    /// The settings to start from
+    #[arg(long, value_enum, default_value_t)]
+    preset: Preset,
+    /// TOML file of settings laid over the preset; may be given again, LOG.bottom.toml of the window among them
+    #[arg(long, value_name = "FILE.toml")]
+    settings: Vec<PathBuf>,
+    /// One setting, for example first_return.threshold=0.35
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    assignments: Vec<String>,
+}
+
+impl SettingsArgs {
+    /// The settings that the arguments describe.
+    pub fn resolve(&self) -> Result<Settings, String> {
+        let mut settings = Settings::preset(self.preset);
+        for path in &self.settings {
+            let text = input::text(path).map_err(|error| {
+                format!("cannot read the settings: {error}: {}", path.display())
+            })?;
+            settings = settings
+                .with_toml(&text)
+                .map_err(|error| format!("{error}: {}", path.display()))?;
+        }
+        for assignment in &self.assignments {
+            settings = settings
+                .with_assignment(assignment)
+                .map_err(|error| error.to_string())?;
+        }
+        settings.check().map_err(|error| error.to_string())?;
+        settings.water_level.load()?;
+        Ok(settings)
+    }
+}
+
+/// How logs are opened: the settings, and the track of another receiver if they name one, read once for all.
+pub struct Logs {
+    /// All settings.
+    pub settings: Settings,
+    track: Option<TrackFile>,
+}
+
+impl Logs {
+    /// Reads the track that the settings name.
+    ///
+    /// # Errors
+    /// A sentence when it cannot be used.
+    pub fn new(settings: Settings) -> Result<Self, String> {
+        let track = settings.track.file.as_deref();
+        Ok(Self {
+            track: track.map(TrackFile::read).transpose()?,
+            settings,
+        })
+    }
+
+    /// Opens a log, lays the track over it, and says what lies beside it unused.
+    ///
+    /// # Errors
+    /// A sentence when it cannot be opened, or does not hold what the settings ask for.
+    pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, String> {
+        let track = self.track.as_ref();
+        let track = track.map(|track| (track, self.settings.track.offset_s));
+        let survey = formats::open_with_track(path, track, progress)?;
+        tell_of_drawing(&survey, &self.settings);
+        check_against(&survey, &self.settings)?;
+        Ok(survey)
+    }
+
+    /// Runs the pipeline on one that was opened.
+    ///
+    /// # Errors
+    /// A sentence when it cannot be processed.
+    pub fn process(
+        &self,
+        survey: &Survey,
+        status: &StatusLine,
+        progress: &Progress,
+    ) -> Result<Products, String> {
+        let products = pipeline::run(survey, &self.settings, None, progress, |stage| {
+            status.step(stage.name())
+        });
+        products.map_err(|error| error.to_string())
+    }
+}
+
+/// Says that a bottom drawn by hand lies beside the log and is not in force: nothing is taken up unasked.
+fn tell_of_drawing(survey: &Survey, settings: &Settings) {
+    let log = survey.source.files.first();
+    let beside = log.map(|log| log.with_extension(BottomSettings::BESIDE));
+    if let Some(path) = beside.filter(|path| settings.bottom.is_empty() && path.is_file()) {
+        output::tell(format_args!(
+            "warning: a bottom drawn by hand lies beside the log and is not used; --settings takes it: {}",
+            path.display()
+        ));
+    }
+}
+
+/// Refuses settings that ask for what this log does not hold.
+pub fn check_against(survey: &Survey, settings: &Settings) -> Result<(), String> {
+    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
+        return Err(sentence.to_owned());
+    }
+    let origin = survey.track.frame.origin();
+    let crs = settings.crs.at(origin);
+    crs.map_err(|error| error.to_string())?;
+    let count = survey.side_scan.len();
+    match settings.calibration.pings {
+        Some(pings) if pings.end > count => Err(format!(
+            "calibration.pings is {}, but the log has {count} side-scan pings; choose a stretch among them: {}",
+            String::from(pings),
+            survey
+                .source
+                .files
+                .first()
+                .map_or(String::new(), |path| path.display().to_string())
+        )),
+        _ => Ok(()),
+    }
+}
