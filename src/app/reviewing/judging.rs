@@ -3,7 +3,6 @@
 
 use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
-use crate::detection::Raster;
 use crate::detection::review::{Identity, read_text};
 use crate::detection::truth::{self, Comparison, LaidTruth, Mistake, Standing, Truth};
 use std::path::PathBuf;
@@ -54,13 +53,6 @@ struct Opening {
     task: Task<Result<Truth, String>>,
 }
 
-/// What a comparison was made of, and the truth laid out for it.
-struct Compared {
-    raster: Arc<Raster>,
-    laid: Arc<LaidTruth>,
-    comparison: Comparison,
-}
-
 /// The truth, and how the boxes stand to it.
 #[derive(Default)]
 pub struct Judging {
@@ -68,8 +60,8 @@ pub struct Judging {
     opening: Option<Opening>,
     /// Asked for while the log was still being opened.
     wanted: Option<PathBuf>,
-    compared: Option<Compared>,
-    running: Option<Task<Option<Compared>>>,
+    comparison: Option<Comparison>,
+    running: Option<Task<Comparison>>,
     /// Boxes, raster or truth have changed since the last comparison began.
     outdated: bool,
     standing: Option<Standing>,
@@ -94,7 +86,7 @@ impl Judging {
 
     /// Boxes and truth, paired; perhaps of boxes of a moment ago.
     pub fn comparison(&self) -> Option<&Comparison> {
-        self.compared.as_ref().map(|compared| &compared.comparison)
+        self.comparison.as_ref()
     }
 
     /// What the boxes at the confidence slider amount to.
@@ -142,7 +134,7 @@ impl Judging {
 
     fn forget(&mut self) {
         self.truth = None;
-        self.compared = None;
+        self.comparison = None;
         self.running = None;
         self.standing = None;
         self.missed = None;
@@ -152,14 +144,14 @@ impl Judging {
 impl Reviewing {
     /// Counts anew at the confidence slider.
     pub(super) fn count_mistakes(&mut self) {
-        let Some(compared) = &self.judging.compared else {
+        let Some(comparison) = &self.judging.comparison else {
             return;
         };
-        let mut standing = compared.comparison.at(self.queue.threshold);
+        let mut standing = comparison.at(self.queue.threshold);
         let place = |mistake: &Mistake| match mistake {
             Mistake::FalseAlarm { id, .. } => self.review.get(*id).map(|one| one.mark.pings.start),
             Mistake::Miss { object, .. } => {
-                let objects = &compared.comparison.truth().objects;
+                let objects = &comparison.truth().objects;
                 objects.get(*object).map(|one| one.whole.pings.start)
             }
         };
@@ -251,11 +243,9 @@ impl App {
         }
         let judging = &mut self.reviewing.judging;
         match judging.running.as_ref().map(Task::poll) {
-            Some(Outcome::Done(compared)) => {
+            Some(Outcome::Done(comparison)) => {
                 judging.running = None;
-                if compared.is_some() {
-                    judging.compared = compared;
-                }
+                judging.comparison = Some(comparison);
                 self.reviewing.count_mistakes();
             }
             Some(Outcome::Failed) => judging.running = None,
@@ -303,18 +293,8 @@ impl App {
         };
         judging.outdated = false;
         let truth = truth.clone();
-        let known = judging.compared.as_ref();
-        let laid = known
-            .filter(|known| Arc::ptr_eq(&known.raster, &raster))
-            .filter(|known| Arc::ptr_eq(known.laid.truth(), &truth))
-            .map(|known| known.laid.clone());
         judging.running = Some(Task::start(&self.jobs, move |_| {
-            let laid = laid.unwrap_or_else(|| Arc::new(LaidTruth::new(&raster, truth)));
-            Some(Compared {
-                comparison: Comparison::new(&review, laid.clone(), &raster),
-                raster,
-                laid,
-            })
+            Comparison::new(&review, LaidTruth::new(&raster, truth), &raster)
         }));
     }
 

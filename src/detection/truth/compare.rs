@@ -7,13 +7,12 @@ use crate::detection::metrics::{
 use crate::detection::review::{BoxId, Review, Reviewed};
 use crate::detection::{Raster, Rect, Scored};
 use crate::survey::Side;
-use std::sync::Arc;
 
 /// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
 /// no score and are left out.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    laid: Arc<LaidTruth>,
+    laid: LaidTruth,
     /// Class names: those of the review, then those that only the truth has.
     classes: Vec<String>,
     /// The two sides as pictures.
@@ -79,7 +78,7 @@ pub struct Standing {
 impl Comparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
     /// when their names are.
-    pub fn new(review: &Review, laid: Arc<LaidTruth>, raster: &Raster) -> Self {
+    pub fn new(review: &Review, laid: LaidTruth, raster: &Raster) -> Self {
         let mut classes = review.classes().to_vec();
         let mut images = laid.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];

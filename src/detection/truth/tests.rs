@@ -141,7 +141,7 @@ fn compared() -> Comparison {
     let review = review.adopt("model", &names, &found, &raster);
     let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
     let laid = LaidTruth::new(&raster, Arc::new(truth));
-    Comparison::new(&review, Arc::new(laid), &raster)
+    Comparison::new(&review, laid, &raster)
 }
 
 #[test]
