@@ -223,6 +223,7 @@ impl BottomSettings {
             return returns.warnings.push(text);
         }
         for line in &self.lines {
+            returns.drawn.push((line.side, line.pings));
             let picks = match line.side {
                 Side::Port => &mut returns.port,
                 Side::Starboard => &mut returns.starboard,
@@ -382,10 +383,12 @@ mod tests {
         let mut returns = FirstReturns {
             port: vec![Pick::NONE; 4],
             starboard: vec![Pick::NONE; 4],
-            warnings: Vec::new(),
+            ..FirstReturns::default()
         };
         drawn.lay_over(&survey, &mut returns);
         assert_eq!(returns.port[0].sample, 20.0);
+        assert!((0..4).all(|ping| returns.is_drawn(Side::Port, ping)));
+        assert!(!returns.is_drawn(Side::Port, 4) && !returns.is_drawn(Side::Starboard, 0));
         assert!(
             returns
                 .port

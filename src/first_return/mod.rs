@@ -109,9 +109,17 @@ pub struct FirstReturns {
     pub starboard: Vec<Pick>,
     /// What the search should say about itself (for example words whose sign bit defeats the threshold).
     pub warnings: Vec<String>,
+    /// Stretches that were drawn by hand, not found: first and last ping, and the side.
+    pub drawn: Vec<(Side, [usize; 2])>,
 }
 
 impl FirstReturns {
+    /// Whether a ping's pick, or that it has none, was drawn by hand.
+    pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
+        let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
+        (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
+    }
+
     /// The picks of one side.
     pub fn side(&self, side: Side) -> &[Pick] {
         match side {
@@ -134,7 +142,7 @@ pub fn detect(
         return Ok(FirstReturns {
             port: none.clone(),
             starboard: none,
-            warnings: Vec::new(),
+            ..FirstReturns::default()
         });
     }
     match settings.method {
@@ -176,5 +184,6 @@ pub fn track_range(
         port,
         starboard,
         warnings: normalisation.warning().into_iter().collect(),
+        drawn: Vec::new(),
     })
 }

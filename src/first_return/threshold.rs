@@ -104,6 +104,7 @@ impl ThresholdIndex {
             port: side(Side::Port),
             starboard: side(Side::Starboard),
             warnings: self.normalisation.warning().into_iter().collect(),
+            drawn: Vec::new(),
         }
     }
 }

@@ -155,6 +155,6 @@ fn returns(pings: usize) -> FirstReturns {
     FirstReturns {
         port: picks(0.0),
         starboard: picks(1.0),
-        warnings: Vec::new(),
+        ..FirstReturns::default()
     }
 }

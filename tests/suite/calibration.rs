@@ -39,7 +39,7 @@ fn true_returns(pond: &KnownSurvey, early_m: f64) -> FirstReturns {
     FirstReturns {
         port: picks(Side::Port),
         starboard: picks(Side::Starboard),
-        warnings: Vec::new(),
+        ..FirstReturns::default()
     }
 }
 

@@ -6,7 +6,9 @@ use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{
     Group, GroupSettings, Placer, Sighting as Claim, Target, group, passes_over,
 };
-use bathyscope::first_return::{self, FirstReturnSettings, FirstReturns, ImageSettings};
+use bathyscope::first_return::{
+    self, BottomSettings, FirstReturnSettings, FirstReturns, HandLine, ImageSettings,
+};
 use bathyscope::formats;
 use bathyscope::pipeline::{Placing, Settings};
 use bathyscope::progress::Progress;
@@ -85,6 +87,44 @@ fn placed(sailed: &Sailed) -> Vec<(usize, Target, f64)> {
         }
     }
     all
+}
+
+#[test]
+fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
+    let sailed = sail(&Scene::default(), 3);
+    let survey = &sailed.survey;
+    let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
+    let marks: Vec<Mark> = seen.filter_map(|seen| true_box(survey, seen)).collect();
+    assert!(marks.len() > 3);
+    let altitude_m = |returns: &FirstReturns, mark: &Mark| {
+        let placer = Placer::new(survey, &sailed.navigation, returns, &sailed.calibration);
+        placer.place(mark).map(|target| target.altitude_m)
+    };
+    for mark in &marks {
+        let whole = [mark.pings.start, mark.pings.end - 1];
+        let drawn = |side, range_m| {
+            let line = HandLine {
+                side,
+                pings: whole,
+                corners: vec![[whole[0] as f64, range_m]],
+            };
+            let mut returns = sailed.returns.clone();
+            let bottom = BottomSettings::of(survey).with(line);
+            bottom.lay_over(survey, &mut returns);
+            altitude_m(&returns, mark)
+        };
+        let found_m = altitude_m(&sailed.returns, mark).expect("a place");
+        let other = match mark.side {
+            Side::Port => Side::Starboard,
+            Side::Starboard => Side::Port,
+        };
+        assert_eq!(drawn(other, 1.5), Some(found_m));
+        let drawn_m = drawn(mark.side, 1.5).expect("a place");
+        assert!(
+            (drawn_m - 1.5).abs() < 0.1 && found_m > 1.8,
+            "{found_m} {drawn_m}"
+        );
+    }
 }
 
 #[test]

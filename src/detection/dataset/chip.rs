@@ -26,7 +26,7 @@ pub struct Boxes {
 }
 
 impl Chip {
-    /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::Part::is_plain`]) has a
+    /// Labels a tile, then levels it. An object whose part in the tile can be asked for ([`super::part::Part::is_plain`]) has a
     /// label; others that reach into the tile have an ignored box.
     pub fn new(mut tile: Tile, raster: &Raster, known: &[Known]) -> Self {
         let mut boxes = Boxes::default();

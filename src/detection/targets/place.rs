@@ -110,30 +110,34 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// The recorded depth over the box where the recorder had the bottom, else the first return on its side.
+    /// The bottom drawn by hand over the box, else the recorded depth where the recorder had the bottom, else the first return
+    /// on its side: who draws the bottom sees what the recorder took for it.
     fn altitude_m(&self, mark: &Mark) -> Option<f64> {
         let pings = mark.pings.start..mark.pings.end.min(self.survey.side_scan.len());
-        let locked = |ping| f64::from(self.survey.locked_depth_m(ping));
-        let mut depths_m: Vec<f64> = pings
-            .clone()
-            .map(locked)
-            .filter(|depth_m| *depth_m > 0.0)
-            .collect();
+        let is_drawn = |&ping: &usize| self.returns.is_drawn(mark.side, ping);
+        let mut depths_m = self.first_returns_m(mark.side, pings.clone().filter(is_drawn));
         if depths_m.is_empty() {
-            let picks = self.returns.side(mark.side);
-            depths_m = pings
-                .filter_map(|ping| {
-                    let pick = picks
-                        .get(ping)
-                        .filter(|pick| pick.is_some() && !pick.canopy)?;
-                    let span = self.survey.span(ping, mark.side)?;
-                    Some(self.calibration.range_m(span, f64::from(pick.sample)))
-                })
-                .filter(|depth_m| *depth_m > 0.0)
-                .collect();
+            let recorded = pings.clone();
+            let recorded = recorded.map(|ping| f64::from(self.survey.locked_depth_m(ping)));
+            depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
+        }
+        if depths_m.is_empty() {
+            depths_m = self.first_returns_m(mark.side, pings);
         }
         let altitude_m = median(&mut depths_m) * self.range_factor;
         (altitude_m > 0.0).then_some(altitude_m)
+    }
+
+    /// Slant ranges of the first returns of some pings, metres; canopy left out.
+    fn first_returns_m(&self, side: Side, pings: impl Iterator<Item = usize>) -> Vec<f64> {
+        let picks = self.returns.side(side);
+        let range_m = |ping: usize| {
+            let pick = picks.get(ping)?;
+            let span = self.survey.span(ping, side)?;
+            let range_m = self.calibration.range_m(span, f64::from(pick.sample));
+            (pick.is_some() && !pick.canopy && range_m > 0.0).then_some(range_m)
+        };
+        pings.filter_map(range_m).collect()
     }
 
     /// What is seen of the object in a box.

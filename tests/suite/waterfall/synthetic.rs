@@ -99,6 +99,6 @@ pub fn pond_returns(survey: &Survey) -> FirstReturns {
     FirstReturns {
         port: picks(Side::Port),
         starboard: picks(Side::Starboard),
-        warnings: Vec::new(),
+        ..FirstReturns::default()
     }
 }
