@@ -123,8 +123,9 @@ impl Sighting {
     }
 }
 
-/// Pings without an echo that end a pass.
-const PASS_GAP: usize = 20;
+/// From one ping with an echo to the next of the same pass at most. In a turn the beam swings over an object more than once,
+/// with bare ground between: these are sightings of their own.
+const PASS_GAP: usize = 3;
 
 /// Adds what one ping heard of an object to its sightings.
 pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen) {
