@@ -1,11 +1,12 @@
 //! The pen that draws the bottom by hand, and what was drawn.
 
+use super::gestures::drag_begun;
 use super::lens::{Lens, Place, across_m};
 use super::lines::Pen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
 use crate::survey::Side;
 use crate::ui::{ViewContext, theme};
-use egui::{CursorIcon, Key, Modifiers, Painter, PointerButton, Pos2, Response, Shape, Stroke, Ui};
+use egui::{CursorIcon, Modifiers, Painter, Pos2, Response, Shape, Stroke, Ui};
 
 /// Width of a drawn line, points.
 const WIDTH: f32 = 2.0;
@@ -35,13 +36,10 @@ impl BottomPen {
         if response.hovered() {
             ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
         }
-        let (space, modifiers, origin) = ui.input(|input| {
-            let origin = input.pointer.press_origin();
-            (input.key_down(Key::Space), input.modifiers, origin)
-        });
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
-        if response.drag_started_by(PointerButton::Primary) && !space {
-            self.stroke = origin.or(pointer).map(|at| begun(lens, at, modifiers));
+        if let Some(at) = drag_begun(ui, response) {
+            let modifiers = ui.input(|input| input.modifiers);
+            self.stroke = Some(begun(lens, at, modifiers));
         }
         let Some(stroke) = &mut self.stroke else {
             return false;

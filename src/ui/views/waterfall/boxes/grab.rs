@@ -5,9 +5,10 @@ use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool};
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit};
+use crate::ui::views::waterfall::gestures::drag_begun;
 use crate::ui::views::waterfall::lens::Place;
 use crate::ui::{ViewContext, theme};
-use egui::{CursorIcon, Key, Painter, PointerButton, Pos2, Response, Stroke, StrokeKind, Ui};
+use egui::{CursorIcon, Painter, Pos2, Response, Stroke, StrokeKind, Ui};
 
 /// How near a box a click must be, points.
 const NEAR: f32 = 3.0;
@@ -50,10 +51,8 @@ impl Boxes {
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
         self.show_cursor(ui, response, lens, context.app);
-        let space = ui.input(|input| input.key_down(Key::Space));
-        if response.drag_started_by(PointerButton::Primary) && !space {
-            let pressed = ui.input(|input| input.pointer.press_origin()).or(pointer);
-            self.held = pressed.and_then(|at| take(context.app, lens, at));
+        if let Some(at) = drag_begun(ui, response) {
+            self.held = take(context.app, lens, at);
         }
         let (Some(held), Some(at)) = (&self.held, pointer) else {
             return false;
