@@ -239,7 +239,7 @@ fn chips(
     )
     .map_err(|error| error.to_string())?;
     let raster = Raster::new(&survey, &navigation, PIXEL_M);
-    let known = known(simulated);
+    let known = known_objects(simulated);
     let looks = training.looks.iter().take(wanted);
     Ok(looks
         .map(|look| chip(&survey, &raster, look, &known))
@@ -253,8 +253,8 @@ fn chip(survey: &Survey, raster: &Raster, look: &Look, known: &[Known]) -> Chip 
     Chip::new(raster.tile(survey, look.side, row, column), raster, known)
 }
 
-/// The truth about all objects, as boxes in the survey.
-fn known(simulated: &Simulated) -> Vec<Known> {
+/// The truth about all objects of a simulated survey, as boxes in it.
+pub fn known_objects(simulated: &Simulated) -> Vec<Known> {
     let count = simulated.pings.len();
     let mut known = Vec::new();
     for object in &simulated.objects {

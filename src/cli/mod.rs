@@ -21,6 +21,8 @@ mod start;
 mod status_line;
 mod window;
 
+pub use dataset::known_objects;
+
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;

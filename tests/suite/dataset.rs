@@ -1,11 +1,12 @@
 //! Labelled pictures of simulated surveys: boxes against what objects really change in the picture, and the files.
 
-use bathyscope::detection::dataset::{Chip, Known, Slice};
-use bathyscope::detection::{Mark, Raster, Rect, TILE_PX};
+use bathyscope::cli::known_objects;
+use bathyscope::detection::dataset::Chip;
+use bathyscope::detection::{Raster, Rect, TILE_PX};
 use bathyscope::formats;
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{
-    ObjectKind, Scene, Simulated, TrainingScene, simulate, training_scene, training_seed,
+    Scene, Simulated, TrainingScene, simulate, training_scene, training_seed,
 };
 use bathyscope::survey::{HeadingSettings, Projection, Survey, navigate};
 use serde_json::Value;
@@ -28,41 +29,6 @@ fn survey(scene: &Scene, seed: u64) -> (Simulated, Survey, Raster) {
     );
     let raster = Raster::new(&survey, &navigation.expect("nobody cancels"), PIXEL_M);
     (simulated, survey, raster)
-}
-
-fn known(simulated: &Simulated) -> Vec<Known> {
-    let sightings = simulated.objects.iter().flat_map(|object| {
-        let class = ObjectKind::ALL.iter().position(|&kind| kind == object.kind);
-        object
-            .sightings
-            .iter()
-            .map(move |sighting| (class.expect("a class"), sighting))
-    });
-    let known = |class, sighting: &bathyscope::simulation::Sighting| {
-        let [near_m, far_m] = sighting.echo_and_shadow_m();
-        let slices = sighting.shown.iter().flat_map(|shown| &shown.slices);
-        Known {
-            class,
-            whole: Mark {
-                side: sighting.side,
-                pings: sighting.pings(simulated.pings.len()),
-                near_m,
-                far_m,
-            },
-            shown: sighting.shown.is_some(),
-            slices: slices
-                .map(|slice| Slice {
-                    ping: slice.ping,
-                    near_m: slice.near_m,
-                    far_m: slice.far_m,
-                    visibility: slice.visibility,
-                })
-                .collect(),
-        }
-    };
-    sightings
-        .map(|(class, sighting)| known(class, sighting))
-        .collect()
 }
 
 /// Pixels of a tile that its objects changed: the same survey without them has the same ground, noise and speckle.
@@ -99,7 +65,7 @@ fn compare(training: &TrainingScene, seed: u64, ious: &mut Vec<f32>) -> [usize; 
         ..training.scene.clone()
     };
     let (_, without, _) = survey(&bare, seed);
-    let known = known(&simulated);
+    let known = known_objects(&simulated);
     let mut changed_pixels = [0, 0];
     for look in &training.looks {
         let row = (look.along * raster.rows().saturating_sub(TILE_PX) as f64) as usize;
