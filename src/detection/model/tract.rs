@@ -10,6 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::*;
+use tract_onnx::tract_core::ops::{cast::Cast, konst::Const};
 use tract_onnx::tract_core::transform::get_transform;
 
 /// A network that tract has compiled.
@@ -78,7 +79,27 @@ fn typed(model: InferenceModel) -> TractResult<TypedModel> {
     if let Some(widen) = get_transform("f16_to_f32")? {
         widen.transform(&mut model)?;
     }
+    widen_weights(&mut model)?;
     Ok(model)
+}
+
+/// Makes f32 of weights that are stored as f16, once. tract leaves those above 4 MiB to every run, which then widens and packs
+/// them anew: a ninth of the time of YOLOv4-tiny.
+fn widen_weights(model: &mut TypedModel) -> TractResult<()> {
+    for node in model.eval_order()? {
+        let node = model.node(node);
+        let Some(&Cast { to }) = node.op_as::<Cast>() else {
+            continue;
+        };
+        let stored = model.node_input_facts(node.id)?[0].konst.clone();
+        let (Some(stored), true) = (stored, to == f32::datum_type()) else {
+            continue;
+        };
+        let widened = stored.cast_to::<f32>()?.into_owned().into_arc_tensor();
+        let constant = Const::new(widened)?;
+        TypedModelPatch::replace_single_op(model, node, &[], constant)?.apply(model)?;
+    }
+    Ok(())
 }
 
 /// ONNX's number of f16.
