@@ -4,9 +4,9 @@
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean. `model` is a detector from an ONNX file, `decode` reads boxes from its
-//! numbers, `picture` is what it searches. `find` searches a survey tile by tile, `merge` makes one box of what several
-//! tiles saw.
+//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `looks` weighs what two looks at a picture saw.
+//! `model` is a detector from an ONNX file, `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches
+//! a survey tile by tile, `merge` makes one box of what several tiles saw.
 //! `review` holds what the analyst decides about the boxes.
 //! `metrics` measures predicted boxes against true ones, and `labels` reads both from files.
 //! `targets` places boxes in the world. `truth` is what is known to lie in a survey, and what the boxes make of it.
@@ -17,6 +17,7 @@ pub mod decode;
 mod find;
 pub mod labels;
 mod level;
+mod looks;
 mod mark;
 mod merge;
 pub mod metrics;

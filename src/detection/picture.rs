@@ -53,6 +53,15 @@ impl Picture {
         Picture::grey(self.width, self.height, levels.collect())
     }
 
+    /// The picture with its rows in turned order: as a boat that comes from the other end records it.
+    pub fn mirrored(&self) -> Picture {
+        let row = (self.width * self.channels).max(1);
+        Picture {
+            levels: self.levels.rchunks(row).flatten().copied().collect(),
+            ..*self
+        }
+    }
+
     /// A piece of the picture; what lies beyond its edge is 0.
     pub fn piece(&self, x: usize, y: usize, width: usize, height: usize) -> Picture {
         let mut levels = vec![0; width * height * self.channels];

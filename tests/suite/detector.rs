@@ -218,6 +218,27 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
     );
 }
 
+#[test]
+fn two_looks_see_the_same_from_either_end_and_are_less_sure_than_the_surer() {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    let model = |sidecar: &str| Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a model");
+    let (once, twice) = (model("{}"), model(r#"{"second_look": "mirrored"}"#));
+    assert!(!once.description().contains("second look"));
+    assert!(twice.description().contains("second look, mirrored"));
+    let scores = |model: &Model, picture: &Picture| -> Vec<f32> {
+        // Nothing suppressed: of two views of one object that are as sure as each other either may be kept.
+        let found = model.detect(picture, SCORE, 1.0).expect("boxes");
+        found.iter().map(|one| one.score).collect()
+    };
+    let (there, back) = (picture(), picture().mirrored());
+    assert_ne!(scores(&once, &there), scores(&once, &back));
+    let both = scores(&twice, &there);
+    assert!(!both.is_empty());
+    assert_eq!(both, scores(&twice, &back));
+    let surest = |picture: &Picture| scores(&once, picture)[0];
+    assert!(both[0] <= surest(&there).max(surest(&back)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 

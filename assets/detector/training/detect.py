@@ -1,4 +1,7 @@
-"""Runs a network over chips and keeps the boxes that survive suppression, moved by vote, as Bathyscope does at inference."""
+"""Runs a network over chips and keeps the boxes that survive suppression, moved by vote, as Bathyscope does at inference.
+
+`look_twice` is what the program does with the shipped detector; `detect` is one look, enough to follow a training.
+"""
 
 import numpy as np
 import torch
@@ -10,6 +13,8 @@ LOWEST_SCORE = 0.01
 NMS_IOU = 0.45
 VOTE_IOU = 0.65
 MOST_CANDIDATES = 300
+# A chip is worth a second look from this confidence on; two looks see the same from this overlap on.
+WORTH_A_LOOK, SAME_IOU = 0.1, 0.6
 
 
 def box_iou(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -61,6 +66,24 @@ def detect(network: torch.nn.Module, anchors: list, chips: Chips, batch: int = 6
     for at in range(0, len(chips), batch):
         found += candidates(decoded, chips.images[at : at + batch].to(device))
     return found
+
+
+def look_twice(network: torch.nn.Module, anchors: list, chips: Chips) -> list[np.ndarray]:
+    """Candidates of every chip; where a first look sees something, of that and of a second one, mirrored along the track."""
+    found = detect(network, anchors, chips)
+    worth = [index for index, rows in enumerate(found) if (rows[:, 4] >= WORTH_A_LOOK).any()]
+    again = detect(network, anchors, Chips(chips.images[worth].flip(1), chips.boxes[worth], [chips.names[i] for i in worth]))
+    for index, rows in zip(worth, again):
+        rows[:, [1, 3]] = chips.side - rows[:, [3, 1]]
+        found[index] = np.concatenate([agreed(found[index], rows), agreed(rows, found[index])])
+    return found
+
+
+def agreed(own: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Candidates of one look, each as sure as the mean of itself and the surest of its class that the other look has there."""
+    same = (box_iou(own[:, :4], other[:, :4]) > SAME_IOU) & (own[:, 5][:, None] == other[:, 5][None])
+    there = (same * other[:, 4]).max(1, initial=0)
+    return np.concatenate([own[:, :4], ((own[:, 4] + there) / 2)[:, None], own[:, 5:]], 1)
 
 
 def judged(found: list[np.ndarray], chips: Chips) -> list[np.ndarray]:

@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw
 import metrics
 import real
 from data import Chips, read_manifest, read_split
-from detect import detect, judged, suppress, truths
+from detect import judged, look_twice, suppress, truths
 from network import build
 from weights import load_weights
 
@@ -38,7 +38,7 @@ def measure(network, meta: dict, chips: Chips, score: float | None) -> tuple[dic
 
     Without a `score` the best one on these chips is used. Returns the report, what was found and what was there.
     """
-    raw, truth = detect(network, meta["anchors"], chips), truths(chips)
+    raw, truth = look_twice(network, meta["anchors"], chips), truths(chips)
     by_class = judged([suppress(rows, agnostic=False) for rows in raw], chips)
     found = judged([suppress(rows, agnostic=True) for rows in raw], chips)
     score = best_score(found, truth) if score is None else score
@@ -102,7 +102,7 @@ def evaluate(network, meta: dict, val: Chips | None, test: Chips, tiles: "real.T
 
 def find(network, meta: dict, chips: Chips) -> list:
     """What remains in each chip after suppression across classes."""
-    return [suppress(rows, agnostic=True) for rows in detect(network, meta["anchors"], chips)]
+    return [suppress(rows, agnostic=True) for rows in look_twice(network, meta["anchors"], chips)]
 
 
 def measure_real(network, meta: dict, tiles: "real.Tiles", split: str, score: float) -> dict:

@@ -5,7 +5,7 @@ use super::guard::guarded;
 use super::input::InputSpec;
 use super::metadata::Metadata;
 use super::screen::{self, Declared};
-use super::sidecar::{Colour, FamilyName, LevelEntry, Resize, Sidecar};
+use super::sidecar::{Colour, FamilyName, LevelEntry, LookEntry, Resize, Sidecar};
 use super::{Inference, Model, Output, Unusable, tract};
 use crate::detection::Nms;
 use std::fs::File;
@@ -268,7 +268,11 @@ fn assemble(
     (name, guessed): (FamilyName, bool),
 ) -> Model {
     let thresholds = &sidecar.thresholds;
-    let description = describe(name, guessed, &names, &input);
+    let mut description = describe(name, guessed, &names, &input);
+    let looks_twice = sidecar.second_look == Some(LookEntry::Mirrored);
+    if looks_twice {
+        description.push_str(", and a second look, mirrored");
+    }
     Model {
         backend,
         family,
@@ -283,6 +287,7 @@ fn assemble(
             across_classes: thresholds.class_agnostic.unwrap_or(false),
         },
         vote: thresholds.vote,
+        looks_twice,
         description,
     }
 }

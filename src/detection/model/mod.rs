@@ -24,7 +24,7 @@ pub use backend::{Inference, Output};
 pub use error::{DetectError, ModelError, Unusable};
 pub use shipped::shipped;
 
-use super::{Nms, Picture, Scored, level, suppress, vote};
+use super::{Nms, Picture, Scored, level, looks, suppress, vote};
 use family::Family;
 use input::InputSpec;
 use std::path::Path;
@@ -33,6 +33,8 @@ use std::path::Path;
 const MOST_BOXES: usize = 1000;
 /// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move with the slider.
 const LEAST_VOTER: f32 = 0.01;
+/// Confidence from which a box is worth a second look at its picture. Most tiles of a survey show bare ground.
+const WORTH_A_LOOK: f32 = 0.1;
 /// Least confidence of any box. Without a floor a network's every cell would be one.
 const LEAST_SCORE: f32 = 0.001;
 
@@ -49,6 +51,8 @@ pub struct Model {
     nms: Nms,
     /// Overlap above which boxes vote.
     vote: Option<f32>,
+    /// Whether a picture that seems to show something is looked at once more, mirrored.
+    looks_twice: bool,
     description: String,
 }
 
@@ -131,25 +135,41 @@ impl Model {
         } else {
             picture
         };
+        let score = score.max(LEAST_SCORE);
+        let least = if self.vote.is_some() || self.looks_twice {
+            score.min(LEAST_VOTER)
+        } else {
+            score
+        };
+        let mut boxes = self.look(picture, least)?;
+        if self.looks_twice && boxes.iter().any(|found| found.score >= WORTH_A_LOOK) {
+            let height = picture.height as f32;
+            let mut again = self.look(&picture.mirrored(), least)?;
+            for found in &mut again {
+                *found = looks::mirrored(*found, height);
+            }
+            boxes = looks::agree(&boxes, &again);
+        }
+        Ok(self.settle(boxes, score, iou))
+    }
+
+    /// What the network proposes in a picture, the surest, in the picture's pixels.
+    fn look(&self, picture: &Picture, least: f32) -> Result<Vec<Scored>, Unusable> {
         let fit = self.input.fit(picture);
         let outputs = self.backend.run(self.input.numbers(picture, &fit))?;
-        let score = score.max(LEAST_SCORE);
-        let least = match self.vote {
-            Some(_) => score.min(LEAST_VOTER),
-            None => score,
-        };
         let mut boxes = self.family.decode(&outputs, self.input_size(), least);
         keep_surest(&mut boxes);
         for found in &mut boxes {
             found.rect = fit.to_picture(&found.rect);
         }
         boxes.retain(|found| found.rect.area() > 0.0);
-        Ok(self.settle(boxes, score, iou))
+        Ok(boxes)
     }
 
     /// One box an object, of at least that score, where the boxes around it put it.
     fn settle(&self, candidates: Vec<Scored>, score: f32, iou: f32) -> Vec<Scored> {
-        let iou = if self.family.suppresses() { 1.0 } else { iou };
+        let settled = self.family.suppresses() && !self.looks_twice;
+        let iou = if settled { 1.0 } else { iou };
         let mut boxes = candidates.clone();
         boxes.retain(|found| found.score >= score);
         suppress(&mut boxes, self.nms, iou);

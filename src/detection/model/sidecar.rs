@@ -21,6 +21,8 @@ pub struct Sidecar {
     pub pixel_m: Option<f64>,
     /// Whether tiles are brought to one level first.
     pub level: Option<LevelEntry>,
+    /// Whether a picture that seems to show something is looked at once more.
+    pub second_look: Option<LookEntry>,
     /// Anchors of raw heads, one entry a head.
     pub heads: Vec<HeadEntry>,
     /// Which boxes count.
@@ -115,6 +117,14 @@ pub enum LevelEntry {
     Auto,
     /// As recorded.
     Raw,
+}
+
+/// How a picture is looked at once more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LookEntry {
+    /// Mirrored along the track: the module `looks` says what for.
+    Mirrored,
 }
 
 /// The anchors of one raw head.
