@@ -63,7 +63,8 @@ impl Loading {
     pub fn start(origin: Origin, jobs: &Jobs) -> Self {
         let wanted = origin.clone();
         let task = Task::start(jobs, move |progress| {
-            let survey = wanted.open(progress).map_err(|error| error.to_string())?;
+            let mut survey = wanted.open(progress).map_err(|error| error.to_string())?;
+            formats::hold(&mut survey, progress).map_err(|error| error.to_string())?;
             let log = survey.source.files.first();
             let drawn = match &wanted {
                 Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),

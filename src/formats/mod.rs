@@ -3,7 +3,8 @@
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
 //! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings. `shelf` and `map` bring
-//! the bytes, `foreign` knows by sight what is not read. `track_file` reads the track of another receiver.
+//! the bytes, `medium` takes those of a log on a card into memory, `foreign` knows by sight what is not read. `track_file` reads
+//! the track of another receiver.
 
 mod assemble;
 mod clock;
@@ -14,12 +15,14 @@ pub mod humminbird;
 mod join;
 pub mod lowrance;
 mod map;
+mod medium;
 mod report;
 mod scalar;
 mod shelf;
 mod track_file;
 pub mod xtf;
 
+pub use medium::hold;
 pub use scalar::ByteOrder;
 pub use track_file::{TrackFile, open_with_track};
 

@@ -8,7 +8,7 @@ pub enum Bytes {
     /// A read-only memory map.
     Mapped(Arc<memmap2::Mmap>),
     /// Bytes in memory.
-    Held(Arc<[u8]>),
+    Held(Arc<Vec<u8>>),
 }
 
 impl std::ops::Deref for Bytes {
