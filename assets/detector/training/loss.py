@@ -48,6 +48,11 @@ def complete_iou(predicted: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     return overlap - distance2 / diagonal2 - alpha * v
 
 
+def weighted(terms: dict[str, torch.Tensor]) -> torch.Tensor:
+    """The three terms as one."""
+    return BOX_WEIGHT * terms["box"] + OBJECT_WEIGHT * terms["object"] + CLASS_WEIGHT * terms["class"]
+
+
 class Yolov4Loss:
     """The loss of one network's heads against padded boxes."""
 
@@ -63,7 +68,8 @@ class Yolov4Loss:
         return list(mask.split([len(a) for a in self.anchors], 1))
 
     def __call__(self, heads: list[torch.Tensor], boxes: torch.Tensor) -> dict[str, torch.Tensor]:
-        """`boxes [batch, slots, 5]` as in `Chips`. Returns `box`, `object`, `class` and their weighted `total`."""
+        """`boxes [batch, slots, 5]` as in `Chips`. Returns `box`, `object`, `class`, their weighted `total`, and `each`: that
+        total picture by picture, `[batch]`, without a gradient."""
         image, slot = torch.nonzero(boxes[..., 0] >= 0, as_tuple=True)
         truth = boxes[image, slot]
         kind = truth[:, 0].long()
@@ -71,17 +77,21 @@ class Yolov4Loss:
         truth = torch.cat([middle, size], 1)
         masks = self.assign(size)
         # A batch of empty chips still has an objectness loss: never divide by less than half an object per chip.
-        positives = torch.stack([mask.sum() for mask in masks]).sum().clamp(min=len(boxes) / 2)
+        answers = torch.stack([mask.sum(1) for mask in masks]).sum(0).float()
+        positives = answers.sum().clamp(min=len(boxes) / 2)
         sums = {"box": 0.0, "object": 0.0, "class": 0.0}
         for level, head in enumerate(heads):
             terms = self.level(level, head.float(), boxes, image, kind, truth, masks[level])
             sums = {name: sums[name] + terms[name] for name in sums}
-        losses = {name: value / positives for name, value in sums.items()}
-        losses["total"] = BOX_WEIGHT * losses["box"] + OBJECT_WEIGHT * losses["object"] + CLASS_WEIGHT * losses["class"]
+        each = torch.zeros_like(boxes[:, 0, 0])
+        own = each.index_add(0, image, answers).clamp(min=1)
+        losses = {name: value.sum() / positives for name, value in sums.items()}
+        losses["total"] = weighted(losses)
+        losses["each"] = weighted({name: value.detach() for name, value in sums.items()}) / own
         return losses
 
     def level(self, level, head, boxes, image, kind, truth, mask) -> dict[str, torch.Tensor]:
-        """The summed terms of one head."""
+        """The summed terms of one head, picture by picture."""
         stride = self.strides[level]
         predicted, logits = decode_level(head, self.anchors[level], stride, self.reach[stride])
         index, anchor = torch.nonzero(mask, as_tuple=True)
@@ -93,10 +103,16 @@ class Yolov4Loss:
         wanted[at] = 1.0
         weight = torch.maximum(wanted, self.unpunished(predicted.detach(), boxes).logical_not().float())
         classes = F.one_hot(kind[index], logits.shape[-1] - 1).to(logits.dtype)
+
+        def by_picture(values: torch.Tensor) -> torch.Tensor:
+            return torch.zeros_like(boxes[:, 0, 0]).index_add(0, image[index], values)
+
+        objectness = F.binary_cross_entropy_with_logits(logits[..., 0], wanted, weight, reduction="none")
+        kinds = F.binary_cross_entropy_with_logits(logits[at][:, 1:], classes, reduction="none")
         return {
-            "box": (1 - complete_iou(predicted[at], truth[index])).sum(),
-            "object": F.binary_cross_entropy_with_logits(logits[..., 0], wanted, weight, reduction="sum"),
-            "class": F.binary_cross_entropy_with_logits(logits[at][:, 1:], classes, reduction="sum"),
+            "box": by_picture(1 - complete_iou(predicted[at], truth[index])),
+            "object": objectness.flatten(1).sum(1),
+            "class": by_picture(kinds.sum(1)),
         }
 
     @staticmethod

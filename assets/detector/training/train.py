@@ -3,8 +3,8 @@
     python train.py --data DIR --network tiny --init coco_tiny.npz --minutes 7 --out OUT [--real real.npz]
     python train.py --data DIR --network yolov4 --width 0.25 --minutes 8 --out OUT [--real real.npz]
 
-The learning rate follows a cosine over the wall clock (`--minutes`) or over `--steps`, whichever is nearer its end; with
-`--steps` alone a run on the CPU repeats exactly. `--state FILE` keeps a checkpoint from which the same command goes on.
+The learning rate follows a cosine over the wall clock (`--minutes`, stops left out) or over `--steps`, whichever is nearer its
+end; with `--steps` alone a run on the CPU repeats exactly. `--state FILE` keeps a checkpoint from which the same command goes on.
 OUT receives NAME.onnx, NAME.json, metrics.json, errors.json, errors.png, log.csv and weights.npz.
 """
 
@@ -39,6 +39,8 @@ EMA_KEEP = 0.999
 CLIP_NORM = 20.0
 LOG_SECONDS = 10.0
 LOG_COLUMNS = ("step", "seconds", "rate", "total", "box", "object", "class", "chips_per_second", "map50")
+UNSEEN_LOSS, MOST_LOSS = 5.0, 10.0  # of a chip that has not been drawn yet, and the most that counts
+LONGEST_WAIT = 5.0  # seconds that a step may wait for a device without work of the processor
 LOOK_CHIPS = 400  # validation chips for the looks during training
 
 
@@ -124,6 +126,8 @@ class Batches:
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
         self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
         self.calm, self.side, self.occupied, self.focus = False, args.crop, args.occupied, args.focus
+        # What each simulated chip's loss was when it was last seen, the first time soon.
+        self.hard, self.losses, self.drawn = args.hard, torch.full((len(synthetic),), UNSEEN_LOSS, device=args.device), None
         self.holding = {id(chips): torch.nonzero((chips.boxes[..., 0] >= 0).any(1))[:, 0] for chips, _ in self.sources}
 
     def next(self) -> tuple[torch.Tensor, torch.Tensor]:
@@ -131,6 +135,8 @@ class Batches:
         strength, images, boxes = self.strength.calm() if self.calm else self.strength, [], []
         for chips, count in self.sources:
             index = self.draw(chips, count)
+            if chips is self.sources[0][0]:
+                self.drawn = index
             picture, box = Augmenter(chips, strength, self.generator, self.side, self.focus).batch(index)
             images.append(picture)
             boxes.append(box)
@@ -139,19 +145,46 @@ class Batches:
         return torch.cat(images), torch.cat(boxes)
 
     def draw(self, chips: Chips, count: int) -> torch.Tensor:
-        """Chips for a batch: the share `--occupied` from those that hold an object, the others from all."""
+        """Chips for a batch: of simulated ones the share `--hard` by their loss; of the rest the share `--occupied` from those
+        that hold an object."""
         device, holding = chips.images.device, self.holding[id(chips)]
         index = torch.randint(len(chips), (count,), generator=self.generator, device=device)
-        if not self.occupied or not len(holding):
-            return index
-        other = holding[torch.randint(len(holding), (count,), generator=self.generator, device=device)]
-        return torch.where(torch.rand(count, generator=self.generator, device=device) < self.occupied, other, index)
+        if self.occupied and len(holding):
+            other = holding[torch.randint(len(holding), (count,), generator=self.generator, device=device)]
+            index = self.either(self.occupied, other, index)
+        if self.hard and chips is self.sources[0][0]:
+            index = self.either(self.hard, torch.multinomial(self.losses, count, generator=self.generator), index)
+        return index
+
+    def either(self, share: float, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+        """Takes each entry from `one` with the probability `share`, else from `other`."""
+        return torch.where(torch.rand(len(one), generator=self.generator, device=one.device) < share, one, other)
+
+    def learn(self, losses: torch.Tensor) -> None:
+        """Hears the losses of the last batch, picture by picture; simulated chips come first. What counts is the mean with the
+        one before, as a cut-out may have passed over what is hard."""
+        before, now = self.losses[self.drawn], losses[: len(self.drawn)].clamp(max=MOST_LOSS)
+        self.losses[self.drawn] = torch.where(before == UNSEEN_LOSS, now, (before + now) / 2)
 
 
 def look(trainer: Trainer, chips: Chips, meta: dict) -> float:
     """mAP50 of the running average on some validation chips."""
     found = judged([suppress(rows, agnostic=False) for rows in detect(trainer.average, meta["anchors"], chips)], chips)
     return precision_table(found, truths(chips), meta["names"], ious=(0.5,))["map50"]
+
+
+class Clock:
+    """Time that a training had, by the clock: what it spends stopped (`kill -STOP`, a machine asleep) is not its own."""
+
+    def __init__(self):
+        self.wall, self.processor = time.monotonic(), time.process_time()
+
+    def lap(self) -> float:
+        """Seconds since the last lap; of a long one without work those that the processor was busy."""
+        wall, processor = time.monotonic(), time.process_time()
+        spent, busy = wall - self.wall, processor - self.processor
+        self.wall, self.processor = wall, processor
+        return min(spent, max(busy, LONGEST_WAIT))
 
 
 class Log:
@@ -180,11 +213,12 @@ class Log:
 def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) -> None:
     """Trains until the budget is spent; looks at the validation chips, and keeps weights and checkpoint, now and then."""
     args, looks = trainer.args, int(trainer.progress() * trainer.args.looks)
-    began, kept = time.monotonic() - trainer.seconds, time.monotonic()
+    clock, kept = Clock(), time.monotonic()
     while trainer.progress() < 1.0:
         batches.calm = trainer.progress() > 1 - args.settle
         trainer.network.train()
         terms = trainer.step(*batches.next())
+        batches.learn(terms["each"])
         log.chips += args.batch
         if trainer.progress() * args.looks >= looks + 1:
             looks = int(trainer.progress() * args.looks)
@@ -195,7 +229,7 @@ def run(trainer: Trainer, batches: Batches, val: Chips, meta: dict, log: Log) ->
         if args.state and time.monotonic() - kept > args.keep_seconds:
             trainer.save(args.state)
             kept = time.monotonic()
-        trainer.seconds = time.monotonic() - began
+        trainer.seconds += clock.lap()
     if args.state:
         trainer.save(args.state)
 
@@ -235,6 +269,7 @@ def arguments() -> argparse.Namespace:
     add("--decay", type=float, default=0.01, help="weight decay of the convolutions")
     add("--crop", type=int, help="learn from cut-outs of this many pixels (a multiple of 32) at the same scale: faster")
     add("--occupied", type=float, default=0.0, help="share of each batch drawn from chips that hold an object")
+    add("--hard", type=float, default=0.0, help="share of each batch drawn by the loss that a simulated chip had when last seen")
     add("--focus", type=float, default=0.0, help="with --crop and no mosaic: share of the chips with objects that are cut around one")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
@@ -292,7 +327,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
         "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle, "occupied": args.occupied,
-        "crop": args.crop, "focus": args.focus,
+        "crop": args.crop, "focus": args.focus, "hard": args.hard,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip
 
