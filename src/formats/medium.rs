@@ -108,19 +108,19 @@ mod tests {
 
     const MOUNTS: &str = "/dev/nvme0n1p2 / ext4 rw,relatime 0 0\n\
         proc /proc proc rw 0 0\n\
-        /dev/nvme0n1p3 /home ext4 rw 0 0\n\
+        /dev/nvme0n1p3 /data ext4 rw 0 0\n\
         /dev/sdb1 /media/ann/NO\\040NAME vfat rw,nosuid 0 0\n\
-        host:/surveys /home/ann/surveys nfs4 rw 0 0\n\
+        host:/surveys /data/surveys nfs4 rw 0 0\n\
         gvfsd-fuse /run/user/1000/gvfs fuse.gvfsd-fuse rw 0 0\n";
 
     #[test]
     fn cards_and_other_computers_come_and_go_and_disks_stay() {
         let goes = |path: &str| comes_and_goes(MOUNTS, Path::new(path));
         assert!(goes("/media/ann/NO NAME/Sonar0001.sl2"));
-        assert!(goes("/home/ann/surveys/pond/pond.sl2"));
+        assert!(goes("/data/surveys/pond/pond.sl2"));
         assert!(goes("/run/user/1000/gvfs/mtp/log.sl3"));
-        assert!(!goes("/home/ann/pond.sl2"));
-        assert!(!goes("/home/ann/surveys2/pond.sl2"));
+        assert!(!goes("/data/pond.sl2"));
+        assert!(!goes("/data/surveys2/pond.sl2"));
         assert!(!goes("/media/ann/NO/pond.sl2"));
         assert!(!comes_and_goes("", Path::new("/media/card/pond.sl2")));
         // A disk mounted over the place of a card.

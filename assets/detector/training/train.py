@@ -153,7 +153,7 @@ class Batches:
             other = holding[torch.randint(len(holding), (count,), generator=self.generator, device=device)]
             index = self.either(self.occupied, other, index)
         if self.hard and chips is self.sources[0][0]:
-            index = self.either(self.hard, torch.multinomial(self.losses, count, generator=self.generator), index)
+            index = self.either(self.hard, torch.multinomial(self.losses, count, replacement=True, generator=self.generator), index)
         return index
 
     def either(self, share: float, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
