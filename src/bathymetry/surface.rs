@@ -30,7 +30,8 @@ pub struct SurfaceSettings {
     /// Side of a cell, metres; chosen from the spacing of the soundings ([`suited_cell_m`]) when not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell_m: Option<f64>,
-    /// No value farther than this from a sounding, metres, and none between soundings more than twice as far apart.
+    /// No value farther than this from a sounding, metres, and none in triangles between soundings more than twice as far apart
+    /// ([`super::Tin::with_max_gap`]).
     pub max_gap_m: f64,
     /// Most cells along the longer side: where a cell would make more of them, it is larger.
     pub max_side: usize,
@@ -102,7 +103,7 @@ impl Surface {
 }
 
 /// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or in triangles between
-/// soundings more than two gaps apart. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no
+/// soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a winding track. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no
 /// surface (fewer than three places, or all on one line).
 ///
 /// The points are given away, since a log has millions: they are gone before the triangles are made.
@@ -179,7 +180,7 @@ struct Sampler<'a> {
 impl Field {
     fn new(nodes: Vec<Node>, settings: &SurfaceSettings) -> Option<Self> {
         let gap_m = settings.max_gap_m;
-        let tin = Tin::new(nodes)?.with_max_edge(2.0 * gap_m);
+        let tin = Tin::new(nodes)?.with_max_gap(gap_m);
         let near = match settings.method {
             SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
             SurfaceMethod::Linear | SurfaceMethod::Natural => None,

@@ -21,8 +21,12 @@ type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintG
 /// thirds of them for edges, so that nodes are moved in rather than copied.
 pub struct Tin {
     triangles: Triangulation,
-    max_edge_m: f64,
+    max_gap_m: f64,
 }
+
+/// Triangles with no edge longer than this share of the gap are always kept: along a single track they lie in a row, nearly
+/// flat, and what they hold beside the track is nothing to speak of.
+const SHORT_EDGES: f64 = 0.25;
 
 /// How the depth between the corners is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,14 +51,28 @@ impl Tin {
         let triangles = Triangulation::bulk_load(nodes).ok()?;
         Some(Self {
             triangles,
-            max_edge_m: f64::INFINITY,
+            max_gap_m: f64::INFINITY,
         })
     }
 
-    /// Leaves out triangles with an edge longer than this: between soundings so far apart nothing is known. Without it the
-    /// bays of a winding track are filled from one bank of the bend to the other.
-    pub fn with_max_edge(self, max_edge_m: f64) -> Self {
-        Self { max_edge_m, ..self }
+    /// Leaves out triangles between nodes that are too far apart for anything to be known between them: those with an edge
+    /// longer than two gaps, and those whose circumscribed circle, which holds no node, is larger than that of a triangle of
+    /// three such edges. So the surface follows its nodes (an alpha shape): neither the bay of a winding track is filled from
+    /// one bank of the bend to the other, nor the lens between a bend and its chord.
+    pub fn with_max_gap(self, max_gap_m: f64) -> Self {
+        Self { max_gap_m, ..self }
+    }
+
+    /// Whether a triangle is one that [`Tin::with_max_gap`] keeps.
+    fn is_known(&self, corners: [Point2<f64>; 3]) -> bool {
+        let [a, b, c] = corners;
+        let edges_m = [a.distance_2(b), b.distance_2(c), c.distance_2(a)].map(f64::sqrt);
+        let longest_m = edges_m.into_iter().fold(0.0, f64::max);
+        let area_m2 = 0.5 * ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)).abs();
+        let radius_m = edges_m.iter().product::<f64>() / (4.0 * area_m2);
+        let most_m = 2.0 * self.max_gap_m / 3f64.sqrt();
+        longest_m <= SHORT_EDGES * self.max_gap_m
+            || longest_m <= 2.0 * self.max_gap_m && radius_m <= most_m
     }
 
     /// The nodes, one a place, in no order.
@@ -89,7 +107,7 @@ impl TinSampler<'_> {
     ) -> Option<impl Iterator<Item = (Node, f64)> + Clone + '_> {
         let place = Point2::new(east_m, north_m);
         self.planes.get_weights(place, &mut self.weights);
-        if self.weights.is_empty() || self.has_long_edge() {
+        if !self.is_known() {
             return None;
         }
         if let Some(natural) = self.natural.as_ref().filter(|_| self.weights.len() > 2) {
@@ -130,13 +148,24 @@ impl TinSampler<'_> {
         }
     }
 
-    fn has_long_edge(&self) -> bool {
+    /// Whether the place that was asked for last lies in a triangle that counts, on the edge of one, or on a node.
+    fn is_known(&self) -> bool {
         let triangles = &self.tin.triangles;
         let place = |index: usize| triangles.vertex(self.weights[index].0).position();
-        (0..self.weights.len()).any(|index| {
-            let edge = [place(index), place((index + 1) % self.weights.len())];
-            edge[0].distance_2(edge[1]) > self.tin.max_edge_m.powi(2)
-        })
+        match self.weights.len() {
+            0 => false,
+            1 => true,
+            2 => {
+                let ends = [self.weights[0].0, self.weights[1].0];
+                let edge = triangles.get_edge_from_neighbors(ends[0], ends[1]);
+                edge.is_some_and(|edge| {
+                    let beside = [edge.face(), edge.rev().face()].into_iter();
+                    let mut inner = beside.filter_map(|face| face.as_inner());
+                    inner.any(|face| self.tin.is_known(face.positions()))
+                })
+            }
+            _ => self.tin.is_known([place(0), place(1), place(2)]),
+        }
     }
 }
 
@@ -154,7 +183,7 @@ mod tests {
             assert!((found - golden.linear).abs() < 1e-9, "{x}, {y}: {found}");
         }
         assert_eq!(tin.depth_at(-5.0, 5.0), None);
-        let near = tin.with_max_edge(0.5);
+        let near = tin.with_max_gap(0.25);
         assert_eq!(near.depth_at(2.5, 2.5), None);
     }
 

@@ -15,7 +15,7 @@ pub enum Matching {
     },
     /// The triangulated surface of the reference points at the place.
     Surface {
-        /// The surface has no triangles with an edge longer than twice this, metres.
+        /// The surface has no triangles between points farther apart than twice this ([`Tin::with_max_gap`]), metres.
         max_gap_m: f64,
     },
 }
@@ -173,7 +173,7 @@ fn triangulated(points: impl Iterator<Item = [f64; 3]> + Clone, max_gap_m: f64) 
     };
     let mut nodes = Vec::with_capacity(points.clone().count());
     nodes.extend(points.map(node));
-    Some(Tin::new(nodes)?.with_max_edge(2.0 * max_gap_m))
+    Some(Tin::new(nodes)?.with_max_gap(max_gap_m))
 }
 
 #[cfg(test)]

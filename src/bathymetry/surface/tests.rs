@@ -84,6 +84,34 @@ fn the_bay_of_a_bend_stays_empty() {
     assert_eq!(map.and_then(in_the_bay), None);
 }
 
+/// A spiral that opens from a radius of 60 m to 90 m: the chord of two gaps would lie up to 3 m inside the track.
+#[test]
+fn a_bend_is_not_bridged_by_a_lens_beside_the_track() {
+    let points: Vec<_> = (0..=400)
+        .flat_map(|i| {
+            let along = f64::from(i) / 400.0;
+            let (sin, cos) = (270.0 * along).to_radians().sin_cos();
+            // Depths under the boat and half a metre to either side of it.
+            [-0.5, 0.0, 0.5].map(|beside_m| {
+                let reach_m = 60.0 + 30.0 * along + beside_m;
+                DepthPoint {
+                    east_m: reach_m * cos,
+                    north_m: reach_m * sin,
+                    depth_m: 2.0,
+                    weight: 1.0,
+                }
+            })
+        })
+        .collect();
+    let map = surface(points, &settings(20.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
+    let farthest_m = known.clone().copied().fold(0.0, f32::max);
+    assert!(known.count() > 1000);
+    assert!(farthest_m < 0.7, "{farthest_m} m from any depth");
+}
+
 #[test]
 fn one_straight_line_is_no_surface() {
     let points: Vec<_> = line(0.0, 2.0).collect();
