@@ -139,6 +139,31 @@ actions! {
     PresetPublished, "Preset: published", None, "Takes the paper's settings to the digit.";
 }
 
+impl Action {
+    /// Whether a held key goes on doing it: stepping, and walking through the history. Everything else is done once per press;
+    /// a held A would otherwise accept box after box before any of them has been looked at.
+    pub fn repeats(self) -> bool {
+        matches!(
+            self,
+            Action::ZoomIn
+                | Action::ZoomOut
+                | Action::PreviousPing
+                | Action::NextPing
+                | Action::Back25
+                | Action::Forward25
+                | Action::ThresholdDown
+                | Action::ThresholdUp
+                | Action::NextBox
+                | Action::PreviousBox
+                | Action::NextMistake
+                | Action::PreviousMistake
+                | Action::TakeCornerBack
+                | Action::Undo
+                | Action::Redo
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Action;

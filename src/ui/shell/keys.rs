@@ -2,7 +2,7 @@
 
 use crate::app::{Action, App, Command, Nudge, Tool};
 use crate::detection::review::Edit;
-use egui::{FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Event, FocusDirection, Key, KeyboardShortcut, Modifiers, Ui};
 use std::sync::LazyLock;
 
 /// All shortcuts, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
@@ -56,12 +56,45 @@ fn is_of_text(action: Action) -> bool {
     matches!(action, Action::Undo | Action::Redo)
 }
 
+/// Whether a held key is to go on acting: an arrow, or the key of an action that repeats.
+fn may_repeat(key: Key, held: Modifiers) -> bool {
+    let arrows = [
+        Key::ArrowLeft,
+        Key::ArrowRight,
+        Key::ArrowUp,
+        Key::ArrowDown,
+    ];
+    let is_of = |(shortcut, action): &(KeyboardShortcut, Action)| {
+        shortcut.logical_key == key
+            && held.matches_logically(shortcut.modifiers)
+            && action.repeats()
+    };
+    arrows.contains(&key) || SHORTCUTS.iter().any(is_of)
+}
+
+/// Removes the presses that a held key sends again, where its action is done once per press. That holds for a focused button as
+/// well, which Space and Enter press.
+fn drop_repeats(ui: &Ui) {
+    let is_repeat = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            repeat: true,
+            modifiers,
+            ..
+        } => !may_repeat(*key, *modifiers),
+        _ => false,
+    };
+    ui.input_mut(|input| input.events.retain(|event| !is_repeat(event)));
+}
+
 /// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first.
 pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Command>) {
     let typing = ui.text_edit_focused();
     // A focused slider or button steps with arrows and acts on Space.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
     if !typing {
+        drop_repeats(ui);
         name_box(ui, app, commands);
         if !control_focused {
             move_box(ui, app, commands);
@@ -221,6 +254,24 @@ mod tests {
         for (shortcut, action) in SHORTCUTS.iter() {
             let other = seen.insert(*shortcut, action.label());
             assert_eq!(other, None, "{shortcut:?} is {} too", action.label());
+        }
+    }
+
+    #[test]
+    fn a_held_key_steps_on_but_decides_once() {
+        assert!(may_repeat(Key::ArrowRight, Modifiers::SHIFT));
+        assert!(may_repeat(Key::CloseBracket, Modifiers::NONE));
+        assert!(may_repeat(Key::Z, Modifiers::COMMAND));
+        for key in [
+            Key::A,
+            Key::R,
+            Key::U,
+            Key::Delete,
+            Key::Num1,
+            Key::Space,
+            Key::Enter,
+        ] {
+            assert!(!may_repeat(key, Modifiers::NONE), "{key:?}");
         }
     }
 

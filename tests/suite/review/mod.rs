@@ -8,7 +8,7 @@ mod on_map;
 mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
-use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle, threshold};
 use bathyscope::app::{Action, App, Command, Jobs, Tool};
 use bathyscope::detection::review::{BoxId, Edit, Identity, Review, State};
 use bathyscope::detection::{Detection, Mark, Raster};
@@ -176,9 +176,9 @@ fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
     assert_eq!(app(&window).undo_label(), Some("reject box"));
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(app(&window).undo_label(), Some("threshold"));
-    assert_eq!(crate::window::threshold(&window), 0.31);
+    assert_eq!(threshold(&window), 0.31);
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert_eq!(crate::window::threshold(&window), 0.30);
+    assert_eq!(threshold(&window), 0.30);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(states(&window), [State::Proposed; 4]);
     assert_eq!(selected(&window), first, "undo goes back to the box");
@@ -198,6 +198,38 @@ fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
             .filter(|state| **state == State::Proposed)
             .count(),
     );
+}
+
+/// Holds a key as a keyboard does: it is pressed again and again until it is let go.
+fn hold(window: &mut Window, key: Key) {
+    for _ in 0..5 {
+        window.key_down(key);
+        window.run();
+    }
+    window.key_up(key);
+    window.run();
+}
+
+#[test]
+fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
+    let (_folder, mut window) = proposed(8);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    for (decided, key) in (1..).zip([Key::A, Key::R, Key::Delete]) {
+        hold(&mut window, key);
+        let counts = app(&window).reviewing.counts();
+        assert_eq!(counts.decided(), decided, "{key:?}");
+    }
+    // A button that has the keyboard is pressed by Space and Enter, and their repeats.
+    for (decided, key) in (4..).zip([Key::Space, Key::Enter]) {
+        window.get_by_label("Accept box").focus();
+        window.run();
+        hold(&mut window, key);
+        let counts = app(&window).reviewing.counts();
+        assert_eq!(counts.decided(), decided, "{key:?}");
+    }
+    let before = threshold(&window);
+    hold(&mut window, Key::CloseBracket);
+    assert!((threshold(&window) - before - 0.05).abs() < 1e-6);
 }
 
 #[test]
