@@ -110,8 +110,15 @@ impl App {
 /// How far a review has come: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
 fn told(review: &Review) -> String {
     let count = |state: State| review.boxes().filter(|one| one.state == state).count();
+    let part = match review.coverage() {
+        Some(part) => format!(". The search was stopped: it covers {part}"),
+        None => String::new(),
+    };
+    if count(State::Proposed) == review.boxes().len() {
+        return format!("Proposed by the detector, not reviewed{part}");
+    }
     format!(
-        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided",
+        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided{part}",
         count(State::Accepted),
         count(State::Added),
         count(State::Rejected),

@@ -45,6 +45,11 @@ impl Seen {
         }
     }
 
+    /// Whether it may go on behind a row of pixels that its tile ends at.
+    pub fn is_cut_at(&self, row: f32) -> bool {
+        self.tile.y1 >= row && self.found.rect.y1 > row - EDGE_PX
+    }
+
     /// The two boxes within the strip that both tiles saw; `None` within one tile.
     fn in_strip(&self, other: &Seen) -> Option<[Rect; 2]> {
         let strip = self.tile.intersection(&other.tile);

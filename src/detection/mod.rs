@@ -34,7 +34,7 @@ pub mod truth;
 mod vote;
 
 use class::class_index;
-pub use find::{DetectorSettings, find, find_in_picture};
+pub use find::{DetectorSettings, SoFar, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};
 pub use model::{DetectError, Model, ModelError};

@@ -47,8 +47,8 @@ pub fn run() {
         &model,
         &DetectorSettings::default(),
         &progress,
-        |_| {
-            tiles.fetch_add(1, Ordering::Relaxed);
+        |so_far| {
+            tiles.fetch_max(so_far.tiles, Ordering::Relaxed);
         },
     );
     let taken_s = start.elapsed().as_secs_f64();

@@ -2,7 +2,7 @@
 
 use crate::app::{App, Outcome, Task};
 use crate::detection::model::shipped;
-use crate::detection::{Detection, DetectorSettings, Model, find};
+use crate::detection::{Detection, DetectorSettings, Model, SoFar, find};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 
@@ -23,15 +23,15 @@ pub(super) struct Detector {
 enum Heard {
     /// The model is ready.
     Ready(Detector),
-    /// Boxes of one tile; those that two tiles saw come twice.
-    Boxes(Vec<Detection>),
+    /// The boxes up to some ping.
+    SoFar(SoFar),
 }
 
 /// A search under way.
 pub(super) struct Detecting {
     heard: mpsc::Receiver<Heard>,
-    /// Boxes so far.
-    found: Vec<Detection>,
+    /// Pings from the log's start on that it has come over.
+    pings: usize,
     task: Task<Result<Vec<Detection>, String>>,
 }
 
@@ -86,27 +86,68 @@ impl App {
                 score: Some(LEAST_SCORE.min(model.score())),
                 ..DetectorSettings::default()
             };
-            let hear = |boxes: &[Detection]| {
-                if !boxes.is_empty() {
-                    sender.send(Heard::Boxes(boxes.to_vec())).ok();
-                }
+            let hear = |so_far| {
+                sender.send(Heard::SoFar(so_far)).ok();
             };
             find(&survey, &navigation, &model, &settings, progress, hear)
                 .map_err(|error| error.to_string())
         });
         self.reviewing.detecting = Some(Detecting {
             heard,
-            found: Vec::new(),
+            pings: 0,
             task,
         });
     }
 
-    /// Ends a search; what it found so far stays.
-    pub(in crate::app) fn stop_detecting(&mut self) {
-        if self.reviewing.detecting.take().is_some() {
-            let review = self.reviewing.review.clone();
-            self.take_review(review, LABEL, false);
+    /// Pings from the log's start on that the search under way has come over; `None` while none runs.
+    pub fn searched_so_far(&self) -> Option<usize> {
+        let detecting = self.reviewing.detecting.as_ref()?;
+        Some(detecting.pings)
+    }
+
+    /// What of the log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
+    /// been searched from end to end, and where nothing is known of a search.
+    pub fn search_note(&self) -> Option<String> {
+        let review = &self.reviewing.review;
+        match self.searched_so_far() {
+            Some(0) => Some("The search has begun.".to_owned()),
+            Some(pings) => Some(format!(
+                "The search is running: pings 0 to {} of {} so far.",
+                pings - 1,
+                review.identity().pings
+            )),
+            None => {
+                (review.coverage()).map(|part| format!("The search was stopped: it covers {part}."))
+            }
         }
+    }
+
+    /// Ends a search; what it found so far stays, with the pings that it has come over.
+    pub(in crate::app) fn stop_detecting(&mut self) {
+        if let Some(detecting) = self.reviewing.detecting.take() {
+            let last = self.hear(&detecting);
+            self.end_search(last);
+        }
+    }
+
+    /// Ends the undo step of a search that has come to no end.
+    fn end_search(&mut self, last: Option<SoFar>) {
+        match last {
+            Some(so_far) => self.adopt(&so_far.boxes, so_far.pings, false),
+            None => self.take_review(self.reviewing.review.clone(), LABEL, false),
+        }
+    }
+
+    /// What a search has told since it was last asked: its model, and the last of its boxes.
+    fn hear(&mut self, detecting: &Detecting) -> Option<SoFar> {
+        let mut last = None;
+        while let Ok(heard) = detecting.heard.try_recv() {
+            match heard {
+                Heard::Ready(detector) => self.meet(detector),
+                Heard::SoFar(so_far) => last = Some(so_far),
+            }
+        }
+        last
     }
 
     /// Collects what a search found.
@@ -115,17 +156,12 @@ impl App {
             return;
         };
         let outcome = detecting.task.poll();
-        let so_far = detecting.found.len();
-        while let Ok(heard) = detecting.heard.try_recv() {
-            match heard {
-                Heard::Ready(detector) => self.meet(detector),
-                Heard::Boxes(boxes) => detecting.found.extend(boxes),
-            }
-        }
+        let last = self.hear(&detecting);
         let found = match outcome {
             Outcome::Pending => {
-                if detecting.found.len() > so_far {
-                    self.adopt(&detecting.found, true);
+                if let Some(so_far) = last {
+                    detecting.pings = so_far.pings;
+                    self.adopt(&so_far.boxes, so_far.pings, true);
                 }
                 self.reviewing.detecting = Some(detecting);
                 return;
@@ -135,7 +171,8 @@ impl App {
         };
         match found {
             Ok(found) => {
-                self.adopt(&found, false);
+                let pings = self.reviewing.review.identity().pings;
+                self.adopt(&found, pings, false);
                 if found.is_empty() {
                     let text =
                         "no objects were found; draw what you see with N, or choose another model";
@@ -143,8 +180,7 @@ impl App {
                 }
             }
             Err(text) => {
-                let review = self.reviewing.review.clone();
-                self.take_review(review, LABEL, false);
+                self.end_search(last);
                 self.tell(text, true);
             }
         }
@@ -160,7 +196,8 @@ impl App {
         self.reviewing.detector = Some(detector);
     }
 
-    fn adopt(&mut self, found: &[Detection], live: bool) {
+    /// Takes the boxes that were found in the log's first pings.
+    fn adopt(&mut self, found: &[Detection], pings: usize, live: bool) {
         let Some((detector, raster)) =
             (self.reviewing.detector.clone()).zip(self.reviewing.raster().cloned())
         else {
@@ -169,7 +206,8 @@ impl App {
         let path = detector.path.as_deref();
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
         let review = &self.reviewing.review;
-        let review = review.adopt(&name, detector.model.names(), found, &raster);
+        let names = detector.model.names();
+        let review = review.adopt_part(&name, names, found, &raster, 0..pings);
         self.take_review(Arc::new(review), LABEL, live);
     }
 }

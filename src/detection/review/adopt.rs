@@ -3,6 +3,7 @@
 use super::{Review, Reviewed, State, held};
 use crate::detection::{Detection, Raster, Rect, class_index};
 use crate::survey::Side;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Overlap from which two boxes are the same object, intersection over union.
@@ -20,13 +21,29 @@ impl Review {
         detections: &[Detection],
         raster: &Raster,
     ) -> Review {
+        self.adopt_part(model, classes, detections, raster, 0..self.identity.pings)
+    }
+
+    /// As [`Review::adopt`], of a search that has come over these pings only: undecided boxes elsewhere stay as well, for
+    /// nobody has looked again.
+    pub fn adopt_part(
+        &self,
+        model: &str,
+        classes: &[String],
+        detections: &[Detection],
+        raster: &Raster,
+        pings: Range<usize>,
+    ) -> Review {
+        let is_elsewhere =
+            |one: &Reviewed| one.mark.pings.start < pings.start || one.mark.pings.end > pings.end;
         let (kept, open): (Vec<_>, Vec<_>) =
-            self.boxes.iter().cloned().partition(|one| one.is_kept());
+            (self.boxes.iter().cloned()).partition(|one| one.is_kept() || is_elsewhere(one));
         let mut after = Review {
             identity: self.identity.clone(),
             classes: self.classes.clone(),
             boxes: kept,
             next_id: self.next_id,
+            searched: self.searched.clone(),
         };
         let class_of: Vec<usize> = (classes.iter())
             .map(|name| class_index(&mut after.classes, name))
@@ -35,6 +52,7 @@ impl Review {
         let mut earlier = Places::of(&open, raster);
         let mut lent = vec![None; after.boxes.len()];
         let model: Arc<str> = model.into();
+        after.note_search(&model, pings);
         for detection in detections {
             let (Some(mark), Some(&class)) = (
                 held(&detection.mark, self.identity.pings),

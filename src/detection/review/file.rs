@@ -16,6 +16,8 @@ const LARGEST_FILE: u64 = 64 << 20;
 const VERSION: u32 = 1;
 const MOST_BOXES: usize = 200_000;
 const MOST_CLASSES: usize = 1_000;
+/// Stretches that were searched; a review of our own has two or three.
+const MOST_SEARCHED: usize = 1_000;
 /// Letters of a class name or a model's name.
 const LONGEST_NAME: usize = 200;
 /// Letters of a note.
@@ -50,7 +52,17 @@ struct Stored {
     version: u32,
     survey: Identity,
     classes: Vec<String>,
+    /// Which pings a model has searched; missing where nobody noted it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    searched: Vec<StoredSearch>,
     boxes: Vec<StoredBox>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredSearch {
+    model: String,
+    /// First and last, the last excluded.
+    pings: [usize; 2],
 }
 
 #[derive(Serialize, Deserialize)]
@@ -93,6 +105,12 @@ impl Review {
             version: VERSION,
             survey: self.identity.clone(),
             classes: self.classes.clone(),
+            searched: (self.searched.iter())
+                .map(|one| StoredSearch {
+                    model: one.model.to_string(),
+                    pings: [one.pings.start, one.pings.end],
+                })
+                .collect(),
             boxes: self.boxes().map(|one| self.stored(one)).collect(),
         };
         // Strings, whole and finite numbers only: nothing here can fail to be written.
@@ -150,6 +168,12 @@ impl Review {
                 stored.survey.pings, stored.survey.byte_count, stored.survey.file
             ));
         }
+        if stored.searched.len() > MOST_SEARCHED {
+            return refuse(format!(
+                "this review has {} stretches that were searched; at most {MOST_SEARCHED} are read",
+                stored.searched.len()
+            ));
+        }
         if stored.boxes.len() > MOST_BOXES || stored.classes.len() > MOST_CLASSES {
             return refuse(format!(
                 "this review has {} boxes of {} classes; at most {MOST_BOXES} of {MOST_CLASSES} are read",
@@ -177,6 +201,19 @@ impl Review {
         let mut review = Review::new(of.clone(), stored.classes);
         let mut seen = HashSet::new();
         let mut models: HashSet<Arc<str>> = HashSet::new();
+        for StoredSearch {
+            model,
+            pings: [start, end],
+        } in stored.searched
+        {
+            if !is_name(&model) || start >= end || end > of.pings {
+                return Err(ReviewError(
+                    "this review is damaged: the pings that were searched lie outside the log"
+                        .into(),
+                ));
+            }
+            review.note_search(&shared(&mut models, model), start..end);
+        }
         for one in stored.boxes {
             let id = one.id;
             let wrong =

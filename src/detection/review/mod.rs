@@ -1,18 +1,20 @@
 //! The analyst's decisions about the boxes of a survey: pure state, changed by edits, kept in a file of its own.
 //!
 //! `edit` is what a decision does, `adopt` what a new model's detections do to decisions that are there, `queue` the order
-//! in which boxes are looked at, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
+//! in which boxes are looked at, `searched` which pings a model has been over, `tiles` the pictures that teach a detector, `file` how a review is kept. The log itself is
 //! never touched.
 
 mod adopt;
 mod edit;
 mod file;
 mod queue;
+mod searched;
 mod tiles;
 
 pub use edit::Edit;
 pub use file::{ReviewError, read_text};
 pub use queue::{Counts, Filter, Queue, Sort};
+pub use searched::Searched;
 pub use tiles::ReviewedTile;
 
 use super::Mark;
@@ -135,6 +137,8 @@ pub struct Review {
     /// In the order of their numbers.
     boxes: Vec<Arc<Reviewed>>,
     next_id: u32,
+    /// Along the track, without overlap.
+    searched: Vec<Searched>,
 }
 
 impl Review {
@@ -145,6 +149,7 @@ impl Review {
             classes,
             boxes: Vec::new(),
             next_id: 1,
+            searched: Vec::new(),
         }
     }
 

@@ -404,3 +404,42 @@ fn nameless_boxes_come_last_in_training_and_only_where_there_are_any() {
     assert_eq!(classes, ["rock", "tyre", "object"]);
     assert_eq!(places, [Some(2), Some(0), Some(1)]);
 }
+
+#[test]
+fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
+    let (raster, names) = (raster(), names(&["rock"]));
+    let at = |start: usize| detection(0, 0.5, mark(Side::Port, start, 3.0));
+    let whole = Review::new(identity(), names.clone()).adopt(
+        "first",
+        &names,
+        &[at(20), at(95), at(150)],
+        &raster,
+    );
+    assert!(whole.unsearched().is_empty() && whole.coverage().is_none());
+    let part = whole.adopt_part("second", &names, &[at(60)], &raster, 0..100);
+    let starts: Vec<usize> = part.boxes().map(|one| one.mark.pings.start).collect();
+    assert_eq!(starts, [95, 150, 60], "the second saw nothing at 20");
+    let searched = |review: &Review| {
+        let all = review.searched().iter();
+        all.map(|one| (one.model.to_string(), one.pings.clone()))
+            .collect::<Vec<_>>()
+    };
+    let both = [
+        ("second".to_owned(), 0..100),
+        ("first".to_owned(), 100..PINGS),
+    ];
+    assert_eq!(searched(&part), both);
+    assert!(part.unsearched().is_empty(), "one or the other was there");
+
+    let only = Review::new(identity(), names.clone());
+    assert!(only.unsearched().is_empty(), "nobody knows of a search");
+    let only = only.adopt_part("second", &names, &[], &raster, 0..80);
+    assert_eq!(only.unsearched(), vec![80..PINGS; 1]);
+    assert_eq!(only.coverage().as_deref(), Some("pings 0 to 79 of 1000"));
+    let only = only.adopt_part("second", &names, &[], &raster, 0..120);
+    assert_eq!(searched(&only), [("second".to_owned(), 0..120)]);
+    let read = Review::from_json(&only.to_json(), &identity()).expect("our own file");
+    assert_eq!(read, only);
+    let damaged = only.to_json().replace("120", "1001");
+    assert!(Review::from_json(&damaged, &identity()).is_err());
+}

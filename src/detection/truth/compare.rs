@@ -18,6 +18,8 @@ pub struct Comparison {
     /// The two sides as pictures.
     pub(super) matched: Matched,
     boxes: [Vec<BoxId>; 2],
+    /// Objects that would count, had a search come to them.
+    unsearched: usize,
     curve: Vec<CurvePoint>,
     pixel_m: f64,
 }
@@ -77,13 +79,17 @@ pub struct Standing {
 
 impl Comparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
-    /// when their names are.
-    pub fn new(review: &Review, laid: LaidTruth, raster: &Raster) -> Self {
+    /// when their names are. Objects and boxes in pings that the review's search has not come to are left out: nobody has
+    /// missed what nobody has looked for.
+    pub fn new(review: &Review, mut laid: LaidTruth, raster: &Raster) -> Self {
+        let gaps = review.unsearched();
+        let unsearched = laid.ignore(|whole| Review::reaches_into(&gaps, whole));
         let mut classes = review.classes().to_vec();
         let mut images = laid.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];
         for (index, side) in Side::BOTH.into_iter().enumerate() {
-            let of_side = |one: &&Reviewed| one.mark.side == side;
+            let of_side =
+                |one: &&Reviewed| one.mark.side == side && !Review::reaches_into(&gaps, &one.mark);
             for (one, score) in
                 (review.boxes().filter(of_side)).filter_map(|one| Some((one, one.score?)))
             {
@@ -102,6 +108,7 @@ impl Comparison {
             laid,
             classes,
             boxes,
+            unsearched,
             pixel_m: raster.pixel_m(),
         }
     }
@@ -121,7 +128,12 @@ impl Comparison {
         self.laid.truth()
     }
 
-    /// Objects that count: those that can be seen.
+    /// Objects that can be seen and do not count, because no search has come to them.
+    pub fn unsearched(&self) -> usize {
+        self.unsearched
+    }
+
+    /// Objects that count: those that can be seen, where a search has come to.
     pub fn counted(&self) -> usize {
         let all = self.laid.sides.iter().flatten();
         all.filter(|(one, _)| !one.ignored).count()

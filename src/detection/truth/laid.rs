@@ -2,7 +2,7 @@
 
 use super::Truth;
 use crate::detection::dataset::Known;
-use crate::detection::{Raster, class_index, metrics};
+use crate::detection::{Mark, Raster, class_index, metrics};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -34,6 +34,18 @@ impl LaidTruth {
             sides: Side::BOTH.map(on),
             truth,
         }
+    }
+
+    /// Leaves out some of the objects that count, by their boxes; how many.
+    pub(super) fn ignore(&mut self, is_out: impl Fn(&Mark) -> bool) -> usize {
+        let mut count = 0;
+        for (laid, object) in self.sides.iter_mut().flatten() {
+            if !laid.ignored && is_out(&self.truth.objects[*object].whole) {
+                laid.ignored = true;
+                count += 1;
+            }
+        }
+        count
     }
 
     /// The two sides as pictures with nothing proposed yet. Classes are those of `classes`, the same where their names are;

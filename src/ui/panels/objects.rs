@@ -14,6 +14,9 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     section(ui, context, &heading, |ui, context| {
         found(ui, context);
+        if let Some(note) = context.app.search_note() {
+            parts::warning(ui, context, &note);
+        }
         let hint = context.app.model_description().map_or_else(
             || "The detector that is asked.".to_owned(),
             |known| format!("The detector that is asked: {known}"),
@@ -31,6 +34,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
     let counts = context.app.reviewing.counts();
     let boxes = text::plural(counts.total(), "box", "boxes");
     let value = match counts.proposed {
+        0 if context.app.search_note().is_some() => format!("{boxes} so far, decided"),
         0 => format!("{boxes} · all decided"),
         open => format!("{boxes} · {} undecided", text::count(open)),
     };

@@ -1,6 +1,7 @@
 //! The search for objects in the window, and the look of a review.
 
 use super::*;
+use bathyscope::detection::truth::Mistake;
 
 /// A small model of random weights: it finds things everywhere, fast.
 fn model(name: &str) -> PathBuf {
@@ -66,12 +67,78 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     app.apply(Command::Do(Action::FindObjects));
     until(&mut app, &|app| app.reviewing.has_boxes());
     assert!(app.detect_fraction().is_some(), "it still runs");
+    let note = app.search_note().expect("a search that runs");
+    assert!(note.contains("is running: pings 0 to "), "{note}");
     app.apply(Command::Do(Action::Cancel));
     until(&mut app, &App::is_idle);
     assert!(app.detect_fraction().is_none() && app.reviewing.has_boxes());
+    // What was searched is known, and judged alone; tiles that overlap found nothing twice.
+    let review = app.reviewing.review.clone();
+    let [gap] = &review.unsearched()[..] else {
+        panic!("{:?}", review.searched());
+    };
+    assert!(gap.start > 0 && gap.end == review.identity().pings);
+    assert!(review.boxes().all(|one| one.mark.pings.end <= gap.start));
+    let note = app.search_note().expect("a search that was stopped");
+    let covered = format!("covers pings 0 to {} of {}", gap.start - 1, gap.end);
+    assert!(
+        note.contains("was stopped") && note.contains(&covered),
+        "{note}"
+    );
+    let comparison = app.reviewing.judging.comparison().expect("the truth");
+    assert!(comparison.unsearched() > 0);
+    let standing = app.reviewing.judging.standing().expect("a standing");
+    let truth = &comparison.truth().objects;
+    for mistake in &standing.mistakes {
+        if let Mistake::Miss { object, .. } = mistake {
+            let at = &truth[*object].whole.pings;
+            assert!(at.end <= gap.start, "{at:?} was not searched");
+        }
+    }
+    // The file keeps it.
+    let kept = Review::from_json(&review.to_json(), review.identity()).expect("our own file");
+    assert_eq!(kept.searched(), review.searched());
     assert_eq!(app.undo_label(), Some("find objects"));
     app.apply(Command::Do(Action::Undo));
-    assert!(!app.reviewing.has_boxes());
+    assert!(!app.reviewing.has_boxes() && app.search_note().is_none());
+}
+
+#[test]
+fn a_search_that_was_stopped_does_not_look_finished() {
+    let (folder, mut window) = proposed(6);
+    assert!(window.query_by_label_contains("The search was").is_none());
+    let review = review_of(&window);
+    let (names, found) = (review.classes().to_vec(), detections(&window, 6));
+    let half = review.identity().pings / 2;
+    let first: Vec<Detection> = (found.into_iter())
+        .filter(|one| one.mark.pings.end <= half)
+        .collect();
+    let empty = Review::new(identity(&window), names.clone());
+    let part = empty.adopt_part("a model", &names, &first, &raster(&window), 0..half);
+    let path = folder.path().join("part.review.json");
+    fs::write(&path, part.to_json()).expect("a file");
+    app_mut(&mut window).apply(Command::OpenReview(path));
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    for _ in &first {
+        press(&mut window, Modifiers::NONE, Key::A);
+    }
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert_eq!(app(&window).reviewing.counts().proposed, 0);
+    let covered = format!("The search was stopped: it covers pings 0 to {}", half - 1);
+    assert!(window.get_all_by_label_contains(&covered).count() > 0);
+    for finished in ["All boxes in sight are decided", "all decided"] {
+        assert!(
+            window.query_by_label_contains(finished).is_none(),
+            "{finished}"
+        );
+    }
+    // The report says so as well.
+    let products = folder.path().join("products");
+    (window.state_mut().app).apply(Command::Export(products.clone()));
+    window.run();
+    let page = fs::read_to_string(products.join("report.html")).expect("a report");
+    assert!(page.contains(&covered), "the report");
 }
 
 /// What a perfect detector would find in the demo: each sighting of each object, with its shadow.

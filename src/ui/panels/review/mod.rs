@@ -6,7 +6,7 @@ mod judged;
 mod queue;
 mod selected;
 
-use super::parts::{Section, remark, section};
+use super::parts::{Section, remark, section, warning};
 use crate::app::{Action, Command};
 use crate::detection::review::BoxId;
 use crate::ui::views::background::Background;
@@ -40,6 +40,9 @@ impl ReviewPanel {
         };
         section(ui, context, &heading, |ui, context| {
             progress(ui, context);
+            if let Some(note) = context.app.search_note() {
+                warning(ui, context, &note);
+            }
             self.selected(ui, context);
             judged::at_slider(ui, context);
             queue::ui(ui, context);

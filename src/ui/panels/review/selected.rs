@@ -19,11 +19,15 @@ impl ReviewPanel {
         let Some(one) = context.app.reviewing.selected_box().cloned() else {
             self.keep_note(context, None);
             let all = context.app.reviewing.counts().proposed == 0;
+            let is_part = context.app.search_note().is_some();
             remark(
                 ui,
-                match all {
-                    true => "All boxes in sight are decided.",
-                    false => "No box is selected: press Tab, or click one in the waterfall.",
+                match (all, is_part) {
+                    (true, false) => "All boxes in sight are decided.",
+                    (true, true) => {
+                        "All boxes that were found so far and are in sight are decided."
+                    }
+                    (false, _) => "No box is selected: press Tab, or click one in the waterfall.",
                 },
             );
             return;

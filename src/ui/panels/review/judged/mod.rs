@@ -5,7 +5,7 @@ mod curve;
 mod matrix;
 mod mistakes;
 
-use super::super::parts::{Section, remark, section};
+use super::super::parts::{Section, remark, section, warning};
 use crate::app::Action;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
@@ -16,6 +16,12 @@ pub fn at_slider(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let (Some(comparison), Some(standing)) = (judging.comparison(), judging.standing()) else {
         return;
     };
+    if comparison.unsearched() > 0 {
+        let others = text::plural(comparison.unsearched(), "object", "objects");
+        let text =
+            format!("These figures are of what was searched; {others} of the truth lie elsewhere.");
+        warning(ui, context, &text);
+    }
     curve::ui(ui, context, comparison, standing);
 }
 
@@ -32,7 +38,11 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: None,
     };
     section(ui, context, &heading, |ui, context| {
-        let (counted, all) = (comparison.counted(), comparison.truth().objects.len());
+        let unsearched = comparison.unsearched();
+        let (counted, all) = (
+            comparison.counted(),
+            comparison.truth().objects.len() - unsearched,
+        );
         let mut told = format!(
             "Against {}: {}",
             judging.source().unwrap_or_default(),
@@ -40,6 +50,9 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
         if counted < all {
             told += &format!(", {} more cannot be seen and do not count", all - counted);
+        }
+        if unsearched > 0 {
+            told += &format!(", {unsearched} more lie where nothing was searched");
         }
         remark(ui, told + ".");
         mistakes::ui(ui, context, comparison);
