@@ -12,14 +12,34 @@ use std::fmt::Write as _;
 /// Longest table; the files beside the page list all.
 const MOST_ROWS: usize = 60;
 
-/// Boxes that were not rejected.
+fn rows<'a>(from: &'a Handover<'_>) -> &'a [ObjectRow<'a>] {
+    let objects = from.objects.as_ref();
+    objects.map_or(&[][..], |objects| objects.rows)
+}
+
+fn is_undecided(row: &ObjectRow<'_>) -> bool {
+    row.state == State::Proposed.name()
+}
+
+/// Whether somebody has decided about boxes; otherwise all of them are the detector's proposals.
+pub fn is_reviewed(from: &Handover<'_>) -> bool {
+    !rows(from).iter().all(is_undecided)
+}
+
+/// The boxes that are drawn and listed: of a review those that were accepted or added, for a proposal beside them would pass
+/// for an object that somebody has seen; without a review the proposals.
 fn shown<'a>(from: &'a Handover<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> {
-    let rows = from
-        .objects
-        .as_ref()
-        .map_or(&[][..], |objects| objects.rows);
-    rows.iter()
-        .filter(|row| row.state != State::Rejected.name())
+    let objects = [State::Accepted, State::Added].map(State::name);
+    let is_reviewed = is_reviewed(from);
+    rows(from)
+        .iter()
+        .filter(move |row| !is_reviewed || objects.contains(&row.state))
+}
+
+/// Objects that are listed; boxes where none has a number.
+pub fn count(from: &Handover<'_>) -> usize {
+    let distinct = shown(from).filter_map(|row| row.object).max();
+    distinct.unwrap_or_else(|| shown(from).count())
 }
 
 /// A ring with its number at each object, in the middle of its sightings.
@@ -59,8 +79,13 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
     };
     let count = shown(from).count();
     let mut html = format!("<h2>Objects</h2>\n<p>{}. ", xml(&objects.origin));
+    html += &left_out(from);
     if count == 0 {
-        return Ok(html + "None was found.</p>\n");
+        let none = match is_reviewed(from) {
+            true => "None was accepted.",
+            false => "None was found.",
+        };
+        return Ok(html + none + "</p>\n");
     }
     let mut rows: Vec<&ObjectRow<'_>> = shown(from).collect();
     // Sightings of one object beside each other, the surest first; what has no place in the world last.
@@ -94,6 +119,17 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
         html += &line(from, row);
     }
     Ok(html + "</table>\n")
+}
+
+/// What a review leaves undecided, in a sentence; empty where that is nothing, or everything.
+fn left_out(from: &Handover<'_>) -> String {
+    match rows(from).iter().filter(|row| is_undecided(row)).count() {
+        1 if is_reviewed(from) => "One proposal is undecided and not listed. ".to_owned(),
+        undecided if undecided > 1 && is_reviewed(from) => {
+            format!("{undecided} proposals are undecided and not listed. ")
+        }
+        _ => String::new(),
+    }
 }
 
 fn line(from: &Handover<'_>, row: &ObjectRow<'_>) -> String {

@@ -1,7 +1,7 @@
 //! What was surveyed and what came out, in a paragraph and a row of figures.
 
 use super::text::{area, count, date, duration, length, metres, position};
-use super::{Handover, text};
+use super::{Handover, objects, text};
 use crate::calendar;
 use crate::export::xml;
 use crate::survey::PingNav;
@@ -114,9 +114,12 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
             "side-scan minus recorded depth, median \u{b1} standard deviation",
         ));
     }
-    if let Some(objects) = &from.objects {
-        let found = objects.rows.iter().filter_map(|row| row.object).max();
-        figures.push((text::count(found.unwrap_or(0)), "objects"));
+    if from.objects.is_some() {
+        let what = match objects::is_reviewed(from) {
+            true => "objects",
+            false => "objects proposed, not reviewed",
+        };
+        figures.push((text::count(objects::count(from)), what));
     }
     figures
 }

@@ -165,6 +165,30 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
 }
 
 #[test]
+fn the_report_lists_no_undecided_proposal_among_the_objects() {
+    let (folder, mut window) = proposed(6);
+    let report = |window: &mut Window, name: &str| {
+        let products = folder.path().join(name);
+        (window.state_mut().app).apply(Command::Export(products.clone()));
+        window.run();
+        fs::read_to_string(products.join("report.html")).expect("a report")
+    };
+    // While nobody has decided, the proposals are what is known, and said to be that.
+    let page = report(&mut window, "proposed");
+    assert!(page.contains("<p>Proposed by the detector, not reviewed. "));
+    assert!(page.contains("objects proposed, not reviewed"));
+    assert_eq!(page.matches(">proposed</td>").count(), 6);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    for key in [Key::A, Key::A, Key::R] {
+        press(&mut window, Modifiers::NONE, key);
+    }
+    let page = report(&mut window, "reviewed");
+    assert_eq!(page.matches(">accepted</td>").count(), 2);
+    assert_eq!(page.matches(">proposed</td>").count(), 0);
+    assert!(page.contains("3 proposals are undecided and not listed."));
+}
+
+#[test]
 fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
     let (_folder, mut window) = proposed(4);
     press(&mut window, Modifiers::NONE, Key::Tab);
