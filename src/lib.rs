@@ -9,7 +9,7 @@
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
-//! pipeline runs the stages, handover makes one page of what came out, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
+//! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map.
 //! geo (positions and planes), progress, statistics, calendar and contained serve them all.
 //! ```
@@ -33,6 +33,7 @@ pub mod formats;
 pub mod geo;
 pub mod handover;
 pub mod mosaic;
+pub mod outputs;
 pub mod pipeline;
 pub mod progress;
 pub mod render;

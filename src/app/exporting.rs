@@ -1,11 +1,9 @@
 //! Products and reviewed boxes on their way into a folder.
 
 use super::{App, Jobs, Outcome, Task};
-use crate::detection::review::{Review, State};
-use crate::handover::{self, Objects};
-use crate::pipeline::{
-    Agreement, Product, reviewed_rows, spare_files, write_comparison, write_products,
-};
+use crate::export::RunFolder;
+use crate::outputs::{self, Order, Searched, refuse_overwrite};
+use crate::pipeline::Product;
 use crate::progress::Progress;
 use std::path::PathBuf;
 
@@ -58,34 +56,19 @@ impl App {
         let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| reference.path());
-            spare_files(reference.into_iter(), &folder)?;
-            let mut written =
-                write_products(&survey, &products, &wanted, &folder, progress, |_| ())?;
-            if let Some((reference, matching)) = &against {
-                let agreement =
-                    Agreement::with_reference(&survey, &products, reference, *matching, progress)?;
-                let report = &written.report;
-                let names =
-                    write_comparison(&survey, &products, &agreement, report, &folder, progress)?;
-                written.files.extend(names);
-                written.comparisons.extend(agreement.by_source(&products));
-            }
-            let reviewed = boxes.as_ref().map(|(review, raster)| {
-                let rows = reviewed_rows(&survey, &products, review, progress)?;
-                Ok::<_, String>((rows, raster, told(review)))
-            });
-            let reviewed = reviewed.transpose()?;
-            let objects = reviewed.as_ref().map(|(rows, raster, origin)| Objects {
-                rows,
-                raster,
-                origin: origin.clone(),
-            });
-            if wanted.contains(&Product::Report) {
-                handover::write_page(&survey, &products, &written, objects, &folder, progress)?;
-                written.files.push(handover::NAME);
-            }
-            let files = written.files.join(", ");
-            Ok(format!("Wrote {files} into {}", folder.display()))
+            refuse_overwrite(reference.into_iter(), &folder)?;
+            let run = RunFolder::begin(&folder)?;
+            let order = Order {
+                survey: &survey,
+                products: &products,
+                wanted: &wanted,
+                reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
+                boxes: (boxes.as_ref()).map_or(Searched::Not, |(review, raster)| {
+                    Searched::Reviewed(review, raster)
+                }),
+            };
+            let written = outputs::write(&order, run, progress, |_| ())?;
+            Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
         }));
     }
 
@@ -105,23 +88,4 @@ impl App {
             Err(text) => self.tell(text, true),
         }
     }
-}
-
-/// How far a review has come: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
-fn told(review: &Review) -> String {
-    let count = |state: State| review.boxes().filter(|one| one.state == state).count();
-    let part = match review.coverage() {
-        Some(part) => format!(". The search was stopped: it covers {part}"),
-        None => String::new(),
-    };
-    if count(State::Proposed) == review.boxes().len() {
-        return format!("Proposed by the detector, not reviewed{part}");
-    }
-    format!(
-        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided{part}",
-        count(State::Accepted),
-        count(State::Added),
-        count(State::Rejected),
-        count(State::Proposed)
-    )
 }

@@ -5,12 +5,11 @@ use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{found, output};
 use crate::detection::model::shipped;
-use crate::detection::{DetectorSettings, Model, Picture, find_in_picture};
-use crate::export;
-use crate::pipeline;
+use crate::detection::{DetectorSettings, Model, Picture};
+use crate::export::RunFolder;
+use crate::outputs;
 use crate::progress::Progress;
 use image::{ImageReader, Limits};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Pixels across or down of a picture.
@@ -94,13 +93,12 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
 }
 
 fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), String> {
-    // Before the work: a folder that cannot be made should not cost minutes first.
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
+    // Before the work: a folder that cannot be written into should not cost minutes first.
+    let run = RunFolder::begin(folder)?;
     let found = if is_picture(input) {
-        search_picture(input, model, &logs.settings.detector, folder)?
+        search_picture(input, model, &logs.settings.detector, run)?
     } else {
-        search_survey(input, model, logs, folder)?
+        search_survey(input, model, logs, run)?
     };
     output::results(format_args!(
         "found {found}; wrote the tables and chips into {}",
@@ -118,15 +116,14 @@ fn search_survey(
     input: &Path,
     model: &Model,
     logs: &Logs,
-    folder: &Path,
+    run: RunFolder,
 ) -> Result<String, String> {
     let progress = Progress::new();
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
     let products = logs.process(&survey, &status, &progress)?;
     status.step("detecting");
-    let how = &logs.settings.detector;
-    let found = pipeline::write_detections(&survey, &products, model, how, folder, &progress)
+    let found = outputs::write_detected(&survey, &products, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
     Ok(found::proposed(&found, model.names()))
 }
@@ -136,23 +133,17 @@ fn search_picture(
     input: &Path,
     model: &Model,
     settings: &DetectorSettings,
-    folder: &Path,
+    run: RunFolder,
 ) -> Result<String, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("detecting");
     let picture = read_picture(input)
         .map_err(|error| format!("cannot read the picture: {error}: {}", input.display()))?;
-    let found = find_in_picture(&picture, model, settings, &progress)
-        .map_err(|error| format!("{error}: {}", input.display()))?;
-    let chips = export::picture_chips(folder, &picture, model.names(), &found)
-        .map_err(|error| error.to_string())?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
-    let table = folder.join("detections.csv");
-    chips
-        .finish()
-        .and_then(|()| export::picture_boxes_csv(&table, &name, model.names(), &found))
-        .map_err(|error| error.to_string())?;
+    let found =
+        outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
+            .map_err(|error| format!("{error}: {}", input.display()))?;
     let names = found.iter().map(|one| model.names()[one.class].as_str());
     Ok(found::boxes(names))
 }

@@ -6,15 +6,13 @@ use super::status_line::StatusLine;
 use super::{detect, found, output};
 use crate::app::open_reference;
 use crate::bathymetry::compare::Matching;
-use crate::detection::{Model, Raster};
-use crate::handover::{self, Objects};
-use crate::pipeline::{
-    self, Agreement, Merged, Product, Products, Report, Settings, write_comparison,
-};
+use crate::detection::Model;
+use crate::export::RunFolder;
+use crate::outputs::{self, Order, Searched, refuse_overwrite};
+use crate::pipeline::{self, Merged, Product, Products, Report, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::{OsStr, OsString};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -149,7 +147,7 @@ fn write_merged(merged: &Merged, wanted: &[Product], folder: &Path) -> Result<()
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("merging");
-    let (files, warnings) = merged.write(wanted, folder, &progress)?;
+    let (files, warnings) = merged.write(wanted, RunFolder::begin(folder)?, &progress)?;
     drop(status);
     for warning in warnings {
         output::tell(format_args!("warning: {warning}"));
@@ -176,80 +174,37 @@ pub fn process_into(
         reference,
         ..
     } = *how;
-    // Before the work: a folder that cannot be made should not cost minutes first.
-    fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let open = |argument| open_reference(argument, survey, settings, &progress);
     let reference = reference.map(open).transpose()?.map(Arc::new);
     let path = reference.as_ref().map(|reference| reference.path());
-    pipeline::spare_files(path.into_iter(), folder)?;
+    refuse_overwrite(path.into_iter(), folder)?;
+    // Before the work: a folder that cannot be written into should not cost minutes first.
+    let run = RunFolder::begin(folder)?;
     let products = pipeline::run(survey, settings, None, &progress, |stage| {
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
-    let step = |what| status.step(what);
-    let mut written = pipeline::write_products(survey, &products, wanted, folder, &progress, step)?;
-    if let Some(reference) = &reference {
-        status.step("comparing");
-        let max_gap_m = settings.surface.max_gap_m;
-        let matching = Matching::Surface { max_gap_m };
-        let agreement =
-            Agreement::with_reference(survey, &products, reference, matching, &progress)?;
-        let report = &written.report;
-        let names = write_comparison(survey, &products, &agreement, report, folder, &progress)?;
-        written.files.extend(names);
-        written.comparisons.extend(agreement.by_source(&products));
-        let notes = reference.notes.iter().cloned();
-        written.report.warnings.extend(notes);
-    }
-    let mut found = None;
-    if let Some(model) = model.filter(|_| survey.has_side_scan()) {
-        status.step("objects");
-        let how = &settings.detector;
-        let boxes = pipeline::write_detections(survey, &products, model, how, folder, &progress)?;
-        pipeline::record_detections(&boxes, &written.report, folder)?;
-        written.files.extend([
-            "detections.csv",
-            "detections.geojson",
-            "detections.gpx",
-            "chips",
-        ]);
-        found = Some((model, boxes));
-    }
-    if wanted.contains(&Product::Report) {
-        status.step("report");
-        let rows = found.as_ref().map(|(model, boxes)| {
-            let rows = pipeline::proposed_rows(survey, &products, model.names(), &boxes.boxes);
-            (
-                rows,
-                Raster::new(survey, &products.navigation, model.pixel_m()),
-            )
-        });
-        let objects = rows.as_ref().map(|(rows, raster)| Objects {
-            rows,
-            raster,
-            origin: "Proposed by the detector, not reviewed".to_owned(),
-        });
-        handover::write_page(survey, &products, &written, objects, folder, &progress)?;
-        written.files.push(handover::NAME);
-    }
-    // Once more, so that where it is all others are whole.
-    pipeline::write_report(&written.report, folder)?;
+    let max_gap_m = settings.surface.max_gap_m;
+    let order = Order {
+        survey,
+        products: &products,
+        wanted,
+        reference: (reference.as_ref())
+            .map(|reference| (reference, Matching::Surface { max_gap_m })),
+        boxes: model.map_or(Searched::Not, Searched::By),
+    };
+    let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
     drop(status);
     for warning in &written.report.warnings {
         output::tell(format_args!("warning: {warning}"));
     }
     output::results(written.report.summary())?;
-    if let Some((model, boxes)) = found {
-        let objects = found::proposed(&boxes, model.names());
+    if let (Some(found), Some(model)) = (&written.found, model) {
+        let objects = found::proposed(found, model.names());
         output::results(format_args!("proposed by the detector: {objects}"))?;
     }
-    output::results(format_args!(
-        "wrote {} into {}, each with its record (.json)",
-        written.files.join(", "),
-        folder.display()
-    ))?;
+    output::results(written.summary(folder))?;
     Ok((products, written.report))
 }

@@ -50,6 +50,33 @@ pub fn write_aside<T>(
     written.map_err(fail)
 }
 
+/// Removes what [`write_aside`] left in a folder when the program was killed: `NAME.PID.part` of a process that is no more. Best
+/// effort: what cannot be removed stays.
+pub fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let writer = name.to_str().and_then(|name| {
+            let (_, writer) = name.strip_suffix(".part")?.rsplit_once('.')?;
+            writer.parse::<u32>().ok()
+        });
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && writer.is_some_and(|writer| is_dead(writer, &entry.path())) {
+            fs::remove_file(entry.path()).ok();
+        }
+    }
+}
+
+/// Whether the process that wrote a file is no more. Where the system does not tell, a file that nobody has touched for an hour is
+/// taken as left.
+fn is_dead(writer: u32, file: &Path) -> bool {
+    if cfg!(target_os = "linux") {
+        return !Path::new("/proc").join(writer.to_string()).exists();
+    }
+    let touched = file.metadata().and_then(|there| there.modified()).ok();
+    let age = touched.and_then(|touched| touched.elapsed().ok());
+    age.is_some_and(|age| age.as_secs() > 3600)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,6 +95,30 @@ mod tests {
         assert!(!is_same_file(&log, &other));
         let missing = folder.path().join("none");
         assert!(!is_same_file(&missing, &missing));
+    }
+
+    #[test]
+    fn what_a_killed_program_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = format!("cloud.csv.{}.part", std::process::id());
+        // No process has this number: it is above the most that Linux gives.
+        let names = [
+            "cloud.csv.4294967294.part",
+            &own,
+            "film.part",
+            "film.7x.part",
+        ];
+        for name in names {
+            fs::write(folder.path().join(name), b"ha").unwrap();
+        }
+        remove_leftovers(folder.path());
+        let left = |name: &&str| folder.path().join(name).exists();
+        let left: Vec<&str> = names.into_iter().filter(left).collect();
+        let expected = match cfg!(target_os = "linux") {
+            true => &names[1..],
+            false => &names[..],
+        };
+        assert_eq!(left, expected);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The folder of chips changes as a whole: whoever stops a search keeps what an earlier one found.
+//! The folder of chips: a picture of each box.
 
 use super::ExportError;
 use crate::detection::Picture;
@@ -12,23 +12,20 @@ use std::path::{Path, PathBuf};
 
 /// Where the chips lie in the folder of the products.
 const FOLDER: &str = "chips";
-/// Where they are written until all are there.
+/// Where a version wrote them that did not write the files of a run together.
 const PASSING: &str = "chips.part";
 /// The table beside them, which names their classes.
 const TABLE: &str = "detections.csv";
 /// Class of a box whose model does not name it.
 const UNNAMED: &str = "object";
 
-/// Chips on their way. Dropped before [`ChipFolder::finish`], it leaves the earlier ones as they are.
+/// Chips on their way.
 pub struct ChipFolder {
     folder: PathBuf,
-    passing: PathBuf,
     /// Classes by index, as part of a file name.
     classes: Vec<String>,
-    /// Classes that chips of this and the earlier run may have.
-    known: HashSet<String>,
-    /// The chips so far.
-    names: Vec<String>,
+    /// How many there are so far.
+    count: usize,
 }
 
 /// Tells which file failed.
@@ -38,31 +35,28 @@ fn fail(path: &Path) -> impl FnOnce(io::Error) -> ExportError {
 }
 
 impl ChipFolder {
-    /// New chips for `output`, the folder of the products, before its table is written anew. What a run that was killed left
-    /// half done is cleared away.
+    /// A folder for the chips in `output`, where the other files of a run are on their way.
+    ///
+    /// # Errors
+    /// When the folder cannot be made.
     pub fn begin(output: &Path, classes: &[String]) -> Result<Self, ExportError> {
-        let [folder, passing] = [FOLDER, PASSING].map(|name| output.join(name));
-        fs::create_dir_all(&passing).map_err(fail(&passing))?;
-        remove(&passing, |_| true)?;
-        let classes: Vec<String> = classes.iter().map(|name| file_safe(name)).collect();
-        let mut known = classes_in(&output.join(TABLE));
-        known.extend(classes.iter().cloned());
-        known.insert(UNNAMED.to_owned());
+        let folder = output.join(FOLDER);
+        fs::create_dir_all(&folder).map_err(fail(&folder))?;
         Ok(Self {
             folder,
-            passing,
-            classes,
-            known,
-            names: Vec::new(),
+            classes: classes.iter().map(|name| file_safe(name)).collect(),
+            count: 0,
         })
     }
 
     /// Writes the next chip, `0001-rock.png` and so on.
+    ///
+    /// # Errors
+    /// When it cannot be written.
     pub fn add(&mut self, class: usize, chip: &Picture) -> Result<(), ExportError> {
         let class = self.classes.get(class).map_or(UNNAMED, String::as_str);
-        let name = format!("{:04}-{class}.png", self.names.len() + 1);
-        let path = self.passing.join(&name);
-        self.names.push(name);
+        self.count += 1;
+        let path = self.folder.join(format!("{:04}-{class}.png", self.count));
         let colour = if chip.channels == 3 {
             ExtendedColorType::Rgb8
         } else {
@@ -77,39 +71,41 @@ impl ChipFolder {
         };
         File::create(&path).and_then(write).map_err(fail(&path))
     }
-
-    /// Puts the new chips in the place of the earlier ones: those with a number and a class of the model, or of the earlier
-    /// table, for a name. Other files stay.
-    pub fn finish(self) -> Result<(), ExportError> {
-        fs::create_dir_all(&self.folder).map_err(fail(&self.folder))?;
-        remove(&self.folder, |class| self.known.contains(class))?;
-        for name in &self.names {
-            let path = self.folder.join(name);
-            fs::rename(self.passing.join(name), &path).map_err(fail(&path))?;
-        }
-        Ok(())
-    }
 }
 
-impl Drop for ChipFolder {
-    fn drop(&mut self) {
-        // Best effort: the next run clears what stays. A folder that holds anything else is not removed.
-        remove(&self.passing, |_| true).ok();
-        fs::remove_dir(&self.passing).ok();
+/// Chips in a folder of products that go with its table of boxes, when that is in `removed` or gives way to one in `new`: those
+/// with a number and a class of either table for a name. Other files in there are somebody's own.
+pub(super) fn earlier_chips(output: &Path, new: &Path, removed: &[String]) -> Vec<String> {
+    let replaced = new.join(TABLE);
+    if !replaced.exists() && !removed.iter().any(|name| name == TABLE) {
+        return Vec::new();
     }
+    let mut known = classes_in(&output.join(TABLE));
+    known.extend(classes_in(&replaced));
+    known.insert(UNNAMED.to_owned());
+    let chips = chips_in(&output.join(FOLDER), |class| known.contains(class));
+    let names = chips.iter().filter_map(|chip| chip.file_name()?.to_str());
+    names.map(|name| format!("{FOLDER}/{name}")).collect()
 }
 
-/// Removes the chips of such classes from a folder.
-fn remove(folder: &Path, such: impl Fn(&str) -> bool) -> Result<(), ExportError> {
-    for entry in fs::read_dir(folder).map_err(fail(folder))? {
-        let entry = entry.map_err(fail(folder))?;
+/// Removes chips that a version which is no more left half done; best effort.
+pub(super) fn remove_passing(output: &Path) {
+    let passing = output.join(PASSING);
+    for chip in chips_in(&passing, |_| true) {
+        fs::remove_file(chip).ok();
+    }
+    // A folder that holds anything else is not removed.
+    fs::remove_dir(&passing).ok();
+}
+
+/// The chips of such classes in a folder.
+fn chips_in(folder: &Path, such: impl Fn(&str) -> bool) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let chips = entries.filter(|entry| {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
-        let name = entry.file_name();
-        if is_file && class_of(&name).is_some_and(&such) {
-            fs::remove_file(entry.path()).map_err(fail(&entry.path()))?;
-        }
-    }
-    Ok(())
+        is_file && class_of(&entry.file_name()).is_some_and(&such)
+    });
+    chips.map(|entry| entry.path()).collect()
 }
 
 /// Classes that an earlier table names; none where there is no such table.
@@ -164,61 +160,34 @@ mod tests {
         names
     }
 
-    /// A run whose model knows these classes and has found each once.
-    fn begun(output: &Path, classes: &[&str]) -> ChipFolder {
-        let names: Vec<String> = classes.iter().map(|&name| name.to_owned()).collect();
-        let mut chips = ChipFolder::begin(output, &names).unwrap();
-        for class in 0..names.len() {
+    #[test]
+    fn earlier_chips_are_told_from_other_files() {
+        let temporary = tempfile::tempdir().unwrap();
+        let [output, new] = ["out", "new"].map(|name| temporary.path().join(name));
+        let classes = ["rock", "sunken boat"].map(str::to_owned);
+        let mut chips = ChipFolder::begin(&output, &classes).unwrap();
+        for class in [0, 1, 2] {
             chips.add(class, &Picture::grey(2, 1, vec![0, 9])).unwrap();
         }
-        chips
-    }
-
-    #[test]
-    fn earlier_chips_go_and_other_files_stay() {
-        let output = tempfile::tempdir().unwrap();
-        let folder = output.path().join(FOLDER);
-        begun(output.path(), &["rock", "sunken boat"])
-            .finish()
-            .unwrap();
-        assert_eq!(names(&folder), ["0001-rock.png", "0002-sunken-boat.png"]);
-        fs::write(
-            output.path().join(TABLE),
-            "id,class\n1,rock\n2,sunken boat\n",
-        )
-        .unwrap();
-        let others = [
+        let ours = ["0001-rock.png", "0002-sunken-boat.png", "0003-object.png"];
+        assert_eq!(names(&output.join(FOLDER)), ours);
+        let table = "id,class\n1,rock\n2,sunken boat\n";
+        fs::write(output.join(TABLE), table).unwrap();
+        for name in [
             "0003-best.png",
             "0003-rock copy.png",
-            "0003-rock.txt",
             "3-rock.png",
             "rock.png",
-        ];
-        for name in others {
-            fs::write(folder.join(name), "mine").unwrap();
+        ] {
+            fs::write(output.join(FOLDER).join(name), "mine").unwrap();
         }
-        fs::create_dir(folder.join("0004-rock.png")).unwrap();
-        begun(output.path(), &["tyre"]).finish().unwrap();
-        let mut expected = vec!["0001-tyre.png", "0004-rock.png"];
-        expected.extend(others);
-        expected.sort_unstable();
-        assert_eq!(names(&folder), expected);
-        assert_eq!(names(output.path()), [FOLDER, TABLE]);
-    }
-
-    #[test]
-    fn a_stop_leaves_the_earlier_chips_and_nothing_else() {
-        let output = tempfile::tempdir().unwrap();
-        let folder = output.path().join(FOLDER);
-        begun(output.path(), &["rock", "tyre"]).finish().unwrap();
-        drop(begun(output.path(), &["tyre"]));
-        assert_eq!(names(&folder), ["0001-rock.png", "0002-tyre.png"]);
-        assert_eq!(names(output.path()), [FOLDER]);
-        // Killed: nothing could tidy up. The next run does.
-        std::mem::forget(begun(output.path(), &["tyre", "log", "block"]));
-        assert_eq!(names(output.path()), [FOLDER, PASSING]);
-        begun(output.path(), &["tyre", "rock"]).finish().unwrap();
-        assert_eq!(names(&folder), ["0001-tyre.png", "0002-rock.png"]);
-        assert_eq!(names(output.path()), [FOLDER]);
+        fs::create_dir(output.join(FOLDER).join("0004-rock.png")).unwrap();
+        fs::create_dir(&new).unwrap();
+        assert!(earlier_chips(&output, &new, &[]).is_empty());
+        let mut found = earlier_chips(&output, &new, &[TABLE.to_owned()]);
+        found.sort();
+        assert_eq!(found, ours.map(|name| format!("chips/{name}")));
+        fs::write(new.join(TABLE), "id,class\n1,tyre\n").unwrap();
+        assert_eq!(earlier_chips(&output, &new, &[]).len(), 3);
     }
 }

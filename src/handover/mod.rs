@@ -25,13 +25,10 @@ pub use page::page;
 
 use crate::bathymetry::Surface;
 use crate::detection::Raster;
-use crate::export::{ObjectRow, write_aside};
+use crate::export::ObjectRow;
 use crate::geo::MapPlane;
-use crate::pipeline::{NamedComparison, Products, Report, Written};
-use crate::progress::Progress;
+use crate::pipeline::{NamedComparison, Products, Report};
 use crate::survey::Survey;
-use std::io::Write as _;
-use std::path::Path;
 
 /// The page's name in the folder of the products.
 pub const NAME: &str = "report.html";
@@ -64,31 +61,4 @@ pub struct Objects<'a> {
     pub raster: &'a Raster,
     /// How they came about: `proposed by the detector, not reviewed`.
     pub origin: String,
-}
-
-/// Writes `report.html` beside the products that were written into a folder. The error is one sentence; a cancelled run leaves
-/// an old page as it was.
-pub fn write_page(
-    survey: &Survey,
-    products: &Products,
-    written: &Written,
-    objects: Option<Objects<'_>>,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<(), String> {
-    let from = Handover {
-        survey,
-        products,
-        report: &written.report,
-        map: &written.map,
-        surface: written.surface.as_ref(),
-        comparisons: &written.comparisons,
-        objects,
-        files: &written.files,
-    };
-    let html = page(&from, progress).map_err(|error| error.to_string())?;
-    write_aside(&folder.join(NAME), |mut file| {
-        file.write_all(html.as_bytes())
-    })
-    .map_err(|error| error.to_string())
 }

@@ -178,8 +178,9 @@ pub fn files(from: &Handover<'_>) -> String {
         .ok();
     }
     html + &format!(
-        "</table>\n<p class=\"made\">Made with {}.</p>\n",
-        xml(&from.report.program)
+        "</table>\n<p class=\"made\">Made with {}, run {}.</p>\n",
+        xml(&from.report.program),
+        from.report.run
     )
 }
 
@@ -211,7 +212,8 @@ fn describe(name: &str) -> &'static str {
         "detections.csv" | "detections.geojson" | "objects.csv" | "objects.geojson" => {
             "objects with place and size"
         }
-        "objects.kml" | "objects.gpx" => "objects for maps and plotters",
+        "comparison.json" | "comparison.csv" => "agreement of depths with the reference",
+        "detections.gpx" | "objects.kml" | "objects.gpx" => "objects for maps and plotters",
         "chips" => "folder: a picture of each object",
         "track.gpx" | "track.geojson" | "track.kml" | "track.shp" => "way of the boat",
         _ => "",

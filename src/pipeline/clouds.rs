@@ -13,7 +13,10 @@ use std::path::Path;
 const REGARDLESS_OF: [&str; 4] = ["detector", "isobaths", "mosaic", "surface"];
 
 /// Writes `first_returns.csv` and `cloud.csv`, which the report counts.
-pub(super) fn write_tables(
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled.
+pub fn write_tables(
     survey: &Survey,
     products: &Products,
     folder: &Path,
@@ -57,8 +60,12 @@ pub(super) fn write_tables(
     Ok(vec![pings, points])
 }
 
-/// Writes the kept points: `cloud.laz` and `cloud.xyz` in the system of the map, `cloud.ply` in the survey's own plane.
-pub(super) fn write_clouds(
+/// Writes the kept points: `cloud.laz` and `cloud.xyz` in the system of the map, `cloud.ply` in the survey's own plane. Nothing where
+/// no point was kept.
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled.
+pub fn write_clouds(
     survey: &Survey,
     products: &Products,
     map: &MapPlane,
@@ -66,6 +73,9 @@ pub(super) fn write_clouds(
     progress: &Progress,
 ) -> Result<Vec<Made>, String> {
     let (cloud, kept) = (&products.cloud, &products.kept);
+    if !kept.contains(&true) {
+        return Ok(Vec::new());
+    }
     let place = |point: &CloudPoint| {
         let (east_m, north_m) = (point.east_m, point.north_m);
         let navigation = &products.navigation;

@@ -1,7 +1,7 @@
 //! Searches a survey for objects and writes what was found.
 
-use super::record::{Coordinates, Made, write_record};
-use super::{Placing, Products, Report};
+use super::record::{Coordinates, Made};
+use super::{Placing, Products};
 use crate::detection::targets::{GroupSettings, Sighting, group};
 use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
 use crate::export::{self, ObjectRow, Summary};
@@ -22,11 +22,11 @@ pub struct Proposed {
     pub placed: Summary,
 }
 
-/// Searches the survey and writes `detections.csv`, `.geojson` and `.gpx` and `chips/` with a picture of each box into `folder`,
-/// which is made when it is missing.
+/// Searches the survey and writes `detections.csv`, `.geojson` and `.gpx` and `chips/` with a picture of each box into a folder that
+/// exists.
 ///
-/// The error is one sentence. Each file is written aside and renamed; until the last chip is there, those of an earlier search
-/// stay, and then they go.
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled.
 pub fn write_detections(
     survey: &Survey,
     products: &Products,
@@ -35,18 +35,14 @@ pub fn write_detections(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Proposed, String> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
     let navigation = &products.navigation;
     let found = find(survey, navigation, model, settings, progress, |_| ())
         .map_err(|error| error.to_string())?;
     let raster = Raster::new(survey, navigation, model.pixel_m());
     let rows = proposed_rows(survey, products, model.names(), &found);
-    let chips = export::chips(folder, survey, &raster, model.names(), &found, progress)
+    export::chips(folder, survey, &raster, model.names(), &found, progress)
         .map_err(|error| error.to_string())?;
-    chips
-        .finish()
-        .and_then(|()| export::objects_csv(&folder.join("detections.csv"), survey, &rows))
+    export::objects_csv(&folder.join("detections.csv"), survey, &rows)
         .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
         .and_then(|()| export::objects_gpx(&folder.join("detections.gpx"), &rows))
         .map_err(|error| error.to_string())?;
@@ -59,18 +55,19 @@ pub fn write_detections(
     })
 }
 
-/// Writes the records beside what [`write_detections`] wrote.
-pub fn record_detections(found: &Proposed, report: &Report, folder: &Path) -> Result<(), String> {
-    let in_table = Summary {
-        count: found.boxes.len(),
-        ..found.placed
-    };
-    for (name, summary) in [
-        ("detections.csv", in_table),
-        ("detections.geojson", found.placed),
-        ("detections.gpx", found.placed),
-    ] {
-        let made = Made {
+impl Proposed {
+    /// What [`write_detections`] wrote of it, without the chips.
+    pub fn made(&self) -> Vec<Made> {
+        let in_table = Summary {
+            count: self.boxes.len(),
+            ..self.placed
+        };
+        let files = [
+            ("detections.csv", in_table),
+            ("detections.geojson", self.placed),
+            ("detections.gpx", self.placed),
+        ];
+        let made = files.map(|(name, summary)| Made {
             name,
             what: "Boxes that the detector proposes, not reviewed",
             coordinates: Coordinates::Degrees,
@@ -78,10 +75,9 @@ pub fn record_detections(found: &Proposed, report: &Report, folder: &Path) -> Re
             measured: "",
             summary,
             regardless_of: &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"],
-        };
-        write_record(&made, report, folder)?;
+        });
+        made.into()
     }
-    Ok(())
 }
 
 /// Objects are numbered from 1 on.

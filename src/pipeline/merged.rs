@@ -11,13 +11,13 @@ use crate::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
 use crate::calibration::Calibration;
 use crate::cloud::{CloudPoint, PointCloud, Residuals};
-use crate::export;
+use crate::export::{self, Fingerprint, RunFolder};
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Projection, Survey, Track};
 use serde::Serialize;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The logs taken in so far.
@@ -55,6 +55,9 @@ struct Record<'a> {
     crossings: Option<CrossingsRecord>,
     warnings: &'a [String],
     settings: &'a Settings,
+    run: &'a str,
+    /// The other files of the run.
+    files: Vec<Fingerprint>,
 }
 
 #[derive(Serialize)]
@@ -137,12 +140,15 @@ impl Merged {
         self.logs.is_empty()
     }
 
-    /// Writes the wanted maps of depth of all logs together, and `merged.json` about them, into a folder that exists. Gives back the
-    /// files and what there is to warn of; the error is one sentence.
+    /// Writes the wanted maps of depth of all logs together, and `merged.json` about them, as the files of a run. Gives back the
+    /// files and what there is to warn of.
+    ///
+    /// # Errors
+    /// A sentence that names the file, or says that the work was cancelled.
     pub fn write(
         &self,
         wanted: &[Product],
-        folder: &Path,
+        run: RunFolder,
         progress: &Progress,
     ) -> Result<(Vec<&'static str>, Vec<String>), String> {
         let (Some((track, products)), Some(report)) = (&self.first, &self.report) else {
@@ -173,23 +179,31 @@ impl Merged {
             .into_iter()
             .filter(|map| wanted.contains(map))
             .collect();
-        let written = write_depth(&survey, &all, &maps, folder, progress)?;
+        let folder = run.path();
+        let written = write_depth(&survey, &all, &maps, &folder, progress)?;
         drop(all);
+        let mut report = report.clone();
+        report.name_run(run.files(progress)?)?;
         for made in &written.made {
-            write_record(made, report, folder)?;
+            write_record(made, &report, &folder)?;
         }
-        self.write_agreement(&written.warnings, &products.settings, folder, progress)?;
+        report.files = run.files(progress)?;
+        report.warnings.clone_from(&written.warnings);
+        self.write_agreement(report, &run, progress)?;
+        run.commit("merged.json")?;
         let files = written.made.iter().map(|made| made.name);
         Ok((files.chain(["merged.json"]).collect(), written.warnings))
     }
 
     fn write_agreement(
         &self,
-        warnings: &[String],
-        settings: &Settings,
-        folder: &Path,
+        report: Report,
+        run: &RunFolder,
         progress: &Progress,
     ) -> Result<(), String> {
+        let Report {
+            settings, warnings, ..
+        } = &report;
         let cancelled = |error: Cancelled| error.to_string();
         let logs = (0..self.logs.len()).map(|log| self.against_the_others(log, settings, progress));
         let record = Record {
@@ -199,8 +213,10 @@ impl Merged {
             crossings: self.crossings(progress).map_err(cancelled)?,
             warnings,
             settings,
+            run: &report.run,
+            files: report.files.clone(),
         };
-        export::write_aside(&folder.join("merged.json"), |mut file| {
+        export::write_aside(&run.path().join("merged.json"), |mut file| {
             let text = serde_json::to_vec_pretty(&record)?;
             file.write_all(&text)?;
             file.write_all(b"\n")

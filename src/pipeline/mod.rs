@@ -1,12 +1,11 @@
 //! Runs the stages in order, keeps what is still valid, and tells what is stale.
 //!
 //! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
-//! worker for the window, `outputs` writes the files of `bathyscope process`, `clouds` those of points, `track` those of the
-//! boat's way, `record` what lies beside
-//! each of them and `report` the whole. `detections`
-//! searches for objects and writes them, `boxes` writes what was decided about boxes, `lessons` as pictures for training,
-//! `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `merged` that
-//! of several logs, `agreement` how points differ from a reference.
+//! worker for the window. What `outputs` puts together is written here: `clouds` writes the files of points, `track` those of the
+//! boat's way, `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `detections`
+//! searches for objects and writes them, `agreement` tells how points differ from a reference, `record` is what lies beside
+//! each file and `report` the whole. `boxes` writes what was decided about boxes, `lessons` as pictures for training, `merged` the
+//! depth map of several logs.
 
 mod agreement;
 mod boxes;
@@ -17,7 +16,6 @@ mod engine;
 mod lessons;
 mod merged;
 mod mosaic;
-mod outputs;
 mod placing;
 mod product;
 mod products;
@@ -31,15 +29,29 @@ pub use agreement::{
     write_comparison, write_differences,
 };
 pub use boxes::{BoxesWritten, reviewed_rows, write_boxes};
+pub use clouds::{write_clouds, write_tables};
 pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
-pub use detections::{Proposed, proposed_rows, record_detections, write_detections};
+pub use detections::{Proposed, proposed_rows, write_detections};
 pub use engine::{Engine, EngineStatus};
 pub use merged::Merged;
 pub use mosaic::{MosaicWritten, mosaic_layout, write_mosaic};
-pub use outputs::{Written, spare_files, write_products, write_report};
 pub use placing::Placing;
 pub use product::Product;
 pub use products::{Products, Stage, run};
-pub use record::{Coordinates, Made};
-pub use report::{Report, warnings};
+pub use record::{Coordinates, Made, write_record};
+pub use report::{Input, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
+pub use track::write_track;
+
+use crate::geo::MapPlane;
+use crate::survey::Survey;
+
+/// The plane of the system that `crs` names.
+///
+/// # Errors
+/// A sentence that says why there is none.
+pub fn map_plane(survey: &Survey, settings: &Settings) -> Result<MapPlane, String> {
+    let origin = survey.track.frame.origin();
+    let crs = settings.crs.at(origin).map_err(|error| error.to_string())?;
+    Ok(MapPlane::new(crs, origin))
+}

@@ -1,7 +1,7 @@
 //! Writes the side-scan mosaic.
 
 use super::Products;
-use super::outputs::map_plane;
+use super::map_plane;
 use super::record::{Coordinates, Made};
 use crate::bathymetry::Grid;
 use crate::export::Summary;

@@ -45,6 +45,9 @@ struct Record<'a> {
     product: &'static str,
     what: &'static str,
     program: &'a str,
+    run: &'a str,
+    bytes: Option<u64>,
+    sha256: Option<&'a str>,
     inputs: &'a [Input],
     start_unix_s: Option<f64>,
     crs: Value,
@@ -56,7 +59,10 @@ struct Record<'a> {
     statement: &'a str,
 }
 
-/// Writes the record of a product beside it, as `NAME.json`.
+/// Writes the record of a product beside it, as `NAME.json`. The report names the run, and the product among its files.
+///
+/// # Errors
+/// A sentence that names the file.
 pub fn write_record(made: &Made, report: &Report, folder: &Path) -> Result<(), String> {
     let Summary {
         count,
@@ -67,10 +73,14 @@ pub fn write_record(made: &Made, report: &Report, folder: &Path) -> Result<(), S
         json!({ "west": west, "south": south, "east": east, "north": north })
     });
     let values = values.filter(|_| !made.measured.is_empty());
+    let file = report.files.iter().find(|file| file.file == made.name);
     let record = Record {
         product: made.name,
         what: made.what,
         program: &report.program,
+        run: &report.run,
+        bytes: file.map(|file| file.bytes),
+        sha256: file.map(|file| file.sha256.as_str()),
         inputs: &report.inputs,
         start_unix_s: report.start_unix_s,
         crs: coordinates(&made.coordinates),

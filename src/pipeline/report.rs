@@ -3,6 +3,7 @@
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange};
 use crate::cloud::{PointSource, Residuals, residuals};
+use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey, Track};
 use serde::Serialize;
@@ -14,11 +15,17 @@ use std::path::Path;
 /// Bytes hashed between two looks at whether the work was cancelled.
 const CHUNK: usize = 1 << 20;
 
+/// Bytes of a hash that name a run.
+const RUN_BYTES: usize = 8;
+
 /// The record written beside the products. Field names are the contract of `report.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// Program and version.
     pub program: String,
+    /// Names the run, as every record and `report.html` do: the same inputs, settings and products have the same name. Empty
+    /// until [`Report::name_run`].
+    pub run: String,
     /// The files read.
     pub inputs: Vec<Input>,
     /// Format in words.
@@ -39,6 +46,8 @@ pub struct Report {
     pub statement: String,
     /// Warnings of the reader and of every stage.
     pub warnings: Vec<String>,
+    /// The other files of the run, records among them: what is not listed here, or is another file by now, is not of this run.
+    pub files: Vec<Fingerprint>,
 }
 
 /// One file read.
@@ -148,6 +157,7 @@ impl Report {
         let outliers_removed = cloud.outliers(kept);
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            run: String::new(),
             inputs: inputs(survey, products, progress)?,
             format: survey.source.format.clone(),
             start_unix_s: survey.start_unix_s,
@@ -179,7 +189,20 @@ impl Report {
             .trim_start()
             .to_owned(),
             warnings: warnings(survey, products),
+            files: Vec::new(),
         })
+    }
+
+    /// Takes over the products of the run, and names it after them and what they were made from.
+    ///
+    /// # Errors
+    /// A sentence when a setting cannot be written as text.
+    pub fn name_run(&mut self, products: Vec<Fingerprint>) -> Result<(), String> {
+        let made_of = (&self.program, &self.inputs, &self.settings, &products);
+        let text = serde_json::to_vec(&made_of).map_err(|error| error.to_string())?;
+        self.run = in_hexadecimal(&Sha256::digest(text)[..RUN_BYTES]);
+        self.files = products;
+        Ok(())
     }
 
     /// What came out, in a few lines for people.
@@ -309,7 +332,7 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
             Ok(Input {
                 file: path.display().to_string(),
                 bytes: bytes.len(),
-                sha256: in_hexadecimal(hash),
+                sha256: in_hexadecimal(&hash.finalize()),
             })
         })
         .collect()
@@ -335,11 +358,6 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Strin
     Ok(Input {
         file: path.display().to_string(),
         bytes,
-        sha256: in_hexadecimal(hash),
+        sha256: in_hexadecimal(&hash.finalize()),
     })
-}
-
-fn in_hexadecimal(hash: Sha256) -> String {
-    let digits = hash.finalize();
-    digits.iter().map(|byte| format!("{byte:02x}")).collect()
 }

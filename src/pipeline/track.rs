@@ -29,7 +29,10 @@ const REGARDLESS_OF: [&str; 12] = [
 ];
 
 /// Writes the track as GPX, GeoJSON, KMZ and shapefile, and the footprint as GeoJSON and KMZ, with why something is missing.
-pub(super) fn write_track(
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled.
+pub fn write_track(
     survey: &Survey,
     products: &Products,
     map: &MapPlane,

@@ -2,8 +2,9 @@
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
+use bathyscope::export::RunFolder;
 use bathyscope::first_return;
-use bathyscope::handover;
+use bathyscope::outputs::{self, Order, Searched};
 use bathyscope::pipeline::{self, Product, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
@@ -42,17 +43,19 @@ pub fn run() {
         );
     };
     let write = |wanted: &[Product]| {
-        let written =
-            pipeline::write_products(&survey, &products, wanted, folder.path(), &progress, |_| ());
-        written.expect("a folder to write into")
+        let order = Order {
+            survey: &survey,
+            products: &products,
+            wanted,
+            reference: None,
+            boxes: Searched::Not,
+        };
+        let run = RunFolder::begin(folder.path()).expect("a folder to write into");
+        outputs::write(&order, run, &progress, |_| ()).expect("a folder to write into")
     };
     measured("tables, records", &|| drop(write(&[])));
     for product in Product::ALL {
         measured(&format!("{product:?}"), &|| drop(write(&[product])));
     }
-    measured("all, with report", &|| {
-        let written = write(&Product::ALL);
-        handover::write_page(&survey, &products, &written, None, folder.path(), &progress)
-            .expect("a folder to write into");
-    });
+    measured("all, with report", &|| drop(write(&Product::ALL)));
 }

@@ -68,8 +68,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "outputs",
+        &[
+            "survey",
+            "geo",
+            "bathymetry",
+            "detection",
+            "export",
+            "pipeline",
+            "handover",
+        ],
+    ),
+    (
         "app",
         &[
+            "outputs",
             "base_map",
             "survey",
             "geo",

@@ -3,9 +3,10 @@
 
 use crate::handmade::{self, Frame};
 use bathyscope::cloud::Geometry;
-use bathyscope::export::points;
+use bathyscope::export::{RunFolder, points};
 use bathyscope::first_return::{Method, SampleMode};
 use bathyscope::formats;
+use bathyscope::outputs::{self, Order, Searched};
 use bathyscope::pipeline::{self, Preset, Product, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
@@ -192,15 +193,15 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let progress = Progress::new();
     let products = pipeline::run(&survey, settings, None, &progress, |_| ()).expect("not stopped");
     let folder = tempfile::tempdir().expect("a folder");
-    let written = pipeline::write_products(
-        &survey,
-        &products,
-        &[Product::Cloud],
-        folder.path(),
-        &progress,
-        |_| (),
-    )
-    .expect("a whole set of products");
+    let order = Order {
+        survey: &survey,
+        products: &products,
+        wanted: &[Product::Cloud],
+        reference: None,
+        boxes: Searched::Not,
+    };
+    let run = RunFolder::begin(folder.path()).expect("a folder");
+    let written = outputs::write(&order, run, &progress, |_| ()).expect("a whole set of products");
     let rows = |name: &str, columns: usize| {
         let text = fs::read_to_string(folder.path().join(name)).expect("a table");
         for line in text.lines() {
@@ -216,6 +217,10 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     assert_eq!(rows("cloud.csv", 8), products.cloud.points.len());
     let kept = products.kept.iter().filter(|&&kept| kept).count();
     for name in ["cloud.ply", "cloud.laz"] {
+        if kept == 0 {
+            assert!(!folder.path().join(name).exists(), "{name}");
+            continue;
+        }
         let points = points::read(&folder.path().join(name), None).expect("points");
         assert_eq!(points.points.len(), kept, "{name}");
     }

@@ -171,6 +171,50 @@ fn window_compare_and_process_write_the_same_figures() {
 }
 
 #[test]
+fn window_and_process_write_the_same_bytes() {
+    let (mut window, folder) = two_missions();
+    let folder = folder.path();
+    let log = folder.join("first.sl2");
+    let path = |path: &std::path::Path| path.to_string_lossy().into_owned();
+    // Metres that name no system: how they were taken is a note that belongs into the report.
+    let process = [
+        "process",
+        "second.sl2",
+        "--no-objects",
+        "--products",
+        "cloud",
+    ];
+    run(folder, &[&process[..], &["-o", "second"]].concat());
+    let reference = folder.join("second/cloud.ply");
+    compare_with(&mut window, reference.clone());
+    let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
+    (window.state_mut().app).apply(Command::Export(by_window.clone()));
+    window.run();
+    let args = ["process", &path(&log), "--reference", &path(&reference)];
+    let into = ["--no-objects", "-o", &path(&by_process)];
+    run(folder, &[&args[..], &into].concat());
+
+    let names = |folder: &PathBuf| -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder").flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(&by_window), names(&by_process));
+    assert!(names(&by_window).len() > 30);
+    for name in names(&by_window) {
+        let [one, other] =
+            [&by_window, &by_process].map(|folder| std::fs::read(folder.join(&name)).unwrap());
+        assert!(one == other, "{name} differs");
+    }
+    let report = std::fs::read_to_string(by_window.join("report.json")).unwrap();
+    let report: Value = serde_json::from_str(&report).expect("JSON");
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("first fix"), "{warnings}");
+}
+
+#[test]
 fn a_setting_acts_on_both_missions_and_on_no_file() {
     let (mut window, folder) = two_missions();
     let out = folder.path().join("out");

@@ -4,9 +4,9 @@ use super::{Agreement, ResidualTables, matching_in_words};
 use crate::bathymetry::compare::{Comparison, Match};
 use crate::cloud::PointSource;
 use crate::export::{self, Summary};
-use crate::pipeline::record::{Coordinates, Made, write_record};
+use crate::pipeline::record::{Coordinates, Made};
 use crate::pipeline::report::Input;
-use crate::pipeline::{NamedComparison, Products, Report, Settings};
+use crate::pipeline::{NamedComparison, Products, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use serde::Serialize;
@@ -137,16 +137,18 @@ pub fn write_differences(
         .map_err(|error| error.to_string())
 }
 
-/// Writes `comparison.json` and `comparison.csv` into a folder that exists, each with its record; gives back their names. The error
-/// is one sentence.
+/// Writes `comparison.json` and `comparison.csv` into a folder that exists; gives back what they are, and the files that the reference
+/// was read from.
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled.
 pub fn write_comparison(
     survey: &Survey,
     products: &Products,
     agreement: &Agreement,
-    report: &Report,
     folder: &Path,
     progress: &Progress,
-) -> Result<Vec<&'static str>, String> {
+) -> Result<(Vec<Made>, Vec<Input>), String> {
     let record = ComparisonRecord::new(survey, products, agreement, progress)?;
     let (json, csv) = ("comparison.json", "comparison.csv");
     export::write_aside(&folder.join(json), |mut file| {
@@ -156,7 +158,7 @@ pub fn write_comparison(
     })
     .map_err(|error| error.to_string())?;
     let points = write_differences(&folder.join(csv), survey, products, agreement)?;
-    let made = [
+    let made = vec![
         Made {
             name: json,
             what: "The survey against a reference",
@@ -179,13 +181,5 @@ pub fn write_comparison(
             regardless_of: &REGARDLESS_OF,
         },
     ];
-    let inputs = report.inputs.iter().chain(&record.reference.inputs);
-    let report = Report {
-        inputs: inputs.cloned().collect(),
-        ..report.clone()
-    };
-    for one in &made {
-        write_record(one, &report, folder)?;
-    }
-    Ok(vec![json, csv])
+    Ok((made, record.reference.inputs))
 }

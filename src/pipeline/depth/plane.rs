@@ -4,7 +4,7 @@ use crate::bathymetry::DepthPoint;
 use crate::cloud::{CloudPoint, PointSource};
 use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
-use crate::pipeline::outputs::map_plane;
+use crate::pipeline::map_plane;
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.

@@ -3,6 +3,7 @@
 mod compare;
 mod detect;
 mod evaluate;
+mod killed;
 mod products;
 mod records;
 mod refused;

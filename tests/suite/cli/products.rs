@@ -1,6 +1,7 @@
 //! The maps of `bathyscope process`: which are made, and that they agree with each other.
 
-use super::{refusal, run, simulated};
+use super::{refusal, run, simulated, told};
+use crate::handmade;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -424,4 +425,26 @@ fn several_logs_of_one_water_make_one_map() {
     }
     let alone = ["process", "a.sl2", "--merge", "-o", "alone"];
     assert!(refusal(folder, &alone, 1).contains("two or more"));
+}
+
+#[test]
+fn a_log_without_a_point_says_so_and_writes_no_cloud() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let mut frames = handmade::survey_frames(40);
+    for frame in &mut frames {
+        // It lies still, and the sounder finds no bottom.
+        (frame.xy_m, frame.depth_ft) = ((-9_000_000, 3_400_000), 0.0);
+    }
+    fs::write(folder.join("still.sl2"), handmade::sl2(&frames)).unwrap();
+    let process = ["process", "still.sl2", "--no-objects", "-o", "out"];
+    let warned = told(folder, &process);
+    assert!(warned.contains("no cloud: there is no point"), "{warned}");
+    let out = folder.join("out");
+    assert_made(&out, &["cloud.csv", "report.json", "report.html"], true);
+    for cloud in ["cloud.laz", "cloud.ply", "cloud.xyz", "cloud.xyz.json"] {
+        assert!(!out.join(cloud).exists(), "{cloud}");
+    }
+    let warnings = json(&out.join("report.json"))["warnings"].to_string();
+    assert!(warnings.contains("no cloud"), "{warnings}");
 }

@@ -1,0 +1,269 @@
+//! The files of a run appear in their folder together.
+//!
+//! A run writes into a side folder within its folder, so that a run that fails, is cancelled or is killed leaves the files of the
+//! run before as they were. When all are written, a journal that names them is put beside them; from then on the run is decided,
+//! and what is left are renames: the old manifest goes first, the new one comes last, so that a folder with a manifest is whole.
+//! A run that is killed among these renames is finished by the next one into the same folder.
+//!
+//! What an earlier run wrote and this one does not is removed, as long as nobody has changed it since: a folder holds the files of
+//! one run. Files that no manifest names are the user's own and stay.
+
+mod earlier;
+mod journal;
+
+use super::{Fingerprint, aside, chip_folder};
+use crate::progress::Progress;
+use journal::Journal;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+/// The side folder. One name for all runs: whoever comes next finds what the one before left.
+const SIDE: &str = ".bathyscope-run";
+/// In it: the files on their way.
+const NEW: &str = "new";
+/// In it: held locked by the run that is under way.
+const LOCK: &str = "lock";
+/// In it: what is to be renamed and removed. Where it is, the run is decided.
+const JOURNAL: &str = "commit.json";
+/// Files that name what belongs to a run with them. At most one of them is in a folder.
+const MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
+
+/// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as it was.
+#[derive(Debug)]
+pub struct RunFolder {
+    folder: PathBuf,
+    /// Whether the folder was made for this run.
+    is_ours: bool,
+    lock: Option<File>,
+}
+
+impl RunFolder {
+    /// Makes the folder when it is missing, finishes or clears away what a killed run left in it, and keeps other runs out.
+    ///
+    /// # Errors
+    /// A sentence when the folder cannot be written into, or another run writes into it at this moment.
+    pub fn begin(folder: &Path) -> Result<Self, String> {
+        let is_ours = !folder.exists();
+        let fail = |error: io::Error| {
+            format!(
+                "cannot write into the folder: {error}: {}",
+                folder.display()
+            )
+        };
+        fs::create_dir_all(folder)
+            .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
+        let lock = take_lock(folder).map_err(fail)?.ok_or_else(|| {
+            format!(
+                "another run of bathyscope is writing into this folder; wait for it, or choose another folder: {}",
+                folder.display()
+            )
+        })?;
+        let run = Self {
+            folder: folder.to_path_buf(),
+            is_ours,
+            lock: Some(lock),
+        };
+        let side = folder.join(SIDE);
+        if let Some(journal) = Journal::read(&side.join(JOURNAL)) {
+            journal.finish(&side.join(NEW), folder).map_err(fail)?;
+        }
+        // One that is not ours, or not for this folder, is not followed.
+        fs::remove_file(side.join(JOURNAL)).ok();
+        remove_tree(&side.join(NEW)).map_err(fail)?;
+        aside::remove_leftovers(folder);
+        chip_folder::remove_passing(folder);
+        fs::create_dir(run.path()).map_err(fail)?;
+        Ok(run)
+    }
+
+    /// Where the run writes its files.
+    pub fn path(&self) -> PathBuf {
+        self.folder.join(SIDE).join(NEW)
+    }
+
+    /// Where they will lie.
+    pub fn destination(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The files written so far, by name.
+    ///
+    /// # Errors
+    /// A sentence when one cannot be read, or the work was cancelled.
+    pub fn files(&self, progress: &Progress) -> Result<Vec<Fingerprint>, String> {
+        let new = self.path();
+        let read = |file: String| {
+            Fingerprint::of(&new, &file, progress).map_err(|error| format!("{error}: {file}"))
+        };
+        let names = names_in(&new).map_err(|error| error.to_string())?;
+        names.into_iter().map(read).collect()
+    }
+
+    /// Puts the files of a whole run in the place of those of the run before, `manifest` among them, and gives back the names of
+    /// files of the earlier run that went without a successor.
+    ///
+    /// # Errors
+    /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
+    pub fn commit(self, manifest: &str) -> Result<Vec<String>, String> {
+        let earlier = earlier::files(&self.folder);
+        self.swap(Some(manifest), earlier)
+    }
+
+    /// Puts files in place that belong to no run, in a folder that may hold a run: the manifest there no longer names them. `group`
+    /// tells which files they are and those that they take the place of.
+    ///
+    /// # Errors
+    /// As [`RunFolder::commit`].
+    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Vec<String>, String> {
+        let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
+        let mut earlier = earlier::files(&self.folder);
+        earlier.retain(|name| group(name));
+        self.swap(manifest, earlier)
+    }
+
+    fn swap(
+        mut self,
+        manifest: Option<&str>,
+        mut remove: Vec<String>,
+    ) -> Result<Vec<String>, String> {
+        let new = self.path();
+        let fail = |error: io::Error| {
+            format!(
+                "cannot put the files in place: {error}: {}",
+                self.folder.display()
+            )
+        };
+        let mut files = names_in(&new).map_err(fail)?;
+        remove.extend(chip_folder::earlier_chips(&self.folder, &new, &remove));
+        remove.retain(|name| !files.contains(name));
+        remove.sort_unstable();
+        remove.dedup();
+        if let Some(name) = files
+            .iter()
+            .find(|name| self.folder.join(name.as_str()).is_dir())
+        {
+            return Err(format!(
+                "a folder has the name of a file that is to be written; rename it: {}",
+                self.folder.join(name).display()
+            ));
+        }
+        files.retain(|name| Some(name.as_str()) != manifest);
+        let journal = Journal {
+            files,
+            remove,
+            manifest: manifest.map(str::to_owned),
+        };
+        let side = self.folder.join(SIDE);
+        journal
+            .write(&side.join(JOURNAL))
+            .map_err(|error| error.to_string())?;
+        journal.finish(&new, &self.folder).map_err(fail)?;
+        self.is_ours = false;
+        self.clear();
+        let is_record = |name: &String| name.ends_with(".json");
+        let mut gone = journal.remove;
+        gone.retain(|name| !is_record(name) && !name.contains('/'));
+        Ok(gone)
+    }
+
+    /// Removes the side folder; best effort, for the next run does so too.
+    fn clear(&mut self) {
+        let Some(lock) = self.lock.take() else {
+            return;
+        };
+        let side = self.folder.join(SIDE);
+        if side.join(JOURNAL).exists() {
+            // Decided, but not done: the next run needs what is here.
+            return;
+        }
+        remove_tree(&side.join(NEW)).ok();
+        // While it is held: nobody else can be working in there.
+        fs::remove_file(side.join(LOCK)).ok();
+        fs::remove_dir(&side).ok();
+        drop(lock);
+        if self.is_ours {
+            fs::remove_dir(&self.folder).ok();
+        }
+    }
+}
+
+impl Drop for RunFolder {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// Locks the side folder, which is made when it is missing; `None` when another run holds it.
+fn take_lock(folder: &Path) -> io::Result<Option<File>> {
+    let side = folder.join(SIDE);
+    let path = side.join(LOCK);
+    for attempt in 0..8 {
+        match fs::create_dir(&side) {
+            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+            _ => {}
+        }
+        // Whoever may write here could lead us elsewhere by a link.
+        if !fs::symlink_metadata(&side)?.is_dir() {
+            return Err(io::Error::other(format!("`{SIDE}` in it is no folder")));
+        }
+        let open = File::options()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path);
+        let mut lock = match open {
+            Ok(lock) => lock,
+            // The run before has just removed the side folder.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            Err(error) => return Err(error),
+        };
+        match lock.try_lock() {
+            Err(TryLockError::WouldBlock) => return Ok(None),
+            // Some network drives know no locks: better to write without than not at all.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        // Locked may be a file that the run before has removed meanwhile: then the one at the path is another.
+        let token = format!("{} {attempt}\n", std::process::id());
+        lock.set_len(0)?;
+        lock.write_all(token.as_bytes())?;
+        if fs::read_to_string(&path).is_ok_and(|read| read == token) {
+            return Ok(Some(lock));
+        }
+    }
+    Ok(None)
+}
+
+/// Removes a folder with all that is in it; no folder there is no error.
+fn remove_tree(folder: &Path) -> io::Result<()> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// The files of a folder and of the folders in it, by name.
+fn names_in(folder: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    let mut add = |folder: &Path, before: &str| -> io::Result<Vec<String>> {
+        let mut folders = Vec::new();
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            let name = format!("{before}{}", entry.file_name().to_string_lossy());
+            match entry.file_type()?.is_dir() {
+                true => folders.push(name),
+                false => names.push(name),
+            }
+        }
+        Ok(folders)
+    };
+    for inner in add(folder, "")? {
+        add(&folder.join(&inner), &format!("{inner}/"))?;
+    }
+    names.sort_unstable();
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,99 @@
+//! What an earlier run wrote into a folder.
+
+use super::journal::is_plain;
+use super::{Fingerprint, MANIFESTS};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// What the manifest of a run calls the list of its files.
+const FILES: &str = "files";
+/// The one file of a version that did not list them without a record.
+const PAGE: &str = "report.html";
+/// The files of a shapefile beside the one with its record.
+const OF_A_SHAPEFILE: [&str; 4] = ["shx", "dbf", "prj", "cpg"];
+
+/// Names of the files that an earlier run wrote and nobody has changed since, its manifests among them.
+pub(super) fn files(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for manifest in MANIFESTS {
+        let Some(record) = read(folder, manifest) else {
+            continue;
+        };
+        names.push(manifest.to_owned());
+        match listed(&record) {
+            Some(files) => {
+                let unchanged = files.into_iter().filter(|file| file.is_unchanged(folder));
+                names.extend(unchanged.map(|file| file.file));
+            }
+            None => {
+                names.extend(recorded(folder));
+                names.extend(is_our_page(folder).then(|| PAGE.to_owned()));
+            }
+        }
+    }
+    names
+}
+
+/// Writes the manifest of `folder` into `new` without the files of a group, unless it names none of them; gives back its name.
+pub(super) fn without_group(
+    folder: &Path,
+    new: &Path,
+    group: &impl Fn(&str) -> bool,
+) -> Result<Option<&'static str>, String> {
+    for manifest in MANIFESTS {
+        let Some(mut record) = read(folder, manifest) else {
+            continue;
+        };
+        let Some(files) = record.get_mut(FILES).and_then(Value::as_array_mut) else {
+            continue;
+        };
+        let before = files.len();
+        files.retain(|file| !file["file"].as_str().is_some_and(group));
+        if files.len() == before {
+            continue;
+        }
+        let text = serde_json::to_string_pretty(&record).map_err(|error| error.to_string())?;
+        let path = new.join(manifest);
+        fs::write(&path, text + "\n").map_err(|error| format!("{error}: {}", path.display()))?;
+        return Ok(Some(manifest));
+    }
+    Ok(None)
+}
+
+/// A manifest of ours; somebody else's file of that name is none.
+fn read(folder: &Path, name: &str) -> Option<Value> {
+    let record: Value = serde_json::from_slice(&fs::read(folder.join(name)).ok()?).ok()?;
+    let program = record.get("program")?.as_str()?;
+    program.starts_with("bathyscope ").then_some(record)
+}
+
+fn listed(record: &Value) -> Option<Vec<Fingerprint>> {
+    let files: Vec<Fingerprint> = serde_json::from_value(record.get(FILES)?.clone()).ok()?;
+    let own = files.into_iter().filter(|file| is_plain(&file.file));
+    Some(own.collect())
+}
+
+fn is_our_page(folder: &Path) -> bool {
+    let page = fs::read_to_string(folder.join(PAGE));
+    page.is_ok_and(|page| page.contains("Made with bathyscope "))
+}
+
+/// What a version that did not list its files wrote: files with a record beside them that names them.
+fn recorded(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let record = entry.file_name().to_string_lossy().into_owned();
+        let Some(product) = record.strip_suffix(".json") else {
+            continue;
+        };
+        if read(folder, &record).is_none_or(|record| record["product"] != product) {
+            continue;
+        }
+        if let Some(stem) = product.strip_suffix(".shp") {
+            names.extend(OF_A_SHAPEFILE.map(|ending| format!("{stem}.{ending}")));
+        }
+        names.extend([product.to_owned(), record]);
+    }
+    names
+}

@@ -1,0 +1,197 @@
+//! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next run leaves nothing over.
+
+use super::{run, simulated};
+use bathyscope::export::RunFolder;
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Kills of the test; `BATHYSCOPE_KILLS` asks for more.
+const KILLS: usize = 15;
+/// Where a run keeps its files until all are there.
+const SIDE: &str = ".bathyscope-run";
+/// A file of the user's in the same folder.
+const NOTES: &str = "notes.txt";
+
+fn kills() -> usize {
+    let asked = std::env::var("BATHYSCOPE_KILLS");
+    asked
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(KILLS)
+}
+
+/// A run with a setting that every record and the report tell.
+fn start(folder: &Path, draft_m: f64, products: &str) -> Child {
+    let draft = format!("draft_m={draft_m}");
+    Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+        .args(["process", "pond.sl2", "--no-objects", "-o", "out"])
+        .args(["--products", products, "--set", &draft])
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).expect("a folder").flatten();
+    entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect()
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
+}
+
+/// That all files are of the run that the report names, and no other is there. What is the draft?
+fn draft_of_whole_run(out: &Path) -> f64 {
+    let report = json(&out.join("report.json"));
+    let mut expected: BTreeSet<String> = ["report.json", NOTES].map(str::to_owned).into();
+    let draft_m = report["settings"]["draft_m"].as_f64().expect("a draft");
+    for file in report["files"].as_array().expect("files") {
+        let name = file["file"].as_str().expect("a name");
+        let bytes = fs::read(out.join(name)).expect("a file that the report names");
+        let hash: String = Sha256::digest(&bytes)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        assert_eq!(file["sha256"], hash.as_str(), "{name}");
+        assert_eq!(file["bytes"].as_u64(), Some(bytes.len() as u64), "{name}");
+        expected.insert(name.to_owned());
+        let product = name.strip_suffix(".json").map(|product| out.join(product));
+        if product.is_some_and(|product| product.is_file()) {
+            let record = json(&out.join(name));
+            assert_eq!(record["run"], report["run"], "{name}");
+            assert_eq!(
+                record["settings"]["draft_m"].as_f64().unwrap_or(draft_m),
+                draft_m
+            );
+        }
+    }
+    let mut there = names(out);
+    there.remove(SIDE);
+    assert_eq!(there, expected);
+    draft_m
+}
+
+/// Numbers that look random and are the same in every run.
+struct Moments(u64);
+
+impl Moments {
+    fn share(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 33) as f64 / (1_u64 << 31) as f64
+    }
+}
+
+#[test]
+fn a_killed_run_leaves_the_files_of_one_run() {
+    const SOME: &str = "cloud,track,depth,report";
+    const OTHERS: &str = "cloud,xyz,isobaths,residuals";
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let out = folder.join("out");
+    let began = Instant::now();
+    assert!(start(folder, 0.0, SOME).wait().expect("a run").success());
+    let whole = began.elapsed();
+    fs::write(out.join(NOTES), "mine").expect("a file");
+    assert_eq!(draft_of_whole_run(&out), 0.0);
+    // What a version left that wrote its files one by one.
+    fs::write(out.join("cloud.csv.4294967294.part"), "half").expect("a file");
+
+    let mut moments = Moments(14);
+    let (mut before_m, mut at_work, mut at_swap) = (0.0, 0, 0);
+    for kill in 1..=kills() {
+        let draft_m = 0.01 * kill as f64;
+        let products = if kill % 2 == 0 { SOME } else { OTHERS };
+        let mut child = start(folder, draft_m, products);
+        std::thread::sleep(Duration::from_secs_f64(
+            1.1 * whole.as_secs_f64() * moments.share(),
+        ));
+        child.kill().expect("a run, or what is left of it");
+        child.wait().expect("a run that was killed");
+        let journal = out.join(SIDE).join("commit.json").exists();
+        at_work += usize::from(out.join(SIDE).exists());
+        if !out.join("report.json").exists() {
+            assert!(journal, "without a report a swap is under way");
+        }
+        if journal {
+            at_swap += 1;
+            // The next run of any kind finishes it before it does anything else.
+            drop(RunFolder::begin(&out).expect("a folder that can be written into"));
+        }
+        let found_m = draft_of_whole_run(&out);
+        assert!(
+            found_m == before_m || (found_m - draft_m).abs() < 1e-9,
+            "kill {kill}: {found_m}, neither {before_m} nor {draft_m}"
+        );
+        before_m = found_m;
+    }
+    eprintln!(
+        "{} kills: {at_work} left a side folder, {at_swap} of them in the swap",
+        kills()
+    );
+    assert!(start(folder, 9.0, SOME).wait().expect("a run").success());
+    assert_eq!(draft_of_whole_run(&out), 9.0);
+    assert!(!out.join(SIDE).exists());
+    assert_eq!(fs::read(out.join(NOTES)).expect("a file"), b"mine");
+}
+
+#[test]
+fn detect_takes_its_files_out_of_the_run_that_lies_there() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    run(
+        folder,
+        &["process", "pond.sl2", "-o", "out", "--products", "depth"],
+    );
+    let out = folder.join("out");
+    let listed = || {
+        let report = json(&out.join("report.json"));
+        let files = report["files"].as_array().expect("files").iter();
+        let names = files.map(|file| file["file"].as_str().expect("a name").to_owned());
+        names.collect::<BTreeSet<String>>()
+    };
+    assert!(listed().contains("detections.csv") && out.join("detections.csv.json").exists());
+    run(
+        folder,
+        &["detect", "pond.sl2", "-o", "out", "--score", "0.9"],
+    );
+    assert!(out.join("detections.csv").exists() && out.join("depth.tif").exists());
+    assert!(!out.join("detections.csv.json").exists());
+    assert!(listed().contains("depth.tif"));
+    assert!(!listed().iter().any(|name| name.starts_with("detections.")));
+    assert!(!out.join(SIDE).exists());
+
+    // A run without objects has none of an earlier one beside it, and says so.
+    run(
+        folder,
+        &["process", "pond.sl2", "-o", "out", "--products", "depth"],
+    );
+    let bare = [
+        "process",
+        "pond.sl2",
+        "-o",
+        "out",
+        "--no-objects",
+        "--products",
+        "depth",
+    ];
+    let told = run(folder, &bare);
+    assert!(
+        told.contains("removed of an earlier run: detections.csv"),
+        "{told}"
+    );
+    assert!(!out.join("detections.csv").exists() && !out.join("chips").exists());
+}
