@@ -1,8 +1,8 @@
 //! All scales side by side, the one in force, and what does not agree.
 
-use super::offset::{blocks, range_offset_m};
+use super::offset::{RangeOffset, blocks};
 use super::robust::robust_line;
-use super::scale::{Usable, header_scale, range_changes, usable_picks};
+use super::scale::{Usable, header_scale, picks_at_depths, range_changes, usable_picks};
 use super::{
     Calibration, CalibrationSettings, DepthFit, FlatSpot, OffsetMode, PpdReach, ScaleMode,
     flat_spots,
@@ -10,7 +10,7 @@ use super::{
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::{median, spread_about};
-use crate::survey::{Navigation, Side, Survey};
+use crate::survey::{Navigation, RangeSource, Side, Survey};
 
 /// Picks that a fit over the log needs, at least.
 const MIN_FIT_PICKS: usize = 50;
@@ -41,11 +41,24 @@ pub fn calibrate(
         ScaleMode::FlatSpot if !measured => ScaleMode::Header,
         mode => mode,
     };
-    let offset_m = match (mode, settings.offset) {
-        (ScaleMode::Header, OffsetMode::Fit) => range_offset_m(&picks).unwrap_or(0.0),
-        _ => 0.0,
-    };
+    let header = header_scale(survey);
+    let measured_offset = RangeOffset::of(&picks_at_depths(survey, returns));
     let mut warnings = Vec::new();
+    let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
+        (ScaleMode::FlatSpot, ..) => (0.0, Some("the flat spot's scale holds it")),
+        (_, OffsetMode::None, _) => (0.0, Some("switched off")),
+        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => (0.0, Some("survey-grade ranges")),
+        _ => match (measured_offset, header) {
+            (Some(measured), Some(header)) => match measured.objection(1.0 / header.px_per_m) {
+                Some(objection) => {
+                    warnings.push(objection);
+                    (0.0, Some("refused"))
+                }
+                None => (measured.offset_m, None),
+            },
+            _ => (0.0, Some("no depths to measure it against")),
+        },
+    };
     if mode != settings.mode {
         warnings.push("There is no flat spot with usable first returns, so the scale of the log's headers is in force.".to_owned());
     }
@@ -58,9 +71,11 @@ pub fn calibrate(
         mode,
         reach: settings.ppd,
         flat_spot,
-        header: header_scale(survey),
+        header,
         fit,
         offset_m,
+        measured_offset,
+        offset_note,
         warnings,
     })
 }

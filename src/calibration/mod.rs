@@ -14,7 +14,11 @@ mod scale;
 
 pub use calibrate::calibrate;
 pub use flat_spots::flat_spots;
+pub use offset::RangeOffset;
+pub use scale::header_scale;
 
+#[cfg(doc)]
+use crate::survey::RangeSource;
 use crate::survey::SideSpan;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -46,8 +50,10 @@ pub enum PpdReach {
 pub enum OffsetMode {
     /// Ranges stay as they are.
     None,
-    /// The constant that the log shows is taken off. It holds the length of the pulse's leading edge (a few centimetres
-    /// early), and draft or keel offset where the recorder adds one to its depths only.
+    /// As [`OffsetMode::Fit`], but ranges of a survey-grade recorder are trusted as they are ([`RangeSource`]).
+    Auto,
+    /// The constant that the log shows is taken off, where it is one that an instrument causes ([`RangeOffset`]): the pulse's
+    /// leading edge (a few centimetres early), and draft or keel offset where the recorder adds one to its depths only.
     Fit,
 }
 
@@ -71,7 +77,7 @@ impl Default for CalibrationSettings {
             mode: ScaleMode::Header,
             pings: None,
             ppd: PpdReach::Factor,
-            offset: OffsetMode::Fit,
+            offset: OffsetMode::Auto,
         }
     }
 }
@@ -168,8 +174,12 @@ pub struct Calibration {
     pub header: Option<Scale>,
     /// Range against depth over the whole log.
     pub fit: Option<DepthFit>,
-    /// Taken off every slant range, metres: 0, or the fitted offset when [`OffsetMode::Fit`] is in force.
+    /// Taken off every slant range, metres: [`Calibration::measured_offset`] where it is in force, else 0.
     pub offset_m: f64,
+    /// The constant between ranges and depths that the log shows, in force or not.
+    pub measured_offset: Option<RangeOffset>,
+    /// Why no offset is taken off where one was asked for, in a few words for a panel.
+    pub offset_note: Option<&'static str>,
     /// What does not agree, in sentences.
     pub warnings: Vec<String>,
 }

@@ -24,6 +24,8 @@ pub(super) struct Usable {
     pub(super) range_m: f64,
     /// Recorded depth, metres.
     pub(super) depth_m: f64,
+    /// Flagged as canopy or obstacle: it must not calibrate.
+    pub(super) canopy: bool,
 }
 
 impl Usable {
@@ -35,10 +37,8 @@ impl Usable {
 /// The picks of the log that may calibrate, in ping order: no canopy, not at the search limit, not at the dead zone, and
 /// not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
-    let mut picks: Vec<Usable> = (0..survey.side_scan.len())
-        .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
-        .filter_map(|(ping, side)| usable_pick(survey, ping, side, returns.side(side).get(ping)?))
-        .collect();
+    let mut picks = picks_at_depths(survey, returns);
+    picks.retain(|pick| !pick.canopy);
     let ranges_per_depth = |pick: &Usable| pick.range_m / pick.depth_m;
     let typical = median(&mut picks.iter().map(ranges_per_depth).collect::<Vec<_>>());
     picks.retain(|pick| {
@@ -48,17 +48,26 @@ pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usabl
     picks
 }
 
-fn usable_pick(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
+/// As [`usable_picks`], with those that are flagged and those that differ much.
+pub(super) fn picks_at_depths(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
+    (0..survey.side_scan.len())
+        .flat_map(|ping| Side::BOTH.map(|side| (ping, side)))
+        .filter_map(|(ping, side)| pick_at_depth(survey, ping, side, returns.side(side).get(ping)?))
+        .collect()
+}
+
+fn pick_at_depth(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Option<Usable> {
     let recorded = survey.side_scan.get(ping)?;
     let span = recorded.side(side)?;
     let (sample, depth_m) = (f64::from(pick.sample), f64::from(recorded.locked_depth_m()));
     let inside = sample > 0.0 && sample < f64::from(span.count) - 1.0;
-    (inside && !pick.canopy && depth_m > 0.0).then(|| Usable {
+    (inside && depth_m > 0.0).then(|| Usable {
         ping,
         side,
         sample,
         range_m: span.range_m(sample),
         depth_m,
+        canopy: pick.canopy,
     })
 }
 
@@ -84,7 +93,7 @@ pub(super) fn header_factor(picks: &[Usable]) -> Option<f64> {
 }
 
 /// The scale that the headers state, over all sides of all pings.
-pub(super) fn header_scale(survey: &Survey) -> Option<Scale> {
+pub fn header_scale(survey: &Survey) -> Option<Scale> {
     scale_of(header_scales(survey).collect())
 }
 

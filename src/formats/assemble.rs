@@ -42,6 +42,7 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         channels,
         side_scan: Arc::new(side_scan),
         side_scan_state,
+        range_source: log.range_source,
         soundings,
         track: Track::new(fixes),
         warnings: log.report.finish(),

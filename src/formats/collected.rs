@@ -2,7 +2,9 @@
 
 use super::report::Report;
 use crate::geo::LonLat;
-use crate::survey::{Bytes, Channel, ChannelKind, Fix, SidePing, SideSpan, Sounding, Source};
+use crate::survey::{
+    Bytes, Channel, ChannelKind, Fix, RangeSource, SidePing, SideSpan, Sounding, Source,
+};
 
 /// Depths beyond this are damage: the deepest sea is 11 km.
 const DEEPEST_M: f32 = 12_000.0;
@@ -53,6 +55,8 @@ pub(super) struct Collected {
     pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
     /// Positions.
     pub(super) fixes: Vec<Fix>,
+    /// Where the slant ranges come from.
+    pub(super) range_source: RangeSource,
     /// What was wrong.
     pub(super) report: Report,
 }
@@ -70,6 +74,7 @@ impl Collected {
             starboard: Vec::new(),
             depths: Vec::new(),
             fixes: Vec::new(),
+            range_source: RangeSource::default(),
             report: Report::default(),
         }
     }

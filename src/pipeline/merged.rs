@@ -294,6 +294,7 @@ fn shared_by_all(products: &Products) -> Products {
             flat_spot: None,
             header: None,
             fit: None,
+            measured_offset: None,
             warnings: Vec::new(),
             ..Calibration::clone(&products.calibration)
         }),

@@ -53,6 +53,8 @@ pub struct Listener<'a> {
     /// Roll towards this side, radians: the beam looks that much deeper.
     pub roll_rad: f64,
     pub metres_per_sample: f64,
+    /// Added to every slant range where it is recorded, metres.
+    pub range_offset_m: f64,
     pub samples: usize,
 }
 
@@ -160,8 +162,11 @@ impl Listener<'_> {
 
     /// Spreads power evenly over the samples between two slant ranges.
     fn spread_over(&self, from_m: f64, to_m: f64, amount: f64, power: &mut [f64]) {
-        let from = from_m.min(to_m) / self.metres_per_sample;
-        let to = from_m.max(to_m) / self.metres_per_sample;
+        let sample = |range_m: f64| (range_m + self.range_offset_m) / self.metres_per_sample;
+        let (from, to) = (sample(from_m.min(to_m)).max(0.0), sample(from_m.max(to_m)));
+        if to < 0.0 {
+            return;
+        }
         let (first, last) = (from as usize, to as usize);
         if first == last {
             if let Some(sample) = power.get_mut(first) {
@@ -281,6 +286,7 @@ mod tests {
             side: Side::Starboard,
             roll_rad: 0.0,
             metres_per_sample: 0.01,
+            range_offset_m: 0.0,
             samples: 1200,
         };
         listener.hear()

@@ -72,7 +72,9 @@ impl Run<'_> {
     /// What the down-scan's bottom lock says at a ping.
     fn recorded_depth_m(&self, ping: u64) -> f64 {
         let noise = Random::new(self.seed, Purpose::Sounding, ping).normal();
-        (self.true_depth_m(ping) + self.scene.artefacts.depth_noise_m * noise).max(0.0)
+        let artefacts = &self.scene.artefacts;
+        let measured_m = self.true_depth_m(ping) + artefacts.depth_noise_m * noise;
+        (artefacts.depth_scale * measured_m + artefacts.depth_offset_m).max(0.0)
     }
 }
 

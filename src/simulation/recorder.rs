@@ -125,6 +125,7 @@ impl<'a> Receiver<'a> {
             side,
             roll_rad,
             metres_per_sample: self.metres_per_sample,
+            range_offset_m: self.scene.recorder.range_offset_m,
             samples: self.samples,
         };
         listener.hear()

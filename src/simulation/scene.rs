@@ -151,6 +151,8 @@ pub struct RecorderSettings {
     pub beam_width_deg: f64,
     /// Horizontal (along-track) width of the side beam, degrees.
     pub beam_azimuth_deg: f64,
+    /// What the recorder adds to every slant range that it writes, metres: the delay of its receiver.
+    pub range_offset_m: f64,
     /// Length of the pulse: standard deviation of its power, metres of slant range.
     pub pulse_m: f64,
     /// Absorption of sound, dB per kilometre (455 kHz in fresh water of 20 C: 45.6).
@@ -204,6 +206,11 @@ pub struct Artefacts {
     pub roll_deg: f64,
     /// Noise of the recorded depth, metres (standard deviation).
     pub depth_noise_m: f64,
+    /// Factor on the recorded depth: 1 for a sounder that measures the ground under the boat, another where its depths belong
+    /// to something else.
+    pub depth_scale: f64,
+    /// Added to the recorded depth, metres: a draft or keel offset that the log does not tell.
+    pub depth_offset_m: f64,
     /// Share of pings that are missing in the log.
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
@@ -306,6 +313,7 @@ impl Default for RecorderSettings {
             beam_axis_deg: 45.0,
             beam_width_deg: 58.0,
             beam_azimuth_deg: 0.9,
+            range_offset_m: 0.0,
             pulse_m: 0.017,
             absorption_db_per_km: 45.6,
             tvg_limit_m: 6.0,
@@ -336,6 +344,8 @@ impl Default for Artefacts {
             second_echo_db: 20.0,
             roll_deg: 2.0,
             depth_noise_m: 0.03,
+            depth_scale: 1.0,
+            depth_offset_m: 0.0,
             dropouts: 0.005,
             range_change: 1.25,
             surface_m: 0.0,
@@ -358,6 +368,8 @@ impl Artefacts {
             second_echo_db: 0.0,
             roll_deg: 0.0,
             depth_noise_m: 0.0,
+            depth_scale: 1.0,
+            depth_offset_m: 0.0,
             dropouts: 0.0,
             range_change: 1.0,
             surface_m: 0.0,

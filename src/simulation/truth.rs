@@ -24,7 +24,8 @@ pub struct PingTruth {
     pub heading_rad: f64,
     /// True depth of the ground (objects included, weed not) under the boat, metres below the transducer.
     pub depth_m: f64,
-    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this.
+    /// Recorded slant range of one sample, metres; sample `i` covers `i` to `i + 1` times this, less
+    /// `recorder.range_offset_m`.
     pub metres_per_sample: f64,
     /// What the port side should find.
     pub port: SideTruth,

@@ -160,6 +160,16 @@ pub enum SideScanState {
     },
 }
 
+/// Where the slant ranges of a log's headers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RangeSource {
+    /// The range that a fish-finder shows. Where in it the first sample begins is not stated, nor what its filters delay.
+    #[default]
+    FishFinder,
+    /// The range that a survey recorder states, from the time since the transmission and the speed of sound (XTF).
+    SurveyRecorder,
+}
+
 /// Where the bytes came from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
@@ -194,6 +204,8 @@ pub struct Survey {
     pub side_scan: Arc<Vec<SidePing>>,
     /// Whether the side-scan is worth drawing.
     pub side_scan_state: SideScanState,
+    /// Where its slant ranges come from.
+    pub range_source: RangeSource,
     /// Depths under the boat.
     pub soundings: Vec<Sounding>,
     /// Positions, courses and compass headings.

@@ -165,6 +165,8 @@ fn products(nav: Vec<PingNav>) -> Products {
             header: None,
             fit: None,
             offset_m: 0.0,
+            measured_offset: None,
+            offset_note: None,
             warnings: Vec::new(),
         }),
         correction: Arc::default(),

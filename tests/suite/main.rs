@@ -26,6 +26,7 @@ mod map_tools;
 mod missions;
 mod mosaic;
 mod navigation;
+mod offsets;
 mod printing;
 mod real_window;
 mod residuals;

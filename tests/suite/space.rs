@@ -155,6 +155,8 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
             header: None,
             fit: None,
             offset_m: 0.0,
+            measured_offset: None,
+            offset_note: None,
             warnings: Vec::new(),
         }),
         flat_spots: Arc::new(spots),

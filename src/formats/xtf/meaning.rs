@@ -8,7 +8,7 @@ use super::sides::{Recorded, Sides};
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::Kind;
-use crate::survey::ChannelKind;
+use crate::survey::{ChannelKind, RangeSource};
 use std::borrow::Cow;
 
 /// Packet type of a side-scan ping.
@@ -62,6 +62,7 @@ impl<'a> Reader<'a> {
         }
         self.sides.finish(self.bytes, log);
         log.start_unix_s = self.zero_cs.and_then(date::unix_s);
+        log.range_source = RangeSource::SurveyRecorder;
         log.report.set_back(self.clock.set_back_s());
         if self.places.are_local() {
             log.report.log("positions are projected metres of an unknown zone; they are shown as local coordinates around longitude 0, latitude 0");
