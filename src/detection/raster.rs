@@ -71,6 +71,15 @@ impl Raster {
         }
     }
 
+    /// The same picture in larger pixels.
+    pub fn coarser(&self, factor: f64) -> Self {
+        Self {
+            pixel_m: self.pixel_m * factor,
+            along_m: self.along_m.clone(),
+            columns: (self.columns as f64 / factor).ceil() as usize,
+        }
+    }
+
     /// Side of a pixel, metres.
     pub fn pixel_m(&self) -> f64 {
         self.pixel_m

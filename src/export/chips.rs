@@ -39,9 +39,20 @@ pub fn chips(
     Ok(chips)
 }
 
-/// A box of a survey with its surroundings, range to the right, a pixel the raster's, levels as a detector sees them. Of a box
-/// longer than a tile its beginning is shown.
+/// A box of a survey with its surroundings, range to the right, levels as a detector sees them. A pixel is the raster's, and
+/// larger where the box would not fit into a tile: a hull is shown as a whole.
 pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
+    let rect = raster.rect_of(mark);
+    let room_px = TILE_PX as f32 - 2.0 * AROUND_PX - 1.0;
+    let factor = (rect.x1 - rect.x0).max(rect.y1 - rect.y0) / room_px;
+    let coarser;
+    let raster = match factor > 1.0 {
+        true => {
+            coarser = raster.coarser(f64::from(factor));
+            &coarser
+        }
+        false => raster,
+    };
     let (x, y, width, height) = around(&raster.rect_of(mark));
     let (width, height) = (width.min(TILE_PX), height.min(TILE_PX));
     let mut tile = raster.tile(survey, mark.side, y, x);

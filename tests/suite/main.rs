@@ -21,6 +21,7 @@ mod formats;
 mod garbled;
 mod golden;
 mod handmade;
+mod large_boxes;
 mod map_layers;
 mod map_tools;
 mod missions;

@@ -1,7 +1,7 @@
 //! The echo and the shadow inside a box.
 
 use super::profile::{Background, Grid};
-use super::runs::{Runs, runs};
+use super::runs::{self, Runs, runs};
 use crate::detection::Mark;
 use crate::statistics::median;
 use crate::survey::Survey;
@@ -52,8 +52,48 @@ const HALF_POWER: f64 = 0.55;
 /// Shortest shadow, metres and as a share of the box: a shorter dark run is speckle.
 const SHORTEST_SHADOW_M: f64 = 0.1;
 const SHORTEST_SHADOW: f64 = 0.15;
+/// Longer side of a box from which on its object is large, metres: a hull, a bank, a pier. The bright run and the dark run behind
+/// it are those of one wall of a large object then, or of a hold, and of one part of it where it lies askew.
+const LARGE_M: f64 = 12.0;
+/// Share of a slice's echo that something bright behind its shadow must explain to be part of the same object.
+const GOES_ON: f64 = 0.2;
 /// The shadow begins at most so far behind what is bright, metres: the top of an object may be no brighter than the bottom.
 const GAP_M: f64 = 1.2;
+
+/// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent along the track.
+pub(super) fn is_large(mark: &Mark, length_m: f64) -> bool {
+    // NaN is not large.
+    length_m > LARGE_M || mark.far_m - mark.near_m > LARGE_M
+}
+
+/// The echo and the shadow in the box of a large object. The box is what whoever drew it took for the object, and its near edge
+/// and its far one stand, unless what lies farthest out is the object's shadow all along: the echo then ends where in the slice
+/// that reaches farthest the shadow begins. `None` where the box holds no samples.
+pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
+    let look = Look::new(survey, mark)?;
+    let all: Vec<Range<usize>> = slices(&mark.pings).collect();
+    let shadows: Vec<Shadow> = (all.iter())
+        .filter_map(|pings| look.behind_all(pings.clone(), mark.far_m))
+        .collect();
+    let start_m = shadows.iter().map(|one| one.start_m).reduce(f64::max);
+    // Where most of the box ends in echo, a hollow in the rest is no shadow.
+    let start_m = start_m.filter(|start_m| *start_m < mark.far_m && 2 * shadows.len() > all.len());
+    let Some(start_m) = start_m else {
+        return Some(Parts {
+            echo_m: [mark.near_m, mark.far_m],
+            shadow_m: None,
+            longest: None,
+        });
+    };
+    let ends = shadows.iter().map(|one| one.end_m);
+    let longest = longest(shadows.iter().copied());
+    Some(Parts {
+        echo_m: [mark.near_m, start_m],
+        // NaN is the larger: a shadow that runs off the range is longer than any.
+        shadow_m: ends.max_by(f64::total_cmp).map(|end_m| [start_m, end_m]),
+        longest,
+    })
+}
 
 /// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the levels in the middle pings of
 /// the box best (least squares about the background, which is what the pings before and behind the box hear at the same
@@ -130,14 +170,35 @@ impl<'a> Look<'a> {
         self.grid.from_m + step as f64 * self.grid.step_m
     }
 
+    /// How much brighter than the background each step is in some pings.
+    fn contrast(&self, pings: Range<usize>) -> Option<Vec<f64>> {
+        let heard = self.grid.profile(self.survey, pings)?;
+        let both = heard.iter().zip(&self.background.levels);
+        Some(both.map(|(heard, quiet)| heard - quiet).collect())
+    }
+
+    /// The shadow in some pings behind which nothing of the object comes any more up to the end of its box.
+    fn behind_all(&self, pings: Range<usize>, far_m: f64) -> Option<Shadow> {
+        let contrast = self.contrast(pings.clone())?;
+        let (echo_m, shadow) = self.at(pings)?;
+        let shadow = shadow?;
+        let step_of = |range_m: f64| ((range_m - self.grid.from_m) / self.grid.step_m).round();
+        // A shadow that runs off the range has nothing behind it.
+        let from = match shadow.end_m.is_nan() {
+            true => return Some(shadow),
+            false => step_of(shadow.end_m) as usize,
+        };
+        let behind = from..(step_of(far_m) as usize).min(contrast.len());
+        let echo = step_of(echo_m[0]) as usize..step_of(echo_m[1]) as usize;
+        let echo_gain = runs::gain(contrast.get(echo)?);
+        let goes_on = (contrast.get(behind))
+            .is_some_and(|behind| runs::brightest(behind) > GOES_ON * echo_gain);
+        (!goes_on).then_some(shadow)
+    }
+
     /// The echo and its shadow in some pings.
     fn at(&self, pings: Range<usize>) -> Option<([f64; 2], Option<Shadow>)> {
-        let heard = self.grid.profile(self.survey, pings)?;
-        let contrast: Vec<f64> = heard
-            .iter()
-            .zip(&self.background.levels)
-            .map(|(heard, quiet)| heard - quiet)
-            .collect();
+        let contrast = self.contrast(pings)?;
         let Runs { echo, shadow } = runs(&contrast, (GAP_M / self.grid.step_m) as usize)?;
         let echo_m = [self.range_m(echo.start), self.range_m(echo.end)];
         let shadow = shadow.and_then(|dark| {

@@ -3,7 +3,7 @@
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
 use super::seen::{PART_SIGMA, Seen};
-use super::{Target, parts};
+use super::{Target, echo, parts};
 use crate::calibration::Calibration;
 use crate::detection::Mark;
 use crate::first_return::FirstReturns;
@@ -67,7 +67,7 @@ impl<'a> Placer<'a> {
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
     /// altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+        let middle = self.middle(mark);
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
         let seen = self.seen(mark, span, altitude_m);
@@ -146,7 +146,11 @@ impl<'a> Placer<'a> {
             let sample = span.sample_at(recorded_m);
             self.calibration.range_m(span, sample).max(0.0) * self.range_factor
         };
-        let found = parts(self.survey, mark);
+        let large = echo::is_large(mark, self.sailed_over_m(mark));
+        let found = match large {
+            true => echo::drawn_parts(self.survey, mark),
+            false => parts(self.survey, mark),
+        };
         // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.
         let shadow_m = found.and_then(|found| found.shadow_m);
         let far_m = match (&found, shadow_m) {
@@ -165,7 +169,8 @@ impl<'a> Placer<'a> {
             near_m: calibrated(mark.near_m),
             far_m: calibrated(far_m),
             box_end_m: calibrated(mark.far_m),
-            bounded: shadow_m.is_some(),
+            // A shadow ends the echo, or whoever drew the box of a large object did.
+            bounded: large || shadow_m.is_some(),
             longest: longest.map(|shadow| Shadow {
                 bright_end_m: calibrated(shadow.bright_end_m),
                 start_m: calibrated(shadow.start_m),
@@ -174,17 +179,44 @@ impl<'a> Placer<'a> {
         }
     }
 
-    /// The boat in the middle of the box, between two pings where the middle lies there.
+    /// Distance that the boat sailed over a box, metres.
+    fn sailed_over_m(&self, mark: &Mark) -> f64 {
+        let at_m = |ping: usize| self.sailed_m.get(ping).copied().unwrap_or(f64::NAN);
+        at_m(mark.pings.end.saturating_sub(1)) - at_m(mark.pings.start)
+    }
+
+    /// The ping in the middle of a box: half of the way over it. Over a long one the boat sails now faster, now slower.
+    fn middle(&self, mark: &Mark) -> usize {
+        let count = usize::midpoint(mark.pings.start, mark.pings.end);
+        let (first, last) = (mark.pings.start, mark.pings.end.saturating_sub(1));
+        let (Some(from_m), Some(way)) = (self.sailed_m.get(first), self.sailed_m.get(first..=last))
+        else {
+            return count;
+        };
+        let half_m = from_m + 0.5 * self.sailed_over_m(mark);
+        match half_m > *from_m {
+            true => first + way.partition_point(|sailed_m| *sailed_m < half_m),
+            false => count,
+        }
+    }
+
+    /// The boat half of the way over a box, between two pings where that lies there.
     fn boat(&self, mark: &Mark) -> Option<PingNav> {
-        let last = mark.pings.end.checked_sub(1)?;
-        let before = *self.navigation.pings.get((mark.pings.start + last) / 2)?;
-        let behind = *self
-            .navigation
-            .pings
-            .get((mark.pings.start + last).div_ceil(2))?;
+        let behind_ping = self.middle(mark).min(mark.pings.end.checked_sub(1)?);
+        let before_ping = behind_ping.saturating_sub(1).max(mark.pings.start);
+        let [before, behind] =
+            [before_ping, behind_ping].map(|ping| self.navigation.pings.get(ping).copied());
+        let (before, behind) = (before?, behind?);
+        let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m[ping]);
+        let half_m = self.sailed_m[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
+        let share = match to_m > from_m {
+            true => ((half_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0),
+            false => 0.5,
+        };
+        let between = |from: f64, to: f64| from + share * (to - from);
         Some(PingNav {
-            east_m: 0.5 * (before.east_m + behind.east_m),
-            north_m: 0.5 * (before.north_m + behind.north_m),
+            east_m: between(before.east_m, behind.east_m),
+            north_m: between(before.north_m, behind.north_m),
             ..before
         })
     }

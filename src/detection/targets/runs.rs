@@ -52,6 +52,22 @@ pub(super) fn runs(contrast: &[f64], gap: usize) -> Option<Runs> {
     })
 }
 
+/// What a run takes off the squares; 0 where it is no brighter than the background.
+pub(super) fn gain(run: &[f64]) -> f64 {
+    let sum: f64 = run.iter().sum();
+    match sum > 0.0 {
+        true => sum * sum / run.len() as f64,
+        false => 0.0,
+    }
+}
+
+/// What the bright run takes off the squares that takes most; 0 where nothing is bright.
+pub(super) fn brightest(contrast: &[f64]) -> f64 {
+    let starts = 0..contrast.len();
+    let runs = starts.flat_map(|start| (start + 1..=contrast.len()).map(move |end| start..end));
+    runs.map(|run| gain(&contrast[run])).fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
