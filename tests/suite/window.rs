@@ -539,3 +539,26 @@ fn the_empty_window_and_the_palette_look_as_they_did() {
     window.run();
     window.snapshot("window_palette_light");
 }
+
+#[test]
+fn the_panels_keep_their_width_whatever_they_hold() {
+    let mut window = demo_window();
+    let width = |window: &Window| {
+        let section = window.get_by_label("Depth correction section");
+        section.rect().width()
+    };
+    let before = width(&window);
+    // With it come sliders whose unit is as long as m/s.
+    window
+        .get_by_label("Correct the speed of sound")
+        .click_accesskit();
+    for _ in 0..30 {
+        window.step();
+    }
+    window.run();
+    assert_eq!(width(&window), before);
+    let speed = window.get_by_role_and_label(Role::Slider, "Recorder");
+    let row = speed.rect();
+    let section = window.get_by_label("Depth correction section").rect();
+    assert!(row.right() <= section.right() + 0.5, "{row} in {section}");
+}

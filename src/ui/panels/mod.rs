@@ -18,6 +18,8 @@ pub mod survey;
 pub mod timeline;
 pub mod water;
 
+pub use parts::of_given_width;
+
 use super::ViewContext;
 
 /// The left side: the survey and the paper's steps in order.

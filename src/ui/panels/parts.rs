@@ -230,6 +230,30 @@ pub struct Knob {
     pub suffix: &'static str,
 }
 
+/// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider than its panel.
+fn value_width(ui: &Ui, knob: &Knob) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let width = |value: f64| {
+        let text = format!("{value:.*}{}", knob.decimals, knob.suffix);
+        let colour = egui::Color32::PLACEHOLDER;
+        let galley = ui.painter().layout_no_wrap(text, font.clone(), colour);
+        galley.size().x
+    };
+    let widest = width(*knob.range.start()).max(width(*knob.range.end()));
+    (widest + 2.0 * ui.spacing().button_padding.x)
+        .ceil()
+        .max(58.0)
+}
+
+/// A part of a window whose content, however wide, leaves it as wide as it is: a panel that took the width of its content would
+/// offer that width again in the next frame, and a row that is a little too wide would widen it for ever.
+pub fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let area = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
+    add(&mut inner);
+    ui.advance_cursor_after_rect(area);
+}
+
 /// A slider for a setting; a whole drag is one undo step.
 pub fn knob(
     ui: &mut Ui,
@@ -240,11 +264,11 @@ pub fn knob(
 ) {
     let mut wanted = value;
     let response = row(ui, knob.name, knob.hint, |ui| {
-        let value_width = 58.0;
+        let value_width = value_width(ui, &knob);
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
-            egui::Slider::new(&mut wanted, knob.range)
+            egui::Slider::new(&mut wanted, knob.range.clone())
                 // A value is rounded when it is edited, not when it is shown: showing must change nothing.
                 .clamping(egui::SliderClamping::Edits)
                 .step_by(knob.step)

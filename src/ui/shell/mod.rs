@@ -261,22 +261,29 @@ impl Shell {
         }
         // On a small screen the views keep half of the width.
         let side_width = (ui.available_width() / 4.0).min(theme::SIDE_PANEL_WIDTH);
+        // What an earlier run saved is held to that as well.
+        let widest = |most: f32| (ui.available_width() / 3.0).clamp(240.0, most);
+        let [left_most, right_most] = [480.0, 560.0].map(widest);
         let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
         Panel::left("steps")
             .default_size(side_width)
-            .size_range(240.0..=480.0)
+            .size_range(240.0..=left_most)
             .frame(side)
             .show(ui, |ui| {
-                egui::ScrollArea::vertical()
-                    .auto_shrink([false, false])
-                    .show(ui, |ui| panels::steps(ui, &mut context));
+                panels::of_given_width(ui, |ui| {
+                    egui::ScrollArea::vertical()
+                        .auto_shrink([false, false])
+                        .show(ui, |ui| panels::steps(ui, &mut context));
+                });
             });
         Panel::right("details")
             .default_size(side_width)
-            .size_range(220.0..=560.0)
+            .size_range(220.0..=right_most)
             .frame(side)
             .show(ui, |ui| {
-                details(ui, &mut context, &mut self.review, &mut self.views.profile);
+                panels::of_given_width(ui, |ui| {
+                    details(ui, &mut context, &mut self.review, &mut self.views.profile);
+                });
             });
         Panel::bottom("time line")
             .exact_size(panels::timeline::HEIGHT)
