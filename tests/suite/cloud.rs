@@ -54,6 +54,23 @@ fn points_that_are_no_numbers_are_dropped_and_far_ones_cost_nothing() {
     assert!(keep(&[], 1.0, 1).is_empty());
 }
 
+/// Each against each, these are hundreds of billions of distances, and minutes.
+#[test]
+fn many_points_at_one_place_are_counted_at_once() {
+    let twins = |index: usize| match index % 4 {
+        0 => [0.9; 3],
+        1 => [0.9 + 1e-9, 0.9, 0.9],
+        _ => [0.0; 3],
+    };
+    let points: Vec<[f64; 3]> = (0..400_000).map(twins).collect();
+    // Two hundred thousand at either place, 1.56 m apart: in one cell of the grid, but not neighbours.
+    let kept = |min_neighbors| kept_indices(&points, 1.0, min_neighbors).len();
+    assert_eq!(kept(10), 400_000);
+    assert_eq!(kept(150_000), 400_000);
+    assert_eq!(kept(199_999), 400_000);
+    assert_eq!(kept(200_000), 0);
+}
+
 fn brute_force(points: &[[f64; 3]], radius_m: f64, min_neighbors: usize) -> Vec<bool> {
     let near = |a: &[f64; 3], b: &[f64; 3]| {
         let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];

@@ -3,11 +3,13 @@
 //! A point is kept when more than `min_neighbors` points, itself included, lie strictly nearer than the radius. The points
 //! are sorted into cells one radius wide, so that all that matters to a cell lies in the cells around it, and in memory
 //! the cells of a row lie side by side. Counting stops as soon as a point is known to be kept. A flat cloud is sorted
-//! into columns instead, because its cells above and below are empty.
+//! into columns instead, because its cells above and below are empty. Where a cell is so full that testing all in it would take
+//! too long, a tree of boxes counts instead.
 
 mod axis;
 mod cells;
 mod sweep;
+mod tree;
 
 use crate::progress::{Cancelled, Progress};
 use axis::Axis;

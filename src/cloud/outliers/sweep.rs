@@ -1,14 +1,18 @@
 //! Counts neighbours, row by row.
 
 use super::cells::Cells;
+use super::tree::Tree;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Rows that a worker takes at a time.
 const ROWS_A_TASK: usize = 64;
 /// Tests between two looks at whether a point has enough neighbours.
 const BLOCK: usize = 8;
+/// Tests of one point, after which the tree is asked instead: in the densest survey a point has its neighbours together sooner.
+const MOST_TESTS: usize = 2048;
 
 /// For each sorted point, whether more than `min_neighbors` points lie strictly within the radius, itself included.
 pub(super) fn flags(
@@ -27,6 +31,7 @@ pub(super) fn flags(
         points: &cells.points,
         square: radius_m * radius_m,
         enough: min_neighbors.saturating_add(1),
+        tree: OnceLock::new(),
     };
     let sweep_task = |rows: &Range<usize>| {
         progress.check()?;
@@ -129,11 +134,21 @@ struct Counter<'a> {
     square: f64,
     /// Points within the radius, itself included, that keep a point.
     enough: usize,
+    /// All points, once a point asks for it.
+    tree: OnceLock<Tree>,
 }
 
 impl Counter<'_> {
-    fn has_enough(&self, at: &[f64; 3], slices: impl Iterator<Item = Range<usize>>) -> bool {
-        let mut found = 0;
+    fn has_enough(
+        &self,
+        at: &[f64; 3],
+        slices: impl Iterator<Item = Range<usize>> + Clone,
+    ) -> bool {
+        let candidates: usize = slices.clone().map(|slice| slice.len()).sum();
+        if candidates < self.enough {
+            return false;
+        }
+        let (mut found, mut tested) = (0, 0);
         for slice in slices {
             // In blocks without a branch in them; a look at the count after each keeps dense cells cheap.
             for block in self.points[slice].chunks(BLOCK) {
@@ -144,6 +159,11 @@ impl Counter<'_> {
                 if found >= self.enough {
                     return true;
                 }
+                tested += BLOCK;
+                if tested >= MOST_TESTS {
+                    let tree = self.tree.get_or_init(|| Tree::new(self.points.to_vec()));
+                    return tree.has_enough(at, self.square, self.enough);
+                }
             }
         }
         false
@@ -151,7 +171,7 @@ impl Counter<'_> {
 }
 
 /// Square of the distance between two points.
-fn distance_square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+pub(super) fn distance_square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     x * x + y * y + z * z
 }
