@@ -1,6 +1,6 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
-//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` and `inverse_distance` find the
+//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`) and `inverse_distance` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crossings` the passes of a survey against each other, `transect` looks at them
 //! along a line.
@@ -9,6 +9,7 @@ pub mod compare;
 pub mod crossings;
 mod grid;
 mod hill_shade;
+mod insertion_order;
 mod inverse_distance;
 pub mod isobaths;
 mod nodes;

@@ -1,6 +1,6 @@
 //! A triangulated surface through the soundings.
 
-use super::Node;
+use super::{Node, insertion_order};
 use spade::handles::FixedVertexHandle;
 use spade::{
     Barycentric, DelaunayTriangulation, FloatTriangulation as _, HasPosition,
@@ -46,9 +46,25 @@ pub struct TinSampler<'a> {
 }
 
 impl Tin {
-    /// Triangulates; `None` when a coordinate is none that can be triangulated (not finite, beyond 1e60 m).
-    pub fn new(nodes: Vec<Node>) -> Option<Self> {
-        let triangles = Triangulation::bulk_load(nodes).ok()?;
+    /// Triangulates; `None` where the nodes span no surface (fewer than three places, or all on one line), or when a coordinate
+    /// is none that can be triangulated (not finite, beyond 1e60 m).
+    pub fn new(mut nodes: Vec<Node>) -> Option<Self> {
+        for node in &mut nodes {
+            for metres in [&mut node.east_m, &mut node.north_m] {
+                // spade refuses what is nearer to zero, as it cannot be multiplied.
+                if metres.abs() < spade::MIN_ALLOWED_VALUE {
+                    *metres = 0.0;
+                }
+            }
+        }
+        if !insertion_order::sort(&mut nodes) {
+            return None;
+        }
+        let count = nodes.len();
+        let mut triangles = Triangulation::with_capacity(count, 3 * count, 2 * count);
+        for node in nodes {
+            triangles.insert(node).ok()?;
+        }
         Some(Self {
             triangles,
             max_gap_m: f64::INFINITY,

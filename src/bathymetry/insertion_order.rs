@@ -1,0 +1,149 @@
+//! The order in which places become a triangulation quickly, whatever their shape.
+//!
+//! spade's bulk loading takes quadratic time where many places lie on one line, as the soundings of a straight run do: it was
+//! over a minute for 40 000. Inserted one by one in random order each place changes few triangles, however the places lie; along a
+//! space-filling curve the next one is near the last, so that its triangle is found in a few steps. Both are had at once in rounds,
+//! each twice as large as the one before, of places drawn at random and sorted along the curve: Amenta, Choi and Rote,
+//! Incremental constructions con BRIO, SoCG 2003.
+
+use super::Node;
+use rayon::prelude::*;
+
+/// Steps of the curve along a side: 2^16, so that a place on it is a number of 32 bits.
+const CURVE_BITS: u32 = 16;
+/// Rounds, of which the first is everything that is left.
+const ROUNDS: u32 = 12;
+/// Places farther off a line than this share of their coordinates span a surface; nearer ones are on it but for rounding.
+const LEAST_WIDTH: f64 = 1e-9;
+
+/// Sorts nodes for their insertion; `false` where they span no surface: fewer than three places, or all on one line. The first
+/// three are a triangle.
+pub(super) fn sort(nodes: &mut [Node]) -> bool {
+    if !put_triangle_first(nodes) {
+        return false;
+    }
+    let (low, scale) = extent(nodes);
+    let key = |node: &Node| {
+        let steps = [node.east_m - low[0], node.north_m - low[1]].map(|way| (way * scale) as u32);
+        // The hash makes of the place a number that is as good as random, and the same in every run.
+        let hash = (node.east_m.to_bits() ^ node.north_m.to_bits().rotate_left(32))
+            .wrapping_mul(0x9E37_79B9_7F4A_7C15)
+            .rotate_left(29)
+            .wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let round = ROUNDS - hash.leading_zeros().min(ROUNDS);
+        (round, along_curve(steps))
+    };
+    nodes[3..].par_sort_unstable_by_key(key);
+    true
+}
+
+/// Brings three nodes to the front that are no line: two as far apart as it is quickly found, and the farthest from their line.
+fn put_triangle_first(nodes: &mut [Node]) -> bool {
+    let farthest = |nodes: &[Node], off: &dyn Fn(&Node) -> f64| {
+        let offs = nodes.iter().map(off).enumerate();
+        offs.max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let Some(&any) = nodes.first() else {
+        return false;
+    };
+    let from = |start: Node| {
+        move |node: &Node| (node.east_m - start.east_m).hypot(node.north_m - start.north_m)
+    };
+    let Some((index, _)) = farthest(nodes, &from(any)) else {
+        return false;
+    };
+    nodes.swap(0, index);
+    let Some((index, length_m)) = farthest(nodes, &from(nodes[0])) else {
+        return false;
+    };
+    if index == 0 {
+        return false;
+    }
+    nodes.swap(1, index);
+    let [start, end] = [nodes[0], nodes[1]];
+    let along = [
+        (end.east_m - start.east_m) / length_m,
+        (end.north_m - start.north_m) / length_m,
+    ];
+    let off_line = move |node: &Node| {
+        let way = [node.east_m - start.east_m, node.north_m - start.north_m];
+        (along[0] * way[1] - along[1] * way[0]).abs()
+    };
+    let Some((index, width_m)) = farthest(&nodes[2..], &off_line) else {
+        return false;
+    };
+    nodes.swap(2, index + 2);
+    let coordinates = [start.east_m, start.north_m, end.east_m, end.north_m];
+    let size_m = coordinates.map(f64::abs).into_iter().fold(0.0, f64::max);
+    width_m > LEAST_WIDTH * size_m
+}
+
+/// The south-west corner, and the steps of the curve to a metre.
+fn extent(nodes: &[Node]) -> ([f64; 2], f64) {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    let [west, south, east, north] = nodes.iter().fold(start, |[w, s, e, n], node| {
+        let (x, y) = (node.east_m, node.north_m);
+        [w.min(x), s.min(y), e.max(x), n.max(y)]
+    });
+    let side_m = (east - west).max(north - south);
+    let steps = f64::from((1_u32 << CURVE_BITS) - 1);
+    ([west, south], steps / side_m)
+}
+
+/// How far along Hilbert's curve a cell lies, cells counted from the south-west corner.
+fn along_curve([mut x, mut y]: [u32; 2]) -> u32 {
+    let mut way = 0;
+    for bit in (0..CURVE_BITS).rev() {
+        let [right, up] = [x, y].map(|cells| cells >> bit & 1);
+        way = way << 2 | ((3 * right) ^ up);
+        if up == 0 {
+            if right == 1 {
+                (x, y) = (!x, !y);
+            }
+            (x, y) = (y, x);
+        }
+    }
+    way
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_goes_through_every_cell_in_single_steps() {
+        const SIDE: u32 = 64;
+        let cells = (0..SIDE * SIDE).map(|cell| [cell % SIDE, cell / SIDE]);
+        let mut sorted: Vec<[u32; 2]> = cells.collect();
+        sorted.sort_by_key(|cell| along_curve(*cell));
+        for pair in sorted.windows(2) {
+            let step = pair[0][0].abs_diff(pair[1][0]) + pair[0][1].abs_diff(pair[1][1]);
+            assert_eq!(step, 1, "{pair:?}");
+        }
+    }
+
+    fn nodes(places: impl Iterator<Item = [f64; 2]>) -> Vec<Node> {
+        let node = |[east_m, north_m]: [f64; 2]| Node {
+            east_m,
+            north_m,
+            depth_m: 1.0,
+            spread_m: 0.0,
+        };
+        places.map(node).collect()
+    }
+
+    #[test]
+    fn what_lies_on_one_line_but_for_rounding_is_no_surface() {
+        let line = |slope: f64, off_m: f64| {
+            let places = (0..1000).map(|i| [500_000.1 + 0.1 * f64::from(i), slope * f64::from(i)]);
+            let mut nodes = nodes(places);
+            nodes[700].north_m += off_m;
+            sort(&mut nodes)
+        };
+        assert!(!line(0.0, 0.0) && !line(0.03, 0.0) && !line(1.0 / 3.0, 1e-6));
+        assert!(line(0.03, 0.01));
+        assert!(!sort(&mut nodes([[1.0, 2.0]; 9].into_iter())));
+        assert!(!sort(&mut nodes([[1.0, 2.0], [3.0, 4.0]].into_iter())));
+        assert!(!sort(&mut []));
+    }
+}
