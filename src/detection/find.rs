@@ -57,8 +57,11 @@ pub fn find(
         .collect();
     let grid = Grid::new([raster.columns(), raster.rows()], [TILE_PX; 2]);
     let draw = |side: usize, [column, row]: [usize; 2]| {
-        let tile = raster.tile(survey, sides[side], row, column);
-        Picture::grey(TILE_PX, TILE_PX, tile.pixels)
+        let pixels = match raster.is_recorded(survey, sides[side], row, column) {
+            true => raster.tile(survey, sides[side], row, column).pixels,
+            false => vec![0; TILE_PX * TILE_PX],
+        };
+        Picture::grey(TILE_PX, TILE_PX, pixels)
     };
     let as_detections = |found: Vec<Vec<Scored>>| {
         let mut all: Vec<Detection> = (found.into_iter().zip(&sides))

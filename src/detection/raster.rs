@@ -15,6 +15,8 @@ pub const TILE_PX: usize = 416;
 const USUAL_SPEED_MPS: f64 = 1.5;
 /// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in the order.
 const LEAST_SPEED_MPS: f64 = 0.05;
+/// Highest speed counted, 15 knots: what seems faster are positions that jump, and would draw every ping over many rows.
+const MOST_SPEED_MPS: f64 = 8.0;
 /// Longest pause counted between two pings, seconds.
 const LONGEST_PAUSE_S: f64 = 2.0;
 
@@ -46,7 +48,7 @@ impl Raster {
         let mut along_m = Vec::with_capacity(survey.side_scan.len());
         let (mut distance_m, mut last_s) = (0.0, f64::NAN);
         for (ping, place) in survey.side_scan.iter().zip(&navigation.pings) {
-            let speed_mps = if place.speed_mps.is_finite() {
+            let speed_mps = if place.speed_mps <= MOST_SPEED_MPS {
                 place.speed_mps.max(LEAST_SPEED_MPS)
             } else {
                 USUAL_SPEED_MPS
@@ -154,6 +156,26 @@ impl Raster {
             start(rect.y0, rect.y1, self.rows()),
             start(rect.x0, rect.x1, self.columns()),
         ]
+    }
+
+    /// Whether most pings of a tile were recorded to the middle of its columns at least. A network sees nothing in rows of
+    /// which most are dark, and a few pings of a long range must not make a survey wide.
+    pub fn is_recorded(&self, survey: &Survey, side: Side, row: usize, column: usize) -> bool {
+        let ping_at = |row: usize| {
+            let goal_m = row as f64 * self.pixel_m;
+            self.along_m.partition_point(|&along_m| along_m < goal_m)
+        };
+        let pings = ping_at(row)..ping_at(row + TILE_PX);
+        let shown = self.columns.saturating_sub(column).min(TILE_PX);
+        let middle_m = (column as f64 + 0.5 * shown as f64) * self.pixel_m;
+        let spans = pings.filter_map(|ping| survey.span(ping, side));
+        let (mut count, mut reaching) = (0, 0);
+        for span in spans {
+            count += 1;
+            reaching += usize::from(f64::from(span.far_m) >= middle_m);
+        }
+        // Where there is none, those before and after are drawn.
+        2 * reaching >= count
     }
 
     /// Draws a tile: each pixel is the mean of the samples that it covers in a ping, and between pings it is

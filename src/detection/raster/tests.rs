@@ -69,3 +69,34 @@ fn a_side_that_was_not_recorded_is_dark_and_an_empty_survey_has_no_rows() {
         TILE_PX * TILE_PX
     );
 }
+
+#[test]
+fn positions_that_jump_do_not_stretch_the_picture() {
+    let (some, mut navigation) = survey(200, |_, _| 90);
+    let sound = Raster::new(&some, &navigation, 0.04).rows();
+    for (ping, place) in navigation.pings.iter_mut().enumerate() {
+        place.speed_mps = 10f64.powi(ping as i32 % 8 + 1);
+    }
+    let rows = Raster::new(&some, &navigation, 0.04).rows();
+    assert!(rows <= sound, "{rows} rows instead of {sound}");
+}
+
+#[test]
+fn what_few_pings_were_recorded_to_is_not_searched() {
+    let (mut some, navigation) = survey(400, |_, _| 90);
+    for ping in std::sync::Arc::make_mut(&mut some.side_scan)
+        .iter_mut()
+        .step_by(5)
+    {
+        ping.port.as_mut().unwrap().far_m = 400.0;
+    }
+    let raster = Raster::new(&some, &navigation, 0.04);
+    assert_eq!(raster.columns(), 10_000);
+    let is_recorded = |column| raster.is_recorded(&some, Side::Port, 300, column);
+    assert!(is_recorded(0));
+    assert!(!is_recorded(208) && !is_recorded(9_000));
+    // Of a survey that is narrower than a tile, all is.
+    let (narrow, navigation) = survey(400, |_, _| 90);
+    let raster = Raster::new(&narrow, &navigation, 0.04);
+    assert!(raster.is_recorded(&narrow, Side::Port, 300, 0));
+}
