@@ -67,7 +67,10 @@ pub fn build(
     })
 }
 
-/// Slant range of every pick of a side, by the true speed of sound; NaN without one.
+/// No side-scan hears farther, metres: where a calibration says so, it is that which is wrong.
+const FARTHEST_M: f64 = 10_000.0;
+
+/// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it cannot be.
 fn ranges_m(
     survey: &Survey,
     returns: &FirstReturns,
@@ -78,6 +81,10 @@ fn ranges_m(
     let picks = returns.side(side).par_iter().enumerate();
     picks
         .map(|(ping, pick)| factor * slant_range_m(survey, calibration, ping, side, pick.sample))
+        .map(|range_m| match range_m <= FARTHEST_M {
+            true => range_m,
+            false => f64::NAN,
+        })
         .collect()
 }
 

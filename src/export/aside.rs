@@ -37,17 +37,23 @@ pub fn write_aside<T>(
     let mut passing = name.to_os_string();
     passing.push(format!(".{}.part", std::process::id()));
     let passing = path.with_file_name(passing);
+    let _leftover = Leftover(&passing);
     let mut open = File::options();
     open.read(true).write(true).create(true).truncate(true);
-    let written = open
-        .open(&passing)
-        .and_then(write)
-        .and_then(|made| fs::rename(&passing, path).map(|()| made));
-    if written.is_err() {
+    let written = open.open(&passing).and_then(write);
+    written
+        .and_then(|made| fs::rename(&passing, path).map(|()| made))
+        .map_err(fail)
+}
+
+/// A file under its passing name, which goes whatever way the writing ends; once it has its own name, nothing is left to go.
+struct Leftover<'a>(&'a Path);
+
+impl Drop for Leftover<'_> {
+    fn drop(&mut self) {
         // Best effort: the error that is reported is the one that came first.
-        fs::remove_file(&passing).ok();
+        fs::remove_file(self.0).ok();
     }
-    written.map_err(fail)
 }
 
 /// Removes what [`write_aside`] left in a folder when the program was killed: `NAME.PID.part` of a process that is no more. Best
@@ -131,6 +137,8 @@ mod tests {
             Err::<(), _>(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().contains("disk full"));
+        let stopped = crate::contained::contained(|| write_aside::<()>(&path, |_| panic!("fault")));
+        assert!(stopped.is_none());
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }

@@ -1,18 +1,19 @@
 //! `cloud.laz`: kept points in a map's coordinates, for survey programs.
 
 use super::gps_time::adjusted_standard_s;
+use super::las_writer::{LasWriter, transforms};
 use super::{ExportError, Summary, colour, extra_bytes, write_aside};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::first_return::FirstReturns;
 use crate::geo::Crs;
 use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};
-use las::{Builder, Color, GpsTimeType, Header, Point, Transform, Vector, Version, Writer};
-use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use las::{Builder, Color, GpsTimeType, Header, Point, Transform, Vector, Version};
+use rayon::prelude::*;
+use std::io;
 use std::path::Path;
 
-/// Coordinates are stored to this many metres.
+/// Coordinates are stored to this many metres, unless they lie too far apart for it.
 const RESOLUTION_M: f64 = 0.001;
 /// Or degrees: a millimetre.
 const RESOLUTION_DEG: f64 = 1e-8;
@@ -32,35 +33,35 @@ pub fn cloud_laz(
     survey: &Survey,
     returns: &FirstReturns,
     crs: &Crs,
-    place: impl Fn(&CloudPoint) -> [f64; 2],
+    place: impl Fn(&CloudPoint) -> [f64; 2] + Sync,
     cloud: &PointCloud,
     kept: &[bool],
 ) -> Result<Summary, ExportError> {
-    let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
+    let flagged = cloud.points.par_iter().zip(kept);
+    let points = flagged.filter(|(_, kept)| **kept).map(|(point, _)| point);
+    let points: Vec<(&CloudPoint, [f64; 2])> = points.map(|point| (point, place(point))).collect();
     write_aside(path, |file| {
-        let mut writer = las_writer(file, survey, crs).map_err(io::Error::other)?;
+        let places = points.iter().map(|(point, [x, y])| [*x, *y, point.z_m]);
+        let resolution = match crs.is_degrees() {
+            true => RESOLUTION_DEG,
+            false => RESOLUTION_M,
+        };
+        let [x, y] = crs.place(survey.track.frame.origin());
+        let finest = [resolution, resolution, RESOLUTION_M];
+        let transforms = transforms(places, [x, y, 0.0], finest)?;
+        let header = las_header(survey, crs, transforms).map_err(io::Error::other)?;
+        let mut writer = LasWriter::new(file, header)?;
         let mut summary = Summary::default();
-        for (point, _) in points {
-            let at = place(point);
+        for (point, at) in points {
             summary.add(at, point.z_m);
-            let las_point = las_point(survey, returns, point, at).map_err(io::Error::other)?;
-            writer.write_point(las_point).map_err(io::Error::other)?;
+            writer.point(las_point(survey, returns, point, at).map_err(io::Error::other)?)?;
         }
-        writer.into_inner().map_err(io::Error::other)?.flush()?;
+        writer.finish()?;
         Ok(summary)
     })
 }
 
-fn las_writer(file: File, survey: &Survey, crs: &Crs) -> las::Result<Writer<BufWriter<File>>> {
-    let origin = crs.place(survey.track.frame.origin());
-    let axis = |scale: f64, offset: f64| Transform {
-        scale,
-        offset: offset.round(),
-    };
-    let resolution = match crs.is_degrees() {
-        true => RESOLUTION_DEG,
-        false => RESOLUTION_M,
-    };
+fn las_header(survey: &Survey, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
     if survey.start_unix_s.is_some() {
@@ -70,14 +71,10 @@ fn las_writer(file: File, survey: &Survey, crs: &Crs) -> las::Result<Writer<BufW
     builder.point_format.is_compressed = true;
     builder.point_format.extra_bytes = extra_bytes::LENGTH;
     builder.vlrs.push(extra_bytes::record());
-    builder.transforms = Vector {
-        x: axis(resolution, origin[0]),
-        y: axis(resolution, origin[1]),
-        z: axis(RESOLUTION_M, 0.0),
-    };
+    builder.transforms = transforms;
     let mut header: Header = builder.into_header()?;
     header.set_wkt_crs(crs.wkt().as_bytes().to_vec())?;
-    Writer::new(BufWriter::new(file), header)
+    Ok(header)
 }
 
 fn las_point(

@@ -23,6 +23,7 @@ mod geojson;
 pub mod geotiff;
 mod gps_time;
 mod isobaths;
+mod las_writer;
 mod objects;
 mod picture_boxes;
 pub mod points;

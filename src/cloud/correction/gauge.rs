@@ -1,5 +1,6 @@
 //! Readings of a gauge or tide table over time.
 
+use super::LEVELS_M;
 use crate::calendar::unix_from_text;
 use sha2::{Digest as _, Sha256};
 use std::fs::File;
@@ -114,10 +115,10 @@ fn parse(bytes: &[u8]) -> Result<Vec<(f64, f64)>, String> {
         })?;
         let level_m: Option<f64> = field(level).parse().ok();
         let level_m = level_m
-            .filter(|level_m| level_m.is_finite())
+            .filter(|level_m| LEVELS_M.contains(level_m))
             .ok_or_else(|| {
                 format!(
-                    "line {line} of the water levels: `{}` is no level in metres",
+                    "line {line} of the water levels: `{}` is no level in metres between -1000 and 10000",
                     field(level)
                 )
             })?;
@@ -177,6 +178,7 @@ mod tests {
             ("time,level_m\n1,2\n2,high\n", "line 3"),
             ("time,level_m\n1,2\n1,3\n", "sort"),
             ("time,level_m\n1,nan\n", "line 2"),
+            ("time,level_m\n1,2\n2,1e9\n", "line 3"),
         ] {
             let error = gauge(text).unwrap_err();
             assert!(error.contains(words), "{error}");

@@ -38,6 +38,9 @@ impl WaterLevelSettings {
     }
 }
 
+/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
+pub(super) const LEVELS_M: std::ops::RangeInclusive<f64> = -1000.0..=10_000.0;
+
 /// What is known of water and transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthSettings {
@@ -57,8 +60,8 @@ impl DepthSettings {
         if !(0.0..=100.0).contains(&self.draft_m) {
             return Err("draft_m must lie between 0 and 100");
         }
-        if !self.water_level_m.is_finite() {
-            return Err("water_level_m must be a number");
+        if !LEVELS_M.contains(&self.water_level_m) {
+            return Err("water_level_m must lie between -1000 and 10000");
         }
         self.sound_speed.check()
     }

@@ -2,9 +2,10 @@
 
 use super::las_claims;
 use crate::contained::contained;
-use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader, Transform, Vector, Writer};
+use crate::export::las_writer::{LasWriter, transforms};
+use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
+use std::io;
 use std::path::Path;
 
 /// Points read at a time: the header's count is not trusted with one allocation.
@@ -63,61 +64,49 @@ impl LasFile {
         let mut flags = kept.iter();
         let mut builder = Builder::from(self.header.clone());
         builder.point_format.is_compressed = compressed;
-        let write = || -> las::Result<Writer<BufWriter<File>>> {
-            let mut writer = Writer::new(BufWriter::new(file), builder.into_header()?)?;
-            for batch in &self.batches {
-                let records = batch.raw_bytes().chunks(batch.record_len());
-                let kept: Vec<u8> = records
-                    .zip(flags.by_ref())
-                    .filter(|(_, kept)| **kept)
-                    .flat_map(|(record, _)| record.iter().copied())
-                    .collect();
-                let kept = PointDataBuilder::new()
-                    .with_format(*writer.header().point_format())
-                    .with_transforms(*writer.header().transforms())
-                    .build_from_bytes(kept)?;
-                writer.write_points(&kept)?;
-            }
-            Ok(writer)
-        };
-        finish(write())
+        let header = builder.into_header().map_err(io::Error::other)?;
+        let mut writer = LasWriter::new(file, header)?;
+        for batch in &self.batches {
+            let records = batch.raw_bytes().chunks(batch.record_len());
+            let kept: Vec<u8> = records
+                .zip(flags.by_ref())
+                .filter(|(_, kept)| **kept)
+                .flat_map(|(record, _)| record.iter().copied())
+                .collect();
+            let kept = PointDataBuilder::new()
+                .with_format(*writer.header()?.point_format())
+                .with_transforms(*writer.header()?.transforms())
+                .build_from_bytes(kept)
+                .map_err(io::Error::other)?;
+            writer.points(&kept)?;
+        }
+        writer.finish()
     }
 }
 
-/// Writes bare coordinates to a tenth of a millimetre.
+/// Coordinates are stored to a tenth of a millimetre, unless they lie too far apart for it.
+const RESOLUTION_M: f64 = 1e-4;
+
+/// Writes bare coordinates.
 pub(super) fn write<'a>(
     file: File,
     points: impl Iterator<Item = &'a [f64; 3]> + Clone,
     compressed: bool,
 ) -> io::Result<()> {
     let first = points.clone().next().copied().unwrap_or_default();
-    let [x, y, z] = first.map(|value| Transform {
-        scale: 1e-4,
-        offset: value.round(),
-    });
-    let write = || -> las::Result<Writer<BufWriter<File>>> {
-        let mut builder = Builder::from((1, 4));
-        builder.point_format.is_compressed = compressed;
-        builder.transforms = Vector { x, y, z };
-        let mut writer = Writer::new(BufWriter::new(file), builder.into_header()?)?;
-        for &[x, y, z] in points {
-            writer.write_point(Point {
-                x,
-                y,
-                z,
-                ..Point::default()
-            })?;
-        }
-        Ok(writer)
-    };
-    finish(write())
-}
-
-fn finish(writer: las::Result<Writer<BufWriter<File>>>) -> io::Result<()> {
-    let file = writer
-        .and_then(Writer::into_inner)
-        .map_err(io::Error::other)?;
-    file.into_inner()
-        .map_err(|error| error.into_error())?
-        .flush()
+    let transforms = transforms(points.clone().copied(), first, [RESOLUTION_M; 3])?;
+    let mut builder = Builder::from((1, 4));
+    builder.point_format.is_compressed = compressed;
+    builder.transforms = transforms;
+    let header = builder.into_header().map_err(io::Error::other)?;
+    let mut writer = LasWriter::new(file, header)?;
+    for &[x, y, z] in points {
+        writer.point(Point {
+            x,
+            y,
+            z,
+            ..Point::default()
+        })?;
+    }
+    writer.finish()
 }

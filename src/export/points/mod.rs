@@ -223,9 +223,7 @@ impl PointFile {
                 out.flush()
             }
             (_, Kind::Ply) => ply_file::write(file, kept_points()),
-            (_, Kind::Las) => {
-                las_file::write(file, kept_points(), is_laz(path)).map_err(io::Error::other)
-            }
+            (_, Kind::Las) => las_file::write(file, kept_points(), is_laz(path)),
         })
         .map_err(|error| fail(format!("cannot write the file: {}", error.source)))
     }
