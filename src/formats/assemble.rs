@@ -3,7 +3,7 @@
 use super::collected::Collected;
 use super::depths;
 use super::join::join_halves;
-use crate::statistics::upper_median;
+use super::stray::drop_stray;
 use crate::survey::{Channel, Fix, Side, SidePing, SideScanState, Survey, Track};
 use std::sync::Arc;
 
@@ -11,8 +11,6 @@ use std::sync::Arc;
 const STUCK_RANGE_M: f32 = 1.6;
 /// Share of stuck pings from which the side-scan is noise.
 const STUCK_SHARE: f64 = 0.95;
-/// A fix this far from the log's median position is damage, degrees (some 200 km).
-const STRAY_FIX_DEG: f64 = 2.0;
 
 /// Puts the pieces of a log together.
 pub(super) fn assemble(mut log: Collected) -> Survey {
@@ -76,26 +74,8 @@ fn join_sides(log: &mut Collected) -> Vec<SidePing> {
 /// Fixes in time order, without those that a damaged header threw far away.
 fn clean_track(log: &mut Collected) -> Vec<Fix> {
     let mut fixes = std::mem::take(&mut log.fixes);
-    let median = |pick: fn(&Fix) -> f64| {
-        let mut values: Vec<f64> = fixes.iter().map(pick).collect();
-        upper_median(&mut values, f64::total_cmp)
-    };
-    let (Some(lon_deg), Some(lat_deg)) = (
-        median(|fix| fix.position.lon_deg),
-        median(|fix| fix.position.lat_deg),
-    ) else {
-        return fixes;
-    };
-    let before = fixes.len();
-    fixes.retain(|fix| {
-        (fix.position.lat_deg - lat_deg).abs() < STRAY_FIX_DEG
-            && (fix.position.lon_deg - lon_deg).abs() * lat_deg.to_radians().cos() < STRAY_FIX_DEG
-    });
-    if fixes.len() < before {
-        log.report.log(format!(
-            "{} positions lie hundreds of kilometres from all others and were dropped",
-            before - fixes.len()
-        ));
+    if let Some(sentence) = drop_stray(&mut fixes) {
+        log.report.log(sentence);
     }
     fixes.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     fixes

@@ -2,7 +2,7 @@
 //!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
-//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings. `shelf` and `map` bring
+//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `shelf` and `map` bring
 //! the bytes, `medium` takes those of a log on a card into memory, `foreign` knows by sight what is not read. `track_file` reads
 //! the track of another receiver.
 
@@ -19,6 +19,7 @@ mod medium;
 mod report;
 mod scalar;
 mod shelf;
+mod stray;
 mod track_file;
 pub mod xtf;
 

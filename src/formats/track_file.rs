@@ -1,5 +1,6 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
+use super::stray::drop_stray;
 use crate::calendar::unix_from_text;
 use crate::geo::LonLat;
 use crate::progress::Progress;
@@ -86,7 +87,8 @@ impl TrackFile {
             compass_rad,
             speed_mps: f32::NAN,
         };
-        let fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
+        let mut fixes: Vec<Fix> = self.fixes.iter().map(fix).collect();
+        let stray = drop_stray(&mut fixes);
         let span_s = [fixes[0].time_s, fixes[fixes.len() - 1].time_s];
         let inside = |time_s: f64| (span_s[0]..=span_s[1]).contains(&time_s);
         let pings = survey.side_scan.iter().map(|ping| ping.time_s);
@@ -99,6 +101,10 @@ impl TrackFile {
                 span_s[0], span_s[1]
             ));
         }
+        let place = None;
+        let stray = stray.map(|what| format!("Of the external track {what}."));
+        let warnings = stray.map(|text| crate::survey::Warning { place, text });
+        survey.warnings.extend(warnings);
         if outside > 0 {
             survey.warnings.push(crate::survey::Warning {
                 place: None,
