@@ -5,6 +5,8 @@ use rayon::prelude::*;
 
 /// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
 const LEAST_CELL_M: f64 = 0.1;
+/// Cells of a grid. A surface takes 12 bytes of each, and what is made of it as many again.
+const MOST_CELLS: f64 = 20e6;
 
 /// A grid of square cells, north up: row 0 is the northernmost, column 0 the westernmost.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +24,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side where that is more, over all points. Edges
+    /// Cells of `cell_m`, or of what makes `max_side` of them along the longer side, or some 20 million in all, where that is more,
+    /// over all points. Edges
     /// lie on multiples of the cell, so that grids of several surveys fit onto each other. `None` without points, and where
     /// the points or the cell are no numbers that a grid can be made of.
     pub fn over(points: &[DepthPoint], cell_m: f64, max_side: usize) -> Option<Self> {
@@ -30,7 +33,8 @@ impl Grid {
         let extent_m = (east_m - west_m).max(north_m - south_m);
         // Two cells less, for the edges that are rounded outwards.
         let least_m = extent_m / max_side.saturating_sub(2).max(1) as f64;
-        let cell_m = cell_m.max(least_m);
+        let area_m2 = (east_m - west_m) * (north_m - south_m);
+        let cell_m = cell_m.max(least_m).max((area_m2 / MOST_CELLS).sqrt());
         if !(cell_m > 0.0 && cell_m.is_finite()) {
             return None;
         }

@@ -33,7 +33,7 @@ pub struct SurfaceSettings {
     /// No value farther than this from a sounding, metres, and none in triangles between soundings more than twice as far apart
     /// ([`super::Tin::with_max_gap`]).
     pub max_gap_m: f64,
-    /// Most cells along the longer side: where a cell would make more of them, it is larger.
+    /// Most cells along the longer side: where a cell would make more of them, or more than 20 million in all, it is larger.
     pub max_side: usize,
     /// What a recorder's own sounding counts where several depths fall into one cell; 0 leaves them out.
     pub down_scan_weight: f64,

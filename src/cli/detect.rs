@@ -4,18 +4,19 @@ use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{found, output};
+use crate::contained::contained;
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
 use crate::export::RunFolder;
 use crate::outputs;
 use crate::progress::Progress;
-use image::{ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use std::path::{Path, PathBuf};
 
 /// Pixels across or down of a picture.
 const LARGEST_PICTURE: u32 = 40_000;
-/// Bytes that a picture may unpack to.
-const LARGEST_UNPACKED: u64 = 1 << 30;
+/// Bytes that a picture may take while it is unpacked.
+const LARGEST_UNPACKED: u64 = 320 << 20;
 
 /// `bathyscope detect SURVEY|PICTURE... -o DIR`.
 #[derive(Debug, clap::Args)]
@@ -148,7 +149,12 @@ fn search_picture(
     Ok(found::boxes(names))
 }
 
+/// The pixels of a file; the error is a sentence without the path.
 fn read_picture(path: &Path) -> Result<Picture, String> {
+    contained(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".to_owned()))
+}
+
+fn decode_picture(path: &Path) -> Result<Picture, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(LARGEST_PICTURE);
     limits.max_image_height = Some(LARGEST_PICTURE);
@@ -157,7 +163,25 @@ fn read_picture(path: &Path) -> Result<Picture, String> {
         .and_then(ImageReader::with_guessed_format)
         .map_err(|error| error.to_string())?;
     reader.limits(limits);
-    let decoded = reader.decode().map_err(|error| error.to_string())?;
+    let format = reader.format();
+    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+    let (width, height) = decoder.dimensions();
+    let pixels = u64::from(width) * u64::from(height);
+    let besides = match (format, decoder.color_type()) {
+        // A progressive one is held as 16-bit coefficients.
+        (Some(ImageFormat::Jpeg), _) => decoder.total_bytes().saturating_mul(2),
+        (_, ColorType::L8 | ColorType::Rgb8) => 0,
+        // It is copied with 8 bits a channel, and without what is transparent.
+        (_, colours) if colours.has_color() => 3 * pixels,
+        _ => pixels,
+    };
+    if decoder.total_bytes().saturating_add(besides) > LARGEST_UNPACKED {
+        return Err(format!(
+            "its {width} by {height} pixels take more than {} MiB to unpack; cut it into pieces, or save it as grey with 8 bits",
+            LARGEST_UNPACKED >> 20
+        ));
+    }
+    let decoded = DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())?;
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
     Ok(if decoded.color().has_color() {
         Picture {

@@ -5,6 +5,7 @@
 //! size of its outputs first, and only then for their numbers.
 
 use super::Unusable;
+use super::screen::check_axes;
 use tract_onnx::prelude::{InferenceFact, InferenceModel, OutletId, TractResult};
 use tract_onnx::tract_hir::infer::{Factoid, InferenceOp};
 
@@ -45,6 +46,14 @@ pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
             outputs = made;
         }
         for (slot, fact) in outputs.into_iter().enumerate() {
+            // A chain of layers may add one axis each.
+            check_axes(
+                &name,
+                fact.shape
+                    .rank()
+                    .concretize()
+                    .map_or(0, |axes| axes as usize),
+            )?;
             // A slot that is not there is told by the compilation.
             model.set_outlet_fact(OutletId::new(node, slot), fact).ok();
         }

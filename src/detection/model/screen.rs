@@ -14,6 +14,8 @@ const MOST_LAYERS: usize = 20_000;
 const MOST_ELEMENTS: i64 = 1 << 27;
 /// Weights of a network: 512 MiB in f16, the largest file that is read.
 const MOST_WEIGHTS: i64 = 1 << 28;
+/// Axes of a tensor. Detectors have six at most; what compiles them takes the square of their number, and more.
+pub(super) const MOST_AXES: usize = 32;
 /// Pixels that a layer may gather into one.
 const MOST_GATHERED: i64 = 1 << 16;
 /// Layers whose output is as large as numbers in the file say.
@@ -130,7 +132,11 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
         )));
     }
     screen_weights(graph)?;
-    let sizes = written_sizes(graph);
+    let told = graph.input.iter().chain(&graph.output);
+    for (name, axes) in told.chain(&graph.value_info).map(axes_of) {
+        check_axes(name, axes)?;
+    }
+    let (sizes, lists) = (written_sizes(graph), list_lengths(graph));
     for node in &graph.node {
         if let Some((layer, why)) = REFUSED.iter().find(|(layer, _)| *layer == node.op_type) {
             return Err(Unusable::Layer {
@@ -138,6 +144,7 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
                 why,
             });
         }
+        screen_reshaping(node, &lists)?;
         if GROWING.contains(&node.op_type.as_str()) {
             screen_growth(node, &sizes)?;
         }
@@ -158,6 +165,7 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
     let constants = graph.node.iter().flat_map(|node| &node.attribute);
     let constants = constants.filter_map(|attribute| attribute.t.as_ref());
     for weight in graph.initializer.iter().chain(constants) {
+        check_axes(&weight.name, weight.dims.len())?;
         let mut sizes = weight.dims.iter();
         let elements = sizes.try_fold(1_i64, |product, &size| product.checked_mul(size.max(0)));
         in_all = in_all.saturating_add(elements.unwrap_or(i64::MAX));
@@ -169,6 +177,65 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
         }
     }
     Ok(())
+}
+
+/// Name and number of axes of an input, an output, or what lies between.
+fn axes_of(told: &ValueInfoProto) -> (&str, usize) {
+    let kind = told.r#type.as_ref().and_then(|kind| kind.value.as_ref());
+    let axes = match kind {
+        Some(Kind::TensorType(tensor)) => tensor.shape.as_ref().map_or(0, |shape| shape.dim.len()),
+        _ => 0,
+    };
+    (&told.name, axes)
+}
+
+/// Refuses a tensor of more axes than anything that a detector computes with.
+pub(super) fn check_axes(name: &str, axes: usize) -> Result<(), Unusable> {
+    match axes <= MOST_AXES {
+        true => Ok(()),
+        false => Err(Unusable::TooBig(format!(
+            "its tensor `{name}` has {axes} axes"
+        ))),
+    }
+}
+
+/// Refuses a layer that makes a tensor of too many axes: the shape that it is given is a list in the file as long as that.
+fn screen_reshaping(node: &NodeProto, lists: &HashMap<&str, usize>) -> Result<(), Unusable> {
+    let shape = match node.op_type.as_str() {
+        "ConstantOfShape" => 0,
+        "Expand" | "Reshape" | "Squeeze" | "Tile" | "Unsqueeze" => 1,
+        _ => usize::MAX,
+    };
+    let given = node.input.get(shape);
+    let given = given.and_then(|name| lists.get(name.as_str()).copied());
+    let written = node.attribute.iter().map(|one| match one.name.as_str() {
+        "axes" | "perm" | "shape" => one.ints.len(),
+        _ => 0,
+    });
+    let axes = written.chain(given).max().unwrap_or(0);
+    check_axes(node.output.first().map_or("", String::as_str), axes)
+}
+
+/// Lengths of the lists that the graph holds, by name.
+fn list_lengths(graph: &GraphProto) -> HashMap<&str, usize> {
+    let weights = graph.initializer.iter();
+    let weights = weights.map(|held| (held.name.as_str(), list_length(held)));
+    let constants = graph.node.iter().filter_map(|node| {
+        let lengths = node.attribute.iter().map(|one| match &one.t {
+            Some(tensor) => list_length(tensor),
+            None => one.ints.len(),
+        });
+        Some((node.output.first()?.as_str(), lengths.max()?))
+    });
+    weights.chain(constants).collect()
+}
+
+/// Numbers of a tensor of one axis; 0 of others.
+fn list_length(tensor: &TensorProto) -> usize {
+    match tensor.dims.as_slice() {
+        [length] => usize::try_from(*length).unwrap_or(0),
+        _ => 0,
+    }
 }
 
 /// Refuses sizes beyond measure that are written in the file. Those computed on the way are looked at once they are known.

@@ -4,6 +4,7 @@ use super::elevations::Plane;
 use crate::contained::contained;
 use std::fs::File;
 use std::io::BufReader;
+use std::ops::Range;
 use std::path::Path;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
@@ -17,8 +18,13 @@ pub(super) struct RasterPoints {
     pub downwards: bool,
 }
 
-/// More cells than this are refused: as points they would fill the memory.
+/// More cells than this are refused, known or not.
 const MOST_CELLS: u64 = 50_000_000;
+/// More known cells than this are refused: as points, and triangles between them, they would fill the memory. A few hundred bytes of
+/// a packed file are enough to ask for as many.
+const MOST_POINTS: usize = 4_000_000;
+/// Bytes of a strip or tile, unpacked.
+const LARGEST_BLOCK: usize = 256 << 20;
 /// Geo keys: kind of system, whether a value stands for a cell or its corner, and the systems' EPSG numbers.
 const MODEL_TYPE: u16 = 1024;
 const RASTER_TYPE: u16 = 1025;
@@ -40,7 +46,7 @@ fn unusable(error: impl std::fmt::Display) -> String {
 fn read_open(path: &Path) -> Result<RasterPoints, String> {
     let file = File::open(path).map_err(unusable)?;
     let mut limits = Limits::default();
-    limits.decoding_buffer_size = 8 * MOST_CELLS as usize;
+    limits.decoding_buffer_size = LARGEST_BLOCK;
     let decoder = Decoder::new(BufReader::new(file)).map_err(unusable)?;
     let mut decoder = decoder.with_limits(limits);
     let (columns, rows) = decoder.dimensions().map_err(unusable)?;
@@ -58,34 +64,83 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
     let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
     let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription);
-    let values = numbers(decoder.read_image().map_err(unusable)?)?;
     let known = |value: f64| value.is_finite() && nodata != Some(value);
-    let cells = values.into_iter().enumerate();
-    let points = cells
-        .filter(|(_, value)| known(*value))
-        .map(|(cell, value)| {
-            let (row, column) = (cell / columns as usize, cell % columns as usize);
-            let [x, y] = place.of_cell(column as f64, row as f64);
-            [x, y, value]
-        });
+    let mut points = Vec::new();
+    each_block(
+        &mut decoder,
+        [columns, rows],
+        |[column, row], width, values| {
+            for (index, value) in values.iter().enumerate() {
+                if known(*value) {
+                    let at = [column + index % width, row + index / width];
+                    let [x, y] = place.of_cell(at[0] as f64, at[1] as f64);
+                    points.push([x, y, *value]);
+                }
+            }
+            match points.len() > MOST_POINTS {
+                true => Err(format!(
+                    "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
+                )),
+                false => Ok(()),
+            }
+        },
+    )?;
     Ok(RasterPoints {
-        points: points.collect(),
+        points,
         plane: keys.plane(),
         downwards: description.is_ok_and(|text| text.starts_with("Depth in metres, positive down")),
     })
 }
 
-fn numbers(image: DecodingResult) -> Result<Vec<f64>, String> {
-    fn wide<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
-        values.into_iter().map(Into::into).collect()
+/// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole: column and row of its first cell,
+/// its width, and pieces of whole rows of it.
+fn each_block(
+    decoder: &mut Tiff,
+    [columns, rows]: [u32; 2],
+    mut take: impl FnMut([usize; 2], usize, &[f64]) -> Result<(), String>,
+) -> Result<(), String> {
+    let (width, height) = decoder.chunk_dimensions();
+    if width == 0 || height == 0 {
+        return Err("the GeoTIFF cannot be read: it is cut into pieces without a cell".to_owned());
     }
-    Ok(match image {
-        DecodingResult::F32(values) => wide(values),
-        DecodingResult::F64(values) => values,
-        DecodingResult::I16(values) => wide(values),
-        DecodingResult::I32(values) => wide(values),
-        DecodingResult::U16(values) => wide(values),
-        DecodingResult::U32(values) => wide(values),
+    for row in 0..rows.div_ceil(height) {
+        let across = columns.div_ceil(width);
+        for column in 0..across {
+            let block = row * across + column;
+            let (shown, _) = decoder.chunk_data_dimensions(block);
+            let shown = shown.max(1) as usize;
+            let values = decoder.read_chunk(block).map_err(unusable)?;
+            let first = [(column * width) as usize, (row * height) as usize];
+            // Few rows at a time: as f64 a block may be twice its size.
+            let step = (PIECE / shown).max(1) * shown;
+            let mut start = 0;
+            while let Some(piece) = numbers(&values, start..start + step)? {
+                let below = start / shown;
+                take([first[0], first[1] + below], shown, &piece)?;
+                start += step;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Cells that become f64 at a time.
+const PIECE: usize = 1 << 20;
+
+/// Some of a block's numbers; `None` beyond its end.
+fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64>>, String> {
+    fn wide<T: Copy + Into<f64>>(values: &[T], range: Range<usize>) -> Option<Vec<f64>> {
+        let values = values.get(range.start..range.end.min(values.len()))?;
+        let wide = values.iter().map(|value| (*value).into()).collect();
+        (!values.is_empty()).then_some(wide)
+    }
+    Ok(match block {
+        DecodingResult::F32(values) => wide(values, range),
+        DecodingResult::F64(values) => wide(values, range),
+        DecodingResult::I16(values) => wide(values, range),
+        DecodingResult::I32(values) => wide(values, range),
+        DecodingResult::U16(values) => wide(values, range),
+        DecodingResult::U32(values) => wide(values, range),
         _ => {
             return Err(
                 "the GeoTIFF holds no heights: its numbers have one or more than four bytes"
