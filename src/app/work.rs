@@ -10,6 +10,7 @@ use super::tabulating::Tabulating;
 use super::{Action, App, History, Notice, Origin, Outcome, Task};
 use crate::export::is_same_file;
 use crate::pipeline::{Products, Settings};
+use crate::printable::one_line;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -180,7 +181,7 @@ impl App {
     /// Tells the analyst a sentence.
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
         self.notices.push(Notice {
-            text,
+            text: one_line(&text),
             is_error,
             offer: None,
         });
@@ -204,7 +205,7 @@ impl App {
     /// Tells the analyst a sentence, and what can be done about it.
     pub(super) fn offer(&mut self, text: String, action: Action) {
         self.notices.push(Notice {
-            text,
+            text: one_line(&text),
             is_error: false,
             offer: Some(action),
         });

@@ -24,7 +24,7 @@ pub fn run(args: InfoArgs) -> Result<(), String> {
     let survey =
         formats::open(&args.survey, &Progress::new()).map_err(|error| error.to_string())?;
     if args.json {
-        output::results(format_args!("{:#}", to_json(&survey)))
+        output::json(&to_json(&survey))
     } else {
         output::results(to_text(&survey).trim_end())
     }

@@ -23,6 +23,7 @@ mod window;
 
 pub use dataset::known_objects;
 
+use crate::contained::reported;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -70,7 +71,28 @@ enum Command {
 
 /// Runs the program with the process's own arguments.
 pub fn main() -> ExitCode {
-    let outcome = match Cli::parse() {
+    let cli = Cli::parse();
+    let opens_window = cli.command.is_none() && window::display_available();
+    let outcome = match opens_window {
+        // It looks after its own work, and goes on when some of that fails.
+        true => run(cli),
+        false => reported(|| run(cli)).unwrap_or_else(|fault| {
+            Err(format!(
+                "a fault in Bathyscope itself stopped the work, and no half file is left: {fault}; please report it, with the file that it was about"
+            ))
+        }),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(sentence) => {
+            output::tell(format_args!("bathyscope: {sentence}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), String> {
+    match cli {
         Cli {
             command: Some(Command::Info(args)),
             ..
@@ -113,12 +135,5 @@ pub fn main() -> ExitCode {
             demo,
             truth,
         } => start::run(surveys, demo, truth),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(sentence) => {
-            output::tell(format_args!("bathyscope: {sentence}"));
-            ExitCode::FAILURE
-        }
     }
 }

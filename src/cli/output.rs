@@ -1,10 +1,25 @@
-//! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is full.
+//! Text for stdout and stderr. The standard macros panic where nobody reads any more or the disk is full. Whatever a file holds,
+//! what reaches a terminal from here is text that it shows and no command to it.
 
+use crate::printable;
+use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
 
 /// Prints results on stdout, a line end after them. A reader that has gone away (`| head`) has seen enough: no error.
 pub fn results(text: impl Display) -> Result<(), String> {
+    print(&printable::lines(&text.to_string()))
+}
+
+/// Prints a value as JSON on stdout, with all that its strings hold.
+pub fn json(value: &impl Serialize) -> Result<(), String> {
+    match serde_json::to_string_pretty(value) {
+        Ok(text) => print(&printable::json(&text)),
+        Err(error) => Err(format!("cannot print the results as JSON: {error}")),
+    }
+}
+
+fn print(text: &str) -> Result<(), String> {
     let mut out = io::stdout().lock();
     match writeln!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -14,7 +29,7 @@ pub fn results(text: impl Display) -> Result<(), String> {
     }
 }
 
-/// Tells something on stderr. Where stderr takes nothing, there is no place left to complain.
+/// Tells something on stderr, in one line. Where stderr takes nothing, there is no place left to complain.
 pub fn tell(text: impl Display) {
-    writeln!(io::stderr(), "{text}").ok();
+    writeln!(io::stderr(), "{}", printable::one_line(&text.to_string())).ok();
 }

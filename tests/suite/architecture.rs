@@ -104,9 +104,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 4] = [
+const SERVE_ALL: [&str; 5] = [
     "calendar.rs",
     "contained.rs",
+    "printable.rs",
     "progress.rs",
     "statistics.rs",
 ];

@@ -1,6 +1,6 @@
 //! Logs on either side of a comparison: processed as `bathyscope process` would, all with the same settings.
 
-use super::{CompareArgs, print_json, table};
+use super::{CompareArgs, table};
 use crate::app::open_reference;
 use crate::cli::output;
 use crate::cli::settings::{Logs, SettingsArgs};
@@ -33,7 +33,7 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
         output::tell(format_args!("warning: {note}: {path}"));
     }
     match args.json {
-        true => print_json(&record),
+        true => output::json(&record),
         false => output::results(table(&agreement.comparison, record.by())),
     }
 }

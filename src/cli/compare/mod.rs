@@ -150,20 +150,13 @@ fn points(args: &CompareArgs) -> Result<(), String> {
     if !args.json {
         return output::results(table(&comparison, &by));
     }
-    print_json(&Printed {
+    output::json(&Printed {
         measured_file: measured.path.display().to_string(),
         reference_file: reference.path.display().to_string(),
         sign: SIGN,
         by,
         comparison: &comparison,
     })
-}
-
-fn print_json(printed: &impl Serialize) -> Result<(), String> {
-    match serde_json::to_string_pretty(printed) {
-        Ok(text) => output::results(text),
-        Err(error) => Err(format!("cannot print the statistics as JSON: {error}")),
-    }
 }
 
 fn read(argument: &OsStr) -> Result<Elevations, String> {

@@ -149,7 +149,7 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
         write_page(page, &html::of(&outcome))?;
     }
     if args.json {
-        return output::results(format_args!("{:#}", json::of(&outcome)));
+        return output::json(&json::of(&outcome));
     }
     for note in &outcome.paired.notes {
         output::tell(format_args!("note: {note}"));

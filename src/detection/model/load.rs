@@ -8,6 +8,7 @@ use super::screen::{self, Declared};
 use super::sidecar::{Colour, FamilyName, LevelEntry, LookEntry, Resize, Sidecar};
 use super::{Inference, Model, Output, Unusable, tract};
 use crate::detection::Nms;
+use crate::printable::one_line;
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
@@ -247,7 +248,10 @@ fn class_names(
 ) -> Result<Vec<String>, Unusable> {
     let known = sidecar.names.clone().or_else(|| metadata.names());
     match known {
-        Some(names) if names.len() == family.classes => Ok(names),
+        // They go into tables, folders and the window.
+        Some(names) if names.len() == family.classes => {
+            Ok(names.iter().map(|name| one_line(name)).collect())
+        }
         Some(names) => Err(Unusable::Sidecar(format!(
             "{} class names are given, but the outputs tell {} classes apart",
             names.len(),

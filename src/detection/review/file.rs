@@ -274,7 +274,8 @@ impl Review {
 }
 
 fn is_name(name: &str) -> bool {
-    !name.is_empty() && name.chars().count() <= LONGEST_NAME
+    let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
+    is_usual && !name.is_empty()
 }
 
 fn shared(models: &mut HashSet<Arc<str>>, name: String) -> Arc<str> {

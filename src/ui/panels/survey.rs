@@ -4,6 +4,7 @@ use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, Command};
 use crate::calendar;
 use crate::pipeline::Preset;
+use crate::printable::one_line;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::{ViewContext, text};
 use egui::Ui;
@@ -145,7 +146,7 @@ fn channels(ui: &mut Ui, survey: &Survey) {
             ui.label(format!(
                 "{} ({}): {}{frequency}{range}",
                 channel.kind.name(),
-                channel.recorder_name,
+                one_line(&channel.recorder_name),
                 text::plural(channel.ping_count, "ping", "pings"),
             ));
         }
