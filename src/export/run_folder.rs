@@ -68,9 +68,8 @@ impl RunFolder {
         if let Some(journal) = Journal::read(&side.join(JOURNAL)) {
             journal.finish(&side.join(NEW), folder).map_err(fail)?;
         }
-        // One that is not ours, or not for this folder, is not followed.
-        fs::remove_file(side.join(JOURNAL)).ok();
-        remove_tree(&side.join(NEW)).map_err(fail)?;
+        // A journal that is not for this folder is not followed.
+        empty(&side).map_err(fail)?;
         aside::remove_leftovers(folder);
         chip_folder::remove_passing(folder);
         fs::create_dir(run.path()).map_err(fail)?;
@@ -177,7 +176,7 @@ impl RunFolder {
             // Decided, but not done: the next run needs what is here.
             return;
         }
-        remove_tree(&side.join(NEW)).ok();
+        empty(&side).ok();
         // While it is held: nobody else can be working in there.
         fs::remove_file(side.join(LOCK)).ok();
         fs::remove_dir(&side).ok();
@@ -235,12 +234,17 @@ fn take_lock(folder: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
-/// Removes a folder with all that is in it; no folder there is no error.
-fn remove_tree(folder: &Path) -> io::Result<()> {
-    match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
+/// Removes all that is in a side folder but the lock.
+fn empty(side: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(side)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            fs::remove_dir_all(entry.path())?;
+        } else if entry.file_name() != LOCK {
+            fs::remove_file(entry.path())?;
+        }
     }
+    Ok(())
 }
 
 /// The files of a folder and of the folders in it, by name.

@@ -112,6 +112,8 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     let run = RunFolder::begin(out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
     kill(run);
+    // It was about to be decided.
+    fs::write(out.join(SIDE).join("commit.json.7.part"), "{").unwrap();
     assert_eq!(text(&out.join("cloud.csv")), "one");
     assert!(out.join(SIDE).exists());
     drop(RunFolder::begin(out).unwrap());
