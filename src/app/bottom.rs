@@ -46,8 +46,10 @@ struct Kept {
 /// Where the bottom drawn on the open log is kept, and what is there.
 #[derive(Default)]
 pub(super) struct BottomFile {
-    /// `None` where nothing may be written: the demo, or a file that could not be read.
+    /// `None` where nothing may be written: the demo.
     path: Option<PathBuf>,
+    /// What lies there cannot be used: it may be somebody's work, and goes under another name before anything is written.
+    refused: bool,
     written: BottomSettings,
 }
 
@@ -155,8 +157,7 @@ impl App {
             None => return,
             Some(Ok(kept)) => kept,
             Some(Err(text)) => {
-                // Never written over: it may be somebody's work.
-                self.bottom_file.path = None;
+                self.bottom_file.refused = true;
                 return self.tell(text, true);
             }
         };
@@ -184,6 +185,21 @@ impl App {
         if *bottom == self.bottom_file.written {
             return;
         }
+        if self.bottom_file.refused {
+            match export::keep_aside(&path) {
+                Ok(aside) => {
+                    self.bottom_file.refused = false;
+                    let text = "What could not be used of the bottom drawn by hand is kept as";
+                    self.tell(format!("{text} {}", aside.display()), false);
+                }
+                Err(error) => {
+                    self.bottom_file.path = None;
+                    let text = format!("the bottom drawn by hand cannot be kept: {error}");
+                    return self.tell(text, true);
+                }
+            }
+        }
+        let bottom = &self.settings.bottom;
         match write(&path, bottom) {
             Ok(()) => self.bottom_file.written = bottom.clone(),
             Err(text) => {
@@ -219,8 +235,7 @@ pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
         let text = fs::read_to_string(&path).map_err(|error| error.to_string())?;
         let kept: Kept = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
         kept.bottom.check().map_err(str::to_owned)?;
-        kept.bottom.belongs_to(survey)?;
-        Ok(kept.bottom)
+        kept.bottom.beside(survey)
     };
     Some(parsed().map_err(|what| {
         format!(

@@ -5,10 +5,11 @@ use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use crate::app::PIXEL_M;
 use crate::detection::Raster;
-use crate::detection::review::{Identity, Review};
+use crate::detection::review::Review;
 use crate::export::Part;
 use crate::pipeline;
 use crate::progress::Progress;
+use crate::survey::Identity;
 use std::path::PathBuf;
 
 /// `bathyscope review SURVEY -o DIR`.

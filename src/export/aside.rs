@@ -56,6 +56,32 @@ impl Drop for Leftover<'_> {
     }
 }
 
+/// Renames a file that is not to be written over: `pond.bottom.toml` becomes `pond.bottom-older.toml`, or `-older-2` and so on where
+/// that is taken. Gives back the new name.
+///
+/// # Errors
+/// When it cannot be renamed.
+pub fn keep_aside(path: &Path) -> Result<PathBuf, ExportError> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().map(|ending| ending.to_string_lossy());
+    let named = |count: usize| {
+        let number = match count {
+            1 => String::new(),
+            count => format!("-{count}"),
+        };
+        let ending = ending.as_ref().map(|ending| format!(".{ending}"));
+        let name = format!("{stem}-older{number}{}", ending.unwrap_or_default());
+        path.with_file_name(name)
+    };
+    let mut free = (1..).map(named).filter(|aside| !aside.exists());
+    let aside = free.next().unwrap_or_else(|| named(0));
+    fs::rename(path, &aside).map_err(|source| ExportError {
+        path: path.to_path_buf(),
+        source,
+    })?;
+    Ok(aside)
+}
+
 /// Removes what [`write_aside`] left in a folder when the program was killed: `NAME.PID.part` of a process that is no more. Best
 /// effort: what cannot be removed stays.
 pub fn remove_leftovers(folder: &Path) {
@@ -101,6 +127,22 @@ mod tests {
         assert!(!is_same_file(&log, &other));
         let missing = folder.path().join("none");
         assert!(!is_same_file(&missing, &missing));
+    }
+
+    #[test]
+    fn a_file_is_kept_under_a_name_that_is_free() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("pond.bottom.toml");
+        for (content, name) in [
+            ("one", "pond.bottom-older.toml"),
+            ("two", "pond.bottom-older-2.toml"),
+        ] {
+            fs::write(&path, content).unwrap();
+            let aside = keep_aside(&path).unwrap();
+            assert_eq!(aside, folder.path().join(name));
+            assert_eq!(fs::read_to_string(aside).unwrap(), content);
+        }
+        assert!(!path.exists() && keep_aside(&path).is_err());
     }
 
     #[test]

@@ -34,7 +34,7 @@ mod summary;
 mod track;
 mod vector;
 
-pub use aside::{ExportError, is_same_file, remove_leftovers, write_aside};
+pub use aside::{ExportError, is_same_file, keep_aside, remove_leftovers, write_aside};
 pub use chip_folder::ChipFolder;
 pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;

@@ -1,7 +1,7 @@
 //! The bottom drawn by hand, where the search went wrong and the analyst sees the ground: it stands over what was found.
 
 use super::{FirstReturns, Pick};
-use crate::survey::{Side, Survey};
+use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
@@ -119,9 +119,10 @@ impl BottomSettings {
 
     /// Nothing yet, over a log.
     pub fn of(survey: &Survey) -> Self {
+        let identity = Identity::of(survey);
         Self {
-            log_bytes: survey.source.byte_count,
-            pings: survey.side_scan.len(),
+            log_bytes: identity.byte_count,
+            pings: identity.pings,
             lines: Vec::new(),
         }
     }
@@ -131,13 +132,32 @@ impl BottomSettings {
         let Self {
             log_bytes, pings, ..
         } = Self::of(survey);
-        if (self.log_bytes, self.pings) == (log_bytes, pings) {
+        // An earlier version counted the bytes of a track that lay over the log.
+        let track = survey.track.external.as_ref().and(survey.bytes.last());
+        let with_track = log_bytes + track.map_or(0, |track| track.len() as u64);
+        if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
             return Ok(());
         }
         Err(format!(
             "it belongs to a log of {} bytes and {} pings, this one has {log_bytes} and {pings}",
             self.log_bytes, self.pings
         ))
+    }
+
+    /// The same as drawn on a log beside which it lies, named after it: what an earlier version kept while a track lay over the log
+    /// counts the bytes of that, which may be gone.
+    ///
+    /// # Errors
+    /// On which log it was drawn instead, after "it".
+    pub fn beside(self, survey: &Survey) -> Result<Self, String> {
+        let of = Self::of(survey);
+        if self.pings != of.pings || self.log_bytes < of.log_bytes {
+            self.belongs_to(survey)?;
+        }
+        Ok(Self {
+            log_bytes: of.log_bytes,
+            ..self
+        })
     }
 
     /// Whether nothing was drawn.

@@ -121,7 +121,6 @@ impl TrackFile {
             }),
             ..Track::new(fixes)
         };
-        survey.source.byte_count += self.bytes.len() as u64;
         survey.source.files.push(self.external.path.clone());
         survey.bytes.push(self.bytes.clone());
         Ok(())
@@ -173,7 +172,10 @@ fn from_csv(text: &str) -> Fixes {
         names.iter().find_map(position)
     };
     let [Some(time), Some(lon), Some(lat)] = [TIME, LON, LAT].map(find) else {
-        return Err("the track has no columns time, lon and lat".to_owned());
+        return Err(format!(
+            "the track has no columns time, lon and lat, only {}; name them so in the first line",
+            header.iter().collect::<Vec<_>>().join(", ")
+        ));
     };
     let heading = find(HEADING);
     let mut fixes = Vec::new();

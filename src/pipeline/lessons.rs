@@ -1,11 +1,11 @@
 //! What was decided about boxes as pictures with labels, for training.
 
 use crate::detection::dataset::{Boxes, Chip};
-use crate::detection::review::{Identity, Review, ReviewedTile};
+use crate::detection::review::{Review, ReviewedTile};
 use crate::detection::{Labelled, Raster, TILE_PX, level};
 use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;

@@ -319,7 +319,7 @@ fn inputs(
 }
 
 pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
-    progress.start(survey.source.byte_count);
+    progress.start(survey.bytes.iter().map(|bytes| bytes.len() as u64).sum());
     let files = survey.source.files.iter().zip(&survey.bytes);
     files
         .map(|(path, bytes)| {

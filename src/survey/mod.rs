@@ -1,10 +1,11 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed, `tracks_apart` how far two tracks of one boat lie apart. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! be believed, `identity` tells one log from another, `tracks_apart` how far two tracks of one boat lie apart. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod fitted_track;
+mod identity;
 mod local_fit;
 mod navigation;
 mod nearest;
@@ -13,6 +14,7 @@ mod track;
 mod tracks_apart;
 
 pub use bottom_lock::mark_bottom_lock;
+pub use identity::Identity;
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
@@ -177,7 +179,7 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
-    /// Bytes in all files together.
+    /// Bytes of the log's own files together, without those of a track that was laid over it.
     pub byte_count: u64,
 }
 

@@ -6,6 +6,7 @@ use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
 use bathyscope::app::{Action, App, BottomStroke, Command, Ink};
 use bathyscope::first_return::Pick;
+use bathyscope::progress::Progress;
 use bathyscope::survey::Side;
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -222,8 +223,110 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
     assert!(!kept.exists());
 }
 
+/// A track of another receiver over the whole of the demo pond.
+fn track_beside(log: &Path) -> PathBuf {
+    let survey = bathyscope::formats::open(log, &Progress::new()).expect("the demo");
+    let mut text = "time,lon,lat\n".to_owned();
+    for fix in &survey.track.fixes {
+        let (at, time_s) = (
+            fix.position,
+            survey.start_unix_s.expect("a time") + fix.time_s,
+        );
+        text += &format!("{time_s:.3},{:.9},{:.9}\n", at.lon_deg, at.lat_deg);
+    }
+    let path = log.with_file_name("rtk.csv");
+    fs::write(&path, text).expect("a track");
+    path
+}
+
 #[test]
-fn a_drawing_of_another_log_is_left_alone_and_said() {
+fn a_drawing_stays_under_another_receivers_track() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let log = copied(folder.path());
+    let kept = folder.path().join("pond.bottom.toml");
+    let track = track_beside(&log);
+    let stroke = |side| {
+        Command::DrawBottom(BottomStroke {
+            side,
+            path: vec![[300.0, 6.0], [400.0, 4.0]],
+            ink: Ink::Bottom,
+        })
+    };
+    let mut window = opened(&log);
+    window.state_mut().app.apply(stroke(Side::Port));
+    let follow = Command::OpenTrack(track.clone());
+    window.state_mut().app.apply(follow);
+    window.run();
+    assert!(
+        app(&window)
+            .survey
+            .as_ref()
+            .expect("a survey")
+            .track
+            .external
+            .is_some()
+    );
+    assert!(
+        near(range_m(app(&window), Side::Port, 350), 5.0),
+        "lost under the track"
+    );
+    // The next stroke joins it.
+    window.state_mut().app.apply(stroke(Side::Starboard));
+    window.run();
+    let text = fs::read_to_string(&kept).expect("the file");
+    assert_eq!(text.matches("[[bottom.lines]]").count(), 2, "{text}");
+    drop(window);
+
+    let window = opened(&log);
+    for side in Side::BOTH {
+        assert!(near(range_m(app(&window), side, 350), 5.0), "{side:?}");
+    }
+    drop(window);
+
+    // As an earlier version kept it, with the bytes of the track: with the track or without, it is the same log.
+    let bytes = |path: &Path| fs::metadata(path).expect("a file").len();
+    let [own, both] = [bytes(&log), bytes(&log) + bytes(&track)];
+    let earlier = text.replace(
+        &format!("log_bytes = {own}"),
+        &format!("log_bytes = {both}"),
+    );
+    assert_ne!(earlier, text);
+    fs::write(&kept, &earlier).expect("a file");
+    let window = opened(&log);
+    assert_eq!(app(&window).settings.bottom.lines.len(), 2);
+    run(
+        folder.path(),
+        &[&PROCESS[..], &["--track", "rtk.csv"]].concat(),
+    );
+    let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
+    assert!(
+        report.contains("202 first returns were drawn by hand."),
+        "{report}"
+    );
+}
+
+#[test]
+fn a_review_that_cannot_be_used_is_kept_when_another_is_saved() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let log = copied(folder.path());
+    let path = folder.path().join("pond.review.json");
+    fs::write(&path, "years of work").expect("a file");
+    let mut window = opened(&log);
+    window.get_by_label_contains("this is no review");
+    let place = app(&window).review_path().expect("a place");
+    window.state_mut().app.apply(Command::SaveReview(place));
+    window.run();
+    let aside = folder.path().join("pond.review-older.json");
+    assert_eq!(fs::read_to_string(aside).expect("kept"), "years of work");
+    assert!(
+        fs::read_to_string(&path)
+            .expect("saved")
+            .contains("\"survey\"")
+    );
+}
+
+#[test]
+fn a_drawing_of_another_log_is_kept_aside_and_said() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = copied(folder.path());
     let kept = folder.path().join("pond.bottom.toml");
@@ -250,11 +353,15 @@ fn a_drawing_of_another_log_is_left_alone_and_said() {
         press(&mut window, Modifiers::NONE, Key::M);
         draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
         assert!(!app(&window).settings.bottom.is_empty());
+        // Kept under another name; the place beside the log is for what was drawn now.
+        let aside = folder.path().join("pond.bottom-older.toml");
+        assert_eq!(fs::read_to_string(&aside).expect("kept aside"), text);
+        window.get_by_label_contains("is kept as");
         assert_eq!(
-            fs::read_to_string(&kept).expect("the file"),
-            text,
-            "written over"
+            app(&opened(&log)).settings.bottom,
+            app(&window).settings.bottom
         );
+        fs::remove_file(aside).expect("the file");
     }
     fs::write(&kept, format!("[bottom]\npings = 50\n{lines}")).expect("a file");
     run(folder.path(), &PROCESS);

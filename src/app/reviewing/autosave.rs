@@ -3,8 +3,9 @@
 
 use super::{Parked, is_touched};
 use crate::app::{Action, App, Outcome, Task};
-use crate::detection::review::{Identity, Review, Reviewed};
+use crate::detection::review::{Review, Reviewed};
 use crate::export;
+use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,8 +15,6 @@ use std::time::{Duration, Instant};
 const EVERY: Duration = Duration::from_secs(3);
 /// End of the name of the file, in place of the log's.
 const SUFFIX: &str = "review.unsaved.json";
-/// The same for decisions of an earlier run that were not taken up before new ones were made.
-const OLDER_SUFFIX: &str = "review.unsaved-older.json";
 
 /// A version on its way into the file.
 struct Writing {
@@ -60,14 +59,14 @@ impl Autosave {
         EVERY.saturating_sub(passed)
     }
 
-    /// What one write does: where to, and whether decisions that lie there were never taken up. They go under another name.
+    /// What one write does: where to, and whether decisions that lie there were never taken up. They go under another name, that of no
+    /// file.
     fn next(&mut self) -> Option<impl FnOnce(&Review) -> Result<(), String> + Send + use<>> {
-        let (log, path) = (self.log.clone()?, self.path()?);
+        let path = self.path()?;
         let was_left = self.left.take().is_some();
         Some(move |review: &Review| {
             if was_left {
-                std::fs::rename(&path, log.with_extension(OLDER_SUFFIX))
-                    .map_err(|error| format!("{error}: {}", path.display()))?;
+                export::keep_aside(&path).map_err(|error| error.to_string())?;
             }
             write(&path, review)
         })

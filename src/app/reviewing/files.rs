@@ -2,9 +2,10 @@
 
 use crate::app::exporting::Exporting;
 use crate::app::{App, Outcome, Task};
-use crate::detection::review::{Identity, Review};
+use crate::detection::review::Review;
 use crate::export;
 use crate::pipeline::write_boxes;
+use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -34,6 +35,20 @@ impl App {
     pub(in crate::app) fn save_review(&mut self, path: PathBuf) {
         if self.refuses_log(&path) {
             return;
+        }
+        if self
+            .reviewing
+            .refused
+            .take_if(|refused| *refused == path)
+            .is_some()
+        {
+            match export::keep_aside(&path) {
+                Ok(aside) => {
+                    let text = "The review that could not be used is kept as";
+                    self.tell(format!("{text} {}", aside.display()), false);
+                }
+                Err(error) => return self.tell(error.to_string(), true),
+            }
         }
         let text = self.reviewing.review.to_json();
         let written = export::write_aside(&path, |mut file| {
@@ -128,7 +143,10 @@ impl App {
                 self.tell(text, false);
                 self.reviewing.path = Some(opening.path);
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => {
+                self.reviewing.refused = opening.unasked.then_some(opening.path);
+                self.tell(text, true);
+            }
         }
     }
 }

@@ -3,8 +3,9 @@
 
 use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
-use crate::detection::review::{Identity, read_text};
+use crate::detection::review::read_text;
 use crate::detection::truth::{self, Comparison, LaidTruth, Mistake, Standing, Truth};
+use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -16,12 +16,10 @@ pub use places::Placed;
 
 use super::Mark;
 use super::measuring::Figure;
-use crate::detection::review::{
-    BoxId, Counts, Identity, NAMELESS_CLASS, Queue, Review, Reviewed, State,
-};
+use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed, State};
 use crate::detection::{self, Raster};
 use crate::pipeline::Settings;
-use crate::survey::{Navigation, Survey};
+use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
 use detect::{Detecting, Detector};
 use files::Opening;
@@ -100,6 +98,8 @@ pub struct Reviewing {
     saved: Arc<Review>,
     parked: Vec<Parked>,
     opening: Option<Opening>,
+    /// A file beside the log that cannot be used: it may be somebody's work.
+    refused: Option<PathBuf>,
     autosave: Autosave,
     places: Places,
     /// How the boxes stand to the truth.
@@ -130,6 +130,7 @@ impl Default for Reviewing {
             raster: None,
             parked: Vec::new(),
             opening: None,
+            refused: None,
             autosave: Autosave::default(),
             places: Places::default(),
             judging: Judging::default(),

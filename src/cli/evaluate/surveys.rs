@@ -5,13 +5,13 @@ use crate::cli::detect::load;
 use crate::cli::status_line::StatusLine;
 use crate::detection::labels::Paired;
 use crate::detection::metrics::Image;
-use crate::detection::review::{Identity, read_text};
+use crate::detection::review::read_text;
 use crate::detection::truth::{self, LaidTruth, Truth};
 use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
-use crate::survey::{Navigation, Side, Survey, navigate};
+use crate::survey::{Identity, Navigation, Side, Survey, navigate};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
 
-use super::{BoxId, Identity, Review, Reviewed, State, held};
+use super::{BoxId, Review, Reviewed, State, held};
 use crate::detection::Mark;
-use crate::survey::Side;
+use crate::survey::{Identity, Side};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::fs::File;

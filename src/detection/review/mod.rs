@@ -18,7 +18,7 @@ pub use searched::Searched;
 pub use tiles::ReviewedTile;
 
 use super::Mark;
-use crate::survey::Survey;
+use crate::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -94,38 +94,6 @@ impl Reviewed {
     /// Whether the analyst has touched it; a new model leaves such a box as it is.
     pub fn is_kept(&self) -> bool {
         self.state != State::Proposed || self.edited
-    }
-}
-
-/// Which log a review belongs to. A log that was renamed or moved is still the same.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Identity {
-    /// File name of the log, without its folder.
-    pub file: String,
-    /// Bytes of all its files.
-    pub byte_count: u64,
-    /// Side-scan pings.
-    pub pings: usize,
-}
-
-impl Identity {
-    /// That of an open survey.
-    pub fn of(survey: &Survey) -> Self {
-        let file = survey.source.files.first();
-        let name = file.and_then(|file| file.file_name());
-        // A track laid over the log is the last file, and no part of the recording.
-        let track = survey.track.external.as_ref().and(survey.bytes.last());
-        let track_bytes = track.map_or(0, |bytes| bytes.len() as u64);
-        Self {
-            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-            byte_count: survey.source.byte_count.saturating_sub(track_bytes),
-            pings: survey.side_scan.len(),
-        }
-    }
-
-    /// Whether both are the same recording.
-    pub fn is_same_log(&self, other: &Self) -> bool {
-        self.byte_count == other.byte_count && self.pings == other.pings
     }
 }
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::detection::testing::navigation_of;
 use crate::detection::{Detection, Raster};
 use crate::survey::{Encoding, Order};
-use crate::survey::{Side, SidePing, SideSpan};
+use crate::survey::{Side, SidePing, SideSpan, Survey};
 
 const PINGS: usize = 1000;
 

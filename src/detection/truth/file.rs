@@ -2,9 +2,9 @@
 
 use super::Truth;
 use crate::detection::dataset::Known;
-use crate::detection::review::{Identity, Review};
+use crate::detection::review::Review;
 use crate::detection::{Mark, class_index};
-use crate::survey::Side;
+use crate::survey::{Identity, Side};
 use csv::StringRecord;
 
 /// More sightings than any survey holds.

@@ -1,9 +1,9 @@
 use super::*;
 use crate::detection::metrics::{Cause, MetricSettings, evaluate};
-use crate::detection::review::{BoxId, Edit, Identity, Review};
+use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::testing::survey;
 use crate::detection::{Detection, Mark, Raster};
-use crate::survey::Side;
+use crate::survey::{Identity, Side};
 use std::sync::Arc;
 
 const HEADER: &str = "object,kind,side,box_first_ping,box_last_ping,box_near_m,box_far_m,shown\n";

@@ -2,8 +2,8 @@
 
 use super::{refusal, run};
 use bathyscope::detection::Mark;
-use bathyscope::detection::review::{Edit, Identity, Review};
-use bathyscope::survey::Side;
+use bathyscope::detection::review::{Edit, Review};
+use bathyscope::survey::{Identity, Side};
 use std::fs;
 
 #[test]

@@ -1,0 +1,34 @@
+//! Which recording something was made on.
+
+use super::Survey;
+use serde::{Deserialize, Serialize};
+
+/// What tells one log from another in files beside it: decisions about boxes, the bottom drawn by hand. It depends on the log's own
+/// bytes only, whatever is laid over the log. A log that was renamed or moved is still the same.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// File name of the log, without its folder.
+    pub file: String,
+    /// Bytes of all its files.
+    pub byte_count: u64,
+    /// Side-scan pings.
+    pub pings: usize,
+}
+
+impl Identity {
+    /// That of an open survey.
+    pub fn of(survey: &Survey) -> Self {
+        let file = survey.source.files.first();
+        let name = file.and_then(|file| file.file_name());
+        Self {
+            file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            byte_count: survey.source.byte_count,
+            pings: survey.side_scan.len(),
+        }
+    }
+
+    /// Whether both are the same recording.
+    pub fn is_same_log(&self, other: &Self) -> bool {
+        self.byte_count == other.byte_count && self.pings == other.pings
+    }
+}
