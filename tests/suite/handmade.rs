@@ -215,6 +215,32 @@ pub fn xtf(pings: usize, width: usize, units: u16, origin: (f64, f64), altitude_
     file
 }
 
+/// An XTF file of a multibeam sonar: a bathymetry packet a ping, an attitude packet with each other one, no side-scan.
+pub fn xtf_bathymetry(pings: usize) -> Vec<u8> {
+    let mut file = vec![0_u8; 1024];
+    file[0] = 0x7B;
+    put(&mut file, 164, &3_u16.to_le_bytes());
+    put(&mut file, 168, &1_u16.to_le_bytes());
+    put(&mut file, 256, &[3, 0]);
+    let packet = |kind: u8, size: usize| {
+        let mut bytes = vec![0_u8; size];
+        put(&mut bytes, 0, &0xFACE_u16.to_le_bytes());
+        put(&mut bytes, 2, &[kind]);
+        put(&mut bytes, 10, &(size as u32).to_le_bytes());
+        bytes
+    };
+    for ping in 0..pings {
+        let mut bathymetry = packet(2, 256 + 36 + 2 * 101);
+        put(&mut bathymetry, 14, &1998_u16.to_le_bytes());
+        put(&mut bathymetry, 16, &[6, 1, 12, 0, (ping / 10) as u8]);
+        file.extend(bathymetry);
+        if ping % 2 == 0 {
+            file.extend(packet(3, 64));
+        }
+    }
+    file
+}
+
 fn xtf_ping(ping: usize, width: usize, origin: (f64, f64), altitude_m: f32) -> Vec<u8> {
     const SAMPLES: usize = 200;
     let mut bytes = vec![0_u8; 256];

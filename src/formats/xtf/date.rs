@@ -1,14 +1,16 @@
 //! The date and time of a ping.
 
 use super::raw::PingHeader;
-use crate::calendar::days_from_civil;
+use crate::calendar::{civil_from_unix, days_from_civil};
 
-/// The year 2000 in hundredths of Unix seconds: earlier dates are none.
-const YEAR_2000_UNIX_CS: i64 = 94_668_480_000;
+/// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros and counters that never were
+/// set lie outside.
+const YEARS: std::ops::RangeInclusive<i64> = 1980..=2100;
 
-/// Unix seconds of a time in hundredths of them; `None` when it is before the age of such recorders.
+/// Unix seconds of a time in hundredths of them; `None` when no log can be of that time.
 pub(super) fn unix_s(unix_cs: i64) -> Option<f64> {
-    (unix_cs > YEAR_2000_UNIX_CS).then(|| unix_cs as f64 / 100.0)
+    let unix_s = unix_cs as f64 / 100.0;
+    YEARS.contains(&civil_from_unix(unix_s).0).then_some(unix_s)
 }
 
 /// Hundredths of Unix seconds of a ping's date and time.
@@ -33,5 +35,12 @@ mod tests {
         assert_eq!(unix_cs(&ping), 125_768_379_433);
         (ping.year, ping.month, ping.day) = (2024, 2, 29);
         assert_eq!(unix_cs(&ping) / 100, 1_709_210_194);
+        (ping.year, ping.month, ping.day) = (1996, 7, 31);
+        // `date -u -d "1996-07-31 12:36:34" +%s`
+        assert_eq!(unix_s(unix_cs(&ping)), Some(838_816_594.33));
+        for year in [0, 1970, 1979, 2101, u16::MAX] {
+            ping.year = year;
+            assert_eq!(unix_s(unix_cs(&ping)), None, "{year}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::channels::{self, XtfChannel};
 use super::date;
+use super::packets::Packets;
 use super::place::Places;
 use super::raw::{FileHeader, PacketHeader, PingChannel, PingHeader, record};
 use super::sides::{Recorded, Sides};
@@ -23,7 +24,7 @@ pub(super) struct Reader<'a> {
     clock: Clock<(usize, PingHeader)>,
     /// Time of the first sound ping: the log's time zero.
     zero_cs: Option<i64>,
-    skipped_packets: usize,
+    others: Packets,
 }
 
 impl<'a> Reader<'a> {
@@ -36,7 +37,7 @@ impl<'a> Reader<'a> {
             sides: Sides::default(),
             clock: Clock::default(),
             zero_cs: None,
-            skipped_packets: 0,
+            others: Packets::default(),
         }
     }
 
@@ -46,7 +47,7 @@ impl<'a> Reader<'a> {
             .then(|| record::<PingHeader>(self.bytes, offset))
             .flatten();
         let Some(ping) = ping else {
-            self.skipped_packets += 1;
+            self.others.count(packet.kind);
             return;
         };
         let time_s = date::unix_cs(&ping) as f64 / 100.0;
@@ -70,12 +71,17 @@ impl<'a> Reader<'a> {
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");
         }
-        if self.skipped_packets > 0 {
-            let count = self.skipped_packets;
+        let count = self.others.total();
+        if count > 0 {
             log.report.log(format!(
                 "{count} packets that are no side-scan pings were skipped"
             ));
         }
+    }
+
+    /// The packets that are no side-scan pings.
+    pub(super) fn others(&self) -> &Packets {
+        &self.others
     }
 
     fn settle(&mut self, log: &mut Collected, verdict: Verdict<(usize, PingHeader)>) {

@@ -3,6 +3,7 @@
 mod channels;
 mod date;
 mod meaning;
+mod packets;
 mod place;
 pub mod raw;
 mod sides;
@@ -74,6 +75,15 @@ pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<
         reader.take(&mut log, offset, &packet)
     })?;
     reader.finish(&mut log);
+    if log.channels.is_empty() && reader.others().total() > 0 {
+        return Err(OpenError::Unsupported {
+            path,
+            what: format!(
+                "this XTF file is whole, but there is no side-scan in it, only {}; open the file that the side-scan was recorded into, or export it with the sonar channels",
+                reader.others().summary()
+            ),
+        });
+    }
     if log.channels.is_empty() {
         return Err(OpenError::Broken {
             path,

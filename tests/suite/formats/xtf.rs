@@ -23,3 +23,34 @@ fn altitude_is_depth_and_metres_are_local() {
     assert!((north_m - 19.0 * 0.5).abs() < 0.01, "{north_m}");
     assert!((survey.side_scan[19].time_s - 1.9).abs() < 1e-6);
 }
+
+#[test]
+fn a_recording_from_before_2000_has_its_date() {
+    let mut bytes = handmade::xtf(20, 1, 3, (-73.6, 42.7), 0.0);
+    let step = (bytes.len() - 1024) / 20;
+    for ping in 0..20 {
+        let year = 1024 + ping * step + 14;
+        bytes[year..year + 2].copy_from_slice(&1997_u16.to_le_bytes());
+    }
+    let survey = read(bytes);
+    // `date -u -d "1997-06-01 12:00:00" +%s`
+    assert_eq!(survey.start_unix_s, Some(865_166_400.0));
+    assert_eq!(survey.side_scan.len(), 20);
+}
+
+#[test]
+fn bathymetry_without_side_scan_is_no_damage() {
+    let bytes = handmade::xtf_bathymetry(40);
+    let error = formats::open_bytes("lines.xtf", bytes, &Progress::new()).unwrap_err();
+    assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
+    let told = error.to_string();
+    for words in [
+        "40 bathymetry (type 2) and 20 attitude (type 3) packets",
+        "no side-scan in it",
+        "open the file that the side-scan was recorded into",
+        "lines.xtf",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+    assert!(!told.contains("damaged"), "{told}");
+}
