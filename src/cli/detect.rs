@@ -3,7 +3,7 @@
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{found, output};
+use super::{found, many, output};
 use crate::contained::contained;
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
@@ -21,7 +21,7 @@ const LARGEST_UNPACKED: u64 = 320 << 20;
 /// `bathyscope detect SURVEY|PICTURE... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct DetectArgs {
-    /// Logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
+    /// Logs, folders of logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
     /// Folder for detections.csv, detections.geojson and the chips; made when missing
@@ -58,8 +58,9 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
     let model = load(detector.model.as_deref())?;
     output::tell(format_args!("model: {}", model.description()));
     let logs = Logs::new(settings)?;
-    let [input] = args.inputs.as_slice() else {
-        return each(&args.inputs, &model, &logs, &args.output);
+    let inputs = many::logs(&args.inputs);
+    let [input] = inputs.as_slice() else {
+        return each(&inputs, &model, &logs, &args.output);
     };
     detect_into(input, &model, &logs, &args.output)
 }

@@ -7,20 +7,27 @@ use crate::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// `bathyscope info SURVEY [--json]`.
 #[derive(Debug, clap::Args)]
 pub struct InfoArgs {
-    /// The log to look into
+    /// The log to look into, or a folder of logs to list
     survey: PathBuf,
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
 }
 
-/// Prints the summary of a log.
+/// Prints the summary of a log, or a line for each log of a folder.
 pub fn run(args: InfoArgs) -> Result<(), String> {
+    let logs = formats::logs_in(&args.survey);
+    if logs.len() > 1 {
+        return match args.json {
+            true => output::results(format_args!("{:#}", list_to_json(&logs))),
+            false => output::results(list_to_text(&args.survey, &logs)),
+        };
+    }
     let survey =
         formats::open(&args.survey, &Progress::new()).map_err(|error| error.to_string())?;
     if args.json {
@@ -28,6 +35,37 @@ pub fn run(args: InfoArgs) -> Result<(), String> {
     } else {
         output::results(to_text(&survey).trim_end())
     }
+}
+
+fn list_to_json(logs: &[PathBuf]) -> Value {
+    let each = logs
+        .iter()
+        .map(|log| match formats::open(log, &Progress::new()) {
+            Ok(survey) => to_json(&survey),
+            Err(error) => json!({ "files": [log.to_string_lossy()], "error": error.to_string() }),
+        });
+    each.collect()
+}
+
+fn list_to_text(folder: &Path, logs: &[PathBuf]) -> String {
+    let mut text = format!("{} logs in this folder:\n", logs.len());
+    for log in logs {
+        let name = log.file_name().unwrap_or(log.as_os_str()).display();
+        let what = match formats::open(log, &Progress::new()) {
+            Ok(survey) => format!(
+                "{}, start {}, side-scan {}",
+                survey.source.format,
+                survey.start_unix_s.map_or("unknown".to_owned(), utc),
+                side_scan_sentence(&survey)
+            ),
+            Err(error) => error.to_string(),
+        };
+        writeln!(text, "{name}: {what}").expect("writing to a string");
+    }
+    let folder = folder.display();
+    text + &format!(
+        "`bathyscope info` tells all of one of them, `bathyscope process {folder} -o OUT` processes each"
+    )
 }
 
 /// Characters of the longest usual channel name, `side-scan starboard (STBDLF)`.

@@ -11,6 +11,7 @@ mod folders;
 mod found;
 mod info;
 mod input;
+mod many;
 mod output;
 mod process;
 mod review;

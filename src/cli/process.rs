@@ -3,7 +3,7 @@
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
-use super::{detect, found, output};
+use super::{detect, found, many, output};
 use crate::app::open_reference;
 use crate::bathymetry::compare::Matching;
 use crate::detection::Model;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct ProcessArgs {
-    /// The logs; several are written into a folder each, named after the log
+    /// The logs, or folders of logs; several are written into a folder each, named after the log
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
     /// Folder for the products; made when missing
@@ -67,7 +67,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         wanted,
         reference: args.reference.as_deref(),
     };
-    match (args.surveys.as_slice(), args.merge) {
+    match (many::logs(&args.surveys).as_slice(), args.merge) {
         ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
         ([survey], false) => {
             how.process(&logs, survey, |_| args.output.clone())?;

@@ -57,6 +57,14 @@ pub enum OpenError {
         /// The formats that were tried, in words.
         looked_for: &'static str,
     },
+    /// A folder with several logs.
+    #[error("this is a folder of {} logs; name one of them: {}: {path}", .logs.len(), some(.logs))]
+    Folder {
+        /// Which folder.
+        path: PathBuf,
+        /// The names of the logs in it.
+        logs: Vec<String>,
+    },
     /// The format is known, but nothing in the file can be used.
     #[error("{format} log is damaged: {what}: {path}")]
     Broken {
@@ -123,10 +131,7 @@ pub fn open_files(
 fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     progress.check()?;
     if shelf.is_folder(path) {
-        return match humminbird::find_in_folder(shelf, path) {
-            Some(recording) => humminbird::read(recording, progress),
-            None => Err(not_recognised(path, LOOKED_FOR)),
-        };
+        return open_folder(shelf, path, progress);
     }
     let bytes = shelf.read(path).map_err(|source| OpenError::Io {
         path: path.to_owned(),
@@ -134,6 +139,69 @@ fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, Op
     })?;
     let path = path.to_owned();
     read_by_content(shelf, Opened { path, bytes }, progress)
+}
+
+fn open_folder(shelf: &Shelf, folder: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+    if let Some(recording) = humminbird::find_in_folder(shelf, folder) {
+        return humminbird::read(recording, progress);
+    }
+    match logs_on(shelf, folder).as_slice() {
+        [] => Err(not_recognised(
+            folder,
+            "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF",
+        )),
+        [log] => open_on(shelf, log, progress),
+        logs => {
+            let name = |log: &PathBuf| {
+                let name = log.file_name().unwrap_or(log.as_os_str());
+                name.to_string_lossy().into_owned()
+            };
+            Err(OpenError::Folder {
+                path: folder.to_owned(),
+                logs: logs.iter().map(name).collect(),
+            })
+        }
+    }
+}
+
+/// The logs in a folder, by name: what is to be opened one by one. The folder itself where it is one recording; nothing for what is
+/// no folder.
+pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
+    match folder.is_dir() {
+        true => logs_on(&Shelf::Disk, folder),
+        false => Vec::new(),
+    }
+}
+
+fn logs_on(shelf: &Shelf, folder: &Path) -> Vec<PathBuf> {
+    if humminbird::is_recording(shelf, folder) {
+        return vec![folder.to_owned()];
+    }
+    let is_log = |path: &PathBuf| {
+        // A pipe may never begin: it is not opened.
+        let is_file = matches!(shelf, Shelf::Held(_)) || path.is_file();
+        let bytes = is_file.then(|| shelf.read(path).ok()).flatten();
+        bytes
+            .filter(|bytes| !bytes.is_empty())
+            .is_some_and(|bytes| {
+                let path = path.clone();
+                let is_known = lowrance::sniff(&bytes).is_some() || xtf::sniff(&bytes).is_some();
+                is_known || humminbird::sniff(shelf, &Opened { path, bytes }).is_some()
+            })
+    };
+    let mut logs = shelf.children(folder);
+    logs.retain(|path| !shelf.is_folder(path) && is_log(path));
+    logs
+}
+
+/// Most names that a message lists.
+const MOST_NAMES: usize = 8;
+
+fn some(names: &[String]) -> String {
+    match names.get(..MOST_NAMES) {
+        Some(some) if names.len() > MOST_NAMES => format!("{} ...", some.join(", ")),
+        _ => names.join(", "),
+    }
 }
 
 fn read_by_content(

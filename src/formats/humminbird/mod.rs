@@ -6,7 +6,7 @@ pub mod ping;
 mod recording;
 mod son;
 
-pub(super) use recording::{Recording, find_in_folder, sniff};
+pub(super) use recording::{Recording, find_in_folder, is_recording, sniff};
 
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::progress::{Cancelled, Progress};

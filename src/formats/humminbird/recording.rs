@@ -79,6 +79,11 @@ pub(in crate::formats) fn find_in_folder(shelf: &Shelf, folder: &Path) -> Option
     })
 }
 
+/// Whether a folder holds the SON files of one recording.
+pub(in crate::formats) fn is_recording(shelf: &Shelf, folder: &Path) -> bool {
+    gather(shelf, folder, folder, None).is_some()
+}
+
 /// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in it (copies of a recording
 /// without its folder, as in the PyHum package).
 fn dat_of(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {

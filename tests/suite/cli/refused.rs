@@ -1,6 +1,7 @@
 //! What the command line refuses, and how: one sentence, the right exit code, nothing half written, no waiting for ever.
 
 use super::{bathyscope, refusal, run, simulated};
+use crate::handmade;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -296,4 +297,69 @@ fn columns_are_found_named_or_asked_for() {
     );
     let told = run(folder, &filter("holes.csv"));
     assert!(told.starts_with("kept 2 of 4"), "{told}");
+}
+
+#[test]
+fn a_folder_of_logs_is_listed_and_each_log_processed() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let trip = folder.join("trip");
+    fs::create_dir(&trip).expect("a folder");
+    let logs = [
+        ("a.sl2", handmade::sl2(&handmade::survey_frames(30))),
+        ("b.sl3", handmade::sl3(&handmade::survey_frames(30), 168)),
+        ("line.xtf", handmade::xtf(20, 1, 3, (-73.6, 42.7), 3.0)),
+        ("notes.txt", b"a fine day".to_vec()),
+    ];
+    for (name, bytes) in &logs {
+        fs::write(trip.join(name), bytes).expect("a file");
+    }
+    let told = run(folder, &["info", "trip"]);
+    for words in [
+        "3 logs in this folder",
+        "a.sl2: Lowrance SL2",
+        "b.sl3: Lowrance SL3",
+        "line.xtf: XTF, start 2020-06-01",
+        "process trip -o OUT",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+    let list: serde_json::Value =
+        serde_json::from_str(&run(folder, &["info", "trip", "--json"])).expect("JSON");
+    assert_eq!(list.as_array().map(Vec::len), Some(3));
+    assert_eq!(list[2]["side_scan"]["pings"], 20);
+    let process = [
+        "process",
+        "trip",
+        "--no-objects",
+        "--products",
+        "track",
+        "-o",
+        "out",
+    ];
+    run(folder, &process);
+    for name in ["a", "b", "line"] {
+        assert!(
+            folder.join("out").join(name).join("report.json").is_file(),
+            "{name}"
+        );
+    }
+    // What takes one log says which there are.
+    let snapshot = ["snapshot", "trip", "-o", "x.png"];
+    one_line(
+        folder,
+        &snapshot,
+        &["folder of 3 logs", "a.sl2, b.sl3, line.xtf", "name one"],
+    );
+    fs::create_dir(folder.join("empty")).expect("a folder");
+    one_line(
+        folder,
+        &["info", "empty"],
+        &["a folder without a log", "SL2", "empty"],
+    );
+    // A folder with one log is that log.
+    for name in ["b.sl3", "line.xtf"] {
+        fs::remove_file(trip.join(name)).expect("the file");
+    }
+    assert!(run(folder, &["info", "trip"]).contains("Lowrance SL2"));
 }

@@ -1,0 +1,16 @@
+//! Folders of logs in the place of logs.
+
+use crate::formats;
+use std::path::PathBuf;
+
+/// The paths, with each folder of several logs replaced by these. A Humminbird recording is a folder, too, and stays.
+pub fn logs(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let each = paths.iter().flat_map(|path| {
+        let logs = formats::logs_in(path);
+        match logs.len() {
+            0 | 1 => vec![path.clone()],
+            _ => logs,
+        }
+    });
+    each.collect()
+}
