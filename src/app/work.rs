@@ -12,6 +12,7 @@ use crate::export::is_same_file;
 use crate::pipeline::{Products, Settings};
 use crate::printable::one_line;
 use crate::survey::Survey;
+use crate::system_words::in_plain_words;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -181,7 +182,7 @@ impl App {
     /// Tells the analyst a sentence.
     pub(super) fn tell(&mut self, text: String, is_error: bool) {
         self.notices.push(Notice {
-            text: one_line(&text),
+            text: one_line(&in_plain_words(&text)),
             is_error,
             offer: None,
         });

@@ -11,7 +11,7 @@ const LONGEST: u64 = 1 << 20;
 pub fn text(path: &Path) -> io::Result<String> {
     let found = fs::metadata(path)?;
     if found.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
+        return Err(io::Error::other("it is a folder, and a file is expected"));
     }
     if !found.is_file() {
         return Err(io::Error::other("it is a pipe or a device, not a file"));

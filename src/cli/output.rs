@@ -2,6 +2,7 @@
 //! what reaches a terminal from here is text that it shows and no command to it.
 
 use crate::printable;
+use crate::system_words::in_plain_words;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write as _};
@@ -31,5 +32,7 @@ fn print(text: &str) -> Result<(), String> {
 
 /// Tells something on stderr, in one line. Where stderr takes nothing, there is no place left to complain.
 pub fn tell(text: impl Display) {
-    writeln!(io::stderr(), "{}", printable::one_line(&text.to_string())).ok();
+    let text = text.to_string();
+    let line = printable::one_line(&in_plain_words(&text));
+    writeln!(io::stderr(), "{line}").ok();
 }

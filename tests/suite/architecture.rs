@@ -104,12 +104,13 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 5] = [
+const SERVE_ALL: [&str; 6] = [
     "calendar.rs",
     "contained.rs",
     "printable.rs",
     "progress.rs",
     "statistics.rs",
+    "system_words.rs",
 ];
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {

@@ -181,7 +181,7 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
 fn check_regular(path: &Path) -> io::Result<()> {
     let found = fs::metadata(path)?;
     if found.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
+        return Err(io::Error::other("it is a folder, and a file is expected"));
     }
     if found.is_file() {
         Ok(())

@@ -164,13 +164,13 @@ impl Layout {
         let found = match names {
             Some([x, y, z]) if is_header => Some(find([x, y, z]).ok_or_else(|| {
                 format!(
-                    "there are no columns `{x}`, `{y}` and `{z}`, only {}",
+                    "there are no columns `{x}`, `{y}` and `{z}`; write FILE:x,y,z with three of {}",
                     fields.join(", ")
                 )
             })?),
             Some([x, y, z]) => {
                 return Err(format!(
-                    "there is no header line that could name `{x}`, `{y}` and `{z}`"
+                    "there is no header line that could name `{x}`, `{y}` and `{z}`; write one, or name no columns: then the first three count"
                 ));
             }
             None if is_header => wanted.known.iter().copied().find_map(find),
@@ -210,6 +210,22 @@ impl Layout {
         self.columns.iter().any(|&column| field(column) == Some(""))
     }
 
+    /// What is wrong with a line of so many fields that has no such column.
+    fn too_short(&self, name: &str, count: usize) -> String {
+        let fields = match count {
+            1 => "1 field".to_owned(),
+            count => format!("{count} fields"),
+        };
+        match self.names == ["1", "2", "3"] {
+            true => format!(
+                "there are {fields}, and a point is x, y and z; put commas, semicolons or spaces between them, and name the columns in the first line where they are not the first three"
+            ),
+            false => format!(
+                "there are {fields}, so the column `{name}` of the header is missing; mend the line, or take it out"
+            ),
+        }
+    }
+
     fn point(&self, line: &str) -> Result<[f64; 3], String> {
         let fields = fields(line, self.separator);
         let mut point = [0.0; 3];
@@ -217,10 +233,14 @@ impl Layout {
             let name = &self.names[axis];
             let field = fields
                 .get(self.columns[axis])
-                .ok_or_else(|| format!("there is no column `{name}`"))?;
+                .ok_or_else(|| self.too_short(name, fields.len()))?;
             *value = field
                 .parse()
-                .map_err(|_| format!("`{field}` in column `{name}` is not a number"))?;
+                .map_err(|_| {
+                    format!(
+                        "`{field}` in column `{name}` is not a number; mend it, or leave it empty to pass over the line"
+                    )
+                })?;
         }
         Ok(point)
     }

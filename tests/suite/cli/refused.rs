@@ -363,3 +363,64 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
     }
     assert!(run(folder, &["info", "trip"]).contains("Lowrance SL2"));
 }
+
+#[test]
+fn what_the_system_says_is_put_plainly() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    fs::write(folder.join("two.csv"), "1 2\n3 4\n").expect("a file");
+    fs::write(folder.join("short.csv"), "x,y,z\n1,2,3\n4,5\n").expect("a file");
+    let filter = |name: &'static str| {
+        [
+            "filter",
+            name,
+            "-o",
+            "k.csv",
+            "--radius",
+            "1",
+            "--min-neighbors",
+            "1",
+        ]
+    };
+    let cases: [(&[&str], &[&str]); 9] = [
+        (
+            &["info", "absent.sl2"],
+            &["no such file or folder", "check the path", "absent.sl2"],
+        ),
+        (
+            &["process", "absent.sl2", "-o", "out"],
+            &["no such file or folder"],
+        ),
+        (
+            &["process", "pond.sl2", "-o", "pond.sl2/out"],
+            &["part of the path is a file"],
+        ),
+        (
+            &["process", "pond.sl2", "-o", "out", "--settings", "no.toml"],
+            &["no such file"],
+        ),
+        (
+            &["process", "pond.sl2", "-o", "out", "--settings", "."],
+            &["it is a folder"],
+        ),
+        (
+            &["compare", "pond.sl2", "no.csv"],
+            &["no such file or folder"],
+        ),
+        (&filter("."), &["."]),
+        (
+            &filter("two.csv"),
+            &["line 1", "2 fields", "x, y and z", "name the columns"],
+        ),
+        (
+            &filter("short.csv"),
+            &["line 3", "column `z`", "mend the line"],
+        ),
+    ];
+    for (args, words) in cases {
+        one_line(folder, args, words);
+        let sentence = refusal(folder, args, 1);
+        assert!(!sentence.contains("os error"), "{sentence}");
+    }
+}
