@@ -14,6 +14,7 @@ mod input;
 mod many;
 mod output;
 mod process;
+mod quiet_driver;
 mod review;
 mod settings;
 mod simulate;

@@ -1,7 +1,7 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
-use super::output;
 use super::settings::{SettingsArgs, check_against};
+use super::{output, quiet_driver};
 use crate::app::{
     Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
@@ -111,6 +111,7 @@ fn parse_pings(text: &str) -> Result<PingRange, String> {
 
 /// Draws the picture and writes it; says on stderr which adapter drew it.
 pub fn run(args: SnapshotArgs) -> Result<(), String> {
+    quiet_driver::restart_if_noisy();
     let settings = args.settings.resolve()?;
     check_picture(&args.output)?;
     if !args.scale.is_finite() || !(0.5..=8.0).contains(&args.scale) {

@@ -3,7 +3,7 @@
 use super::detect;
 use super::folders::Folders;
 use super::process::{How, process_into};
-use super::{output, snapshot, window};
+use super::{output, quiet_driver, snapshot, window};
 use crate::app::Origin;
 use crate::pipeline::{Product, Settings};
 use crate::progress::Progress;
@@ -29,6 +29,7 @@ pub fn run(surveys: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<
                 .to_owned(),
         );
     }
+    quiet_driver::restart_if_noisy();
     output::results(format_args!(
         "no display: processing into {OUTPUT} instead of opening the window"
     ))?;

@@ -424,3 +424,26 @@ fn what_the_system_says_is_put_plainly() {
         assert!(!sentence.contains("os error"), "{sentence}");
     }
 }
+
+#[test]
+fn a_snapshot_says_what_drew_it_and_no_more() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+        .args([
+            "snapshot", "-o", "demo.png", "--size", "320x240", "--view", "profile",
+        ])
+        .current_dir(temporary.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR")
+        .env_remove("NODEVICE_SELECT")
+        .output()
+        .expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    assert!(
+        told.starts_with("drawn by ") && told.lines().count() == 1,
+        "{told}"
+    );
+    assert!(temporary.path().join("demo.png").is_file());
+}
