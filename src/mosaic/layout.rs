@@ -214,8 +214,10 @@ impl Layout {
             let pings = index * BOXED..(index + 1) * BOXED;
             pings.flat_map(move |ping| {
                 Side::BOTH.into_iter().filter_map(move |side| {
-                    let corners = self.corners(&self.strip(ping, side)?);
-                    touch(&around(NOWHERE, &corners), &ground).then_some((ping, side))
+                    let strip = self.strip(ping, side)?;
+                    let corners = self.corners(&strip);
+                    let is_near = touch(&around(NOWHERE, &corners), &ground);
+                    (is_near && lies_on(&strip, &corners, &ground)).then_some((ping, side))
                 })
             })
         })
@@ -308,6 +310,12 @@ impl Layout {
             };
             for row in span(1, grid.north_m, -1.0) {
                 for column in span(0, grid.west_m, 1.0) {
+                    let north_m = grid.north_m - f64::from(row) * tile_m;
+                    let west_m = grid.west_m + f64::from(column) * tile_m;
+                    let ground = [west_m, north_m - tile_m, west_m + tile_m, north_m];
+                    if !lies_on(&strip, &corners, &ground) {
+                        continue;
+                    }
                     let strips = tiles.entry((row, column)).or_default();
                     strips.push(2 * ping as u32 + slot(side) as u32);
                 }
@@ -328,6 +336,32 @@ fn around(bounds: Bounds, places: &[[f64; 2]]) -> Bounds {
 
 fn touch(one: &Bounds, other: &Bounds) -> bool {
     one[0] <= other[2] && other[0] <= one[2] && one[1] <= other[3] && other[1] <= one[3]
+}
+
+/// Whether a strip may lie on some ground that its bounds touch: long, thin strips that run askew pass most of it by. They do
+/// where all of the ground lies on one side of the strip, seen along its rays.
+fn lies_on(strip: &[Ray; 2], corners: &[[f64; 2]; 4], [west, south, east, north]: &Bounds) -> bool {
+    let ground = [
+        [*west, *south],
+        [*west, *north],
+        [*east, *south],
+        [*east, *north],
+    ];
+    strip.iter().all(|ray| {
+        let reach = |places: &[[f64; 2]; 4]| {
+            let off = |place: &[f64; 2]| {
+                (place[0] - ray.at[0]) * ray.out[1] - (place[1] - ray.at[1]) * ray.out[0]
+            };
+            places
+                .iter()
+                .map(off)
+                .fold([f64::MAX, f64::MIN], |[low, high], off| {
+                    [low.min(off), high.max(off)]
+                })
+        };
+        let [strip, ground] = [reach(corners), reach(&ground)];
+        strip[0] <= ground[1] && ground[0] <= strip[1]
+    })
 }
 
 /// Slant range of the first sample and of each further one, for every ping of a side.

@@ -4,7 +4,8 @@
 //! FirstReturns --altitude--> height over the ground of every ping and side
 //! Navigation --layout--> Layout: rays in the plane of the map, which tiles they cross
 //! Survey --gain--> GainTable: what level the ground has by range and angle
-//! Layout + GainTable --paint--> Tile of 256 x 256 cells
+//! Layout + GainTable --line--> levels of each ping at even steps on the ground
+//! lines --paint, canvas--> Tile of 256 x 256 cells
 //! ```
 //!
 //! The ground beside the boat is taken as level at the altitude `h` where the first return lies, so an echo at slant range `r`
@@ -13,10 +14,12 @@
 //! with the area of the mosaic.
 
 mod altitude;
+mod canvas;
 mod course;
 mod footprint;
 mod gain;
 mod layout;
+mod line;
 mod paint;
 mod scan;
 
@@ -46,8 +49,8 @@ pub enum Overlap {
 pub enum Gain {
     /// As recorded.
     Recorded,
-    /// Divided by the survey's own mean at that range and angle (empirical gain normalisation), and brought to one brightness.
-    /// Shadows stay dark.
+    /// Divided by the survey's own mean level of each side, a curve by range times a curve by angle (empirical gain normalisation), and
+    /// brought to one brightness. Shadows stay dark.
     #[default]
     Empirical,
 }

@@ -13,15 +13,19 @@ pub fn spans(
         [low.min(corner[1]), high.max(corner[1])]
     });
     cells(low, high, rows).filter_map(move |row| {
-        let [from, to] = crossing(corners, row as f64)?;
+        let [from, to] = crossing(corners, (row as f64).clamp(low, high))?;
         Some((row, cells(from, to, columns)))
     })
 }
 
+/// Cells by which a span is too wide rather than too narrow: what lies on the edge of two polygons must be in one of them,
+/// however their corners are rounded.
+const MARGIN: f64 = 1e-6;
+
 /// Whole cells whose middles lie between two places, within `0..count`.
 fn cells(from: f64, to: f64, count: usize) -> std::ops::Range<usize> {
-    let start = from.ceil().max(0.0) as usize;
-    let end = ((to.floor() + 1.0).max(0.0) as usize).min(count);
+    let start = (from - MARGIN).ceil().max(0.0) as usize;
+    let end = (((to + MARGIN).floor() + 1.0).max(0.0) as usize).min(count);
     start..end.max(start)
 }
 

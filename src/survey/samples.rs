@@ -1,5 +1,6 @@
 //! Echo samples of one side of a ping, borrowed from the mapped file.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The bytes of one file: mapped, or held in memory (a simulated survey, a test).
@@ -140,11 +141,21 @@ impl<'a> Samples<'a> {
 
     /// Replaces `out` with all samples, nearest first.
     pub fn copy_outward(&self, out: &mut Vec<u8>) {
+        self.copy_part_outward(0..self.len(), out);
+    }
+
+    /// Replaces `out` with some of the samples, nearest first; those beyond the last are left out.
+    pub fn copy_part_outward(&self, part: Range<usize>, out: &mut Vec<u8>) {
+        let end = part.end.min(self.len());
+        let start = part.start.min(end);
         out.clear();
         match self.stored_u8() {
-            Some((bytes, Order::NearToFar)) => out.extend_from_slice(bytes),
-            Some((bytes, Order::FarToNear)) => out.extend(bytes.iter().rev()),
-            None => out.extend((0..self.len()).map(|index| self.get(index))),
+            Some((bytes, Order::NearToFar)) => out.extend_from_slice(&bytes[start..end]),
+            Some((bytes, Order::FarToNear)) => {
+                let count = bytes.len();
+                out.extend(bytes[count - end..count - start].iter().rev());
+            }
+            None => out.extend((start..end).map(|index| self.get(index))),
         }
     }
 }

@@ -8,7 +8,7 @@ use bathyscope::progress::Progress;
 use std::hint::black_box;
 
 const PINGS_A_LINE: f64 = 3000.0;
-const CELLS_M: [f64; 4] = [0.4, 0.2, 0.1, 0.05];
+const CELLS_M: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.02];
 
 /// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
 pub fn run() {

@@ -26,6 +26,7 @@ mod map_layers;
 mod map_tools;
 mod missions;
 mod mosaic;
+mod mosaic_gain;
 mod navigation;
 mod offsets;
 mod printing;

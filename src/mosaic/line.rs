@@ -1,0 +1,231 @@
+//! The levels along one side of a ping, at even steps on the ground.
+
+use super::layout::Ray;
+use super::{Gain, GainTable, Layout, MosaicSettings};
+use crate::survey::{Side, SideSpan, Survey};
+use std::ops::Range;
+
+/// Steps of a line in a cell. Between steps a line is linear.
+const STEPS: usize = 4;
+/// Most pings that a line of a coarse picture is the mean of: more of them would cost more than they smooth.
+const MOST_AVERAGED: usize = 16;
+
+/// What all lines of a picture have in common.
+#[derive(Clone, Copy)]
+pub struct Lines<'a> {
+    survey: &'a Survey,
+    layout: &'a Layout,
+    /// Where levels are normalised.
+    gain: Option<&'a GainTable>,
+    water_column: bool,
+    /// Steps in a metre on the ground.
+    steps_per_m: f64,
+}
+
+impl<'a> Lines<'a> {
+    /// For cells of a size.
+    pub fn new(
+        survey: &'a Survey,
+        layout: &'a Layout,
+        gain: &'a GainTable,
+        settings: &MosaicSettings,
+        cell_m: f64,
+    ) -> Self {
+        Self {
+            survey,
+            layout,
+            gain: (settings.gain == Gain::Empirical).then_some(gain),
+            water_column: layout.water_column(),
+            steps_per_m: STEPS as f64 / cell_m,
+        }
+    }
+}
+
+/// A part of one side of a ping: each level is the mean over a cell on the ground, and over at least one sample.
+pub struct Line {
+    side: Side,
+    /// Which ping of the layout it is of, if any.
+    of: Option<usize>,
+    /// The steps that it holds.
+    steps: Range<usize>,
+    /// NaN where there is no sample.
+    levels: Vec<f32>,
+    /// Steps in a metre on the ground.
+    per_m: f64,
+    // Kept for their memory.
+    samples: Vec<u8>,
+    totals: Vec<u32>,
+    factors: Vec<f32>,
+    sums: Vec<f32>,
+    edges: Vec<f64>,
+}
+
+impl Line {
+    /// Of nothing yet.
+    pub fn none(side: Side) -> Self {
+        Self {
+            side,
+            of: None,
+            steps: 0..0,
+            levels: Vec::new(),
+            per_m: 0.0,
+            samples: Vec::new(),
+            totals: Vec::new(),
+            factors: Vec::new(),
+            sums: Vec::new(),
+            edges: Vec::new(),
+        }
+    }
+
+    /// Level at a distance on the ground, NaN where none is known.
+    pub fn at(&self, ground_m: f64) -> f32 {
+        let place = (ground_m * self.per_m - self.steps.start as f64).max(0.0);
+        let low = (place as usize).min(self.levels.len().saturating_sub(2));
+        match self.levels.get(low..low + 2) {
+            Some(&[from, to]) => from + (to - from) * (place - low as f64) as f32,
+            _ => f32::NAN,
+        }
+    }
+
+    /// Reads the part of a ping's side that lies between two distances on the ground, unless it is there. The `margin_m` on both
+    /// sides saves reading it again for a little more. False when there is nothing to read.
+    pub fn read(
+        &mut self,
+        lines: &Lines<'_>,
+        place: usize,
+        ray: &Ray,
+        ground_m: [f64; 2],
+        margin_m: f64,
+    ) -> bool {
+        let step = |ground_m: f64| (ground_m * lines.steps_per_m).max(0.0);
+        let [from, to] = ground_m;
+        let covers = |steps: &Range<usize>| {
+            steps.start <= step(from) as usize && steps.end >= step(to).ceil() as usize
+        };
+        if self.of == Some(place) && covers(&self.steps) {
+            return true;
+        }
+        self.of = None;
+        self.per_m = lines.steps_per_m;
+        let reach = step(ray.reach_m(lines.water_column)).ceil() as usize + 2;
+        let first = (step(from - margin_m) as usize).min(reach);
+        self.steps = first..(step(to + margin_m).ceil() as usize + 2).min(reach);
+        // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
+        let edge = |index: usize| {
+            let ground_m = (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m;
+            let range_m = match lines.water_column {
+                true => ground_m,
+                false => (ground_m * ground_m + ray.altitude_m * ray.altitude_m).sqrt(),
+            };
+            ray.sample_at(range_m)
+        };
+        self.edges.clear();
+        self.edges
+            .extend((self.steps.start..self.steps.end + STEPS).map(edge));
+        let (Some(low), Some(high)) = (self.edges.first(), self.edges.last()) else {
+            return false;
+        };
+        let samples =
+            (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
+        if samples.is_empty() || !self.sum_up(lines, place, ray, samples.clone()) {
+            return false;
+        }
+        let pairs = self.edges.iter().zip(&self.edges[STEPS..]);
+        self.levels.clear();
+        self.levels.extend(pairs.map(|(from, to)| {
+            let offset = samples.start as f64;
+            mean(&self.sums, from - offset, to - offset)
+        }));
+        self.of = Some(place);
+        true
+    }
+
+    /// Normalises and sums some samples outward: `sums[n]` is the sum of the first n. False when there are none.
+    fn sum_up(
+        &mut self,
+        lines: &Lines<'_>,
+        place: usize,
+        ray: &Ray,
+        samples: Range<usize>,
+    ) -> bool {
+        let count = match lines.layout.ping(place) {
+            Some(ping) => self.add_up(lines, ping, lines.layout.stands_for(place), &samples),
+            None => 0,
+        };
+        if count == 0 {
+            return false;
+        }
+        self.factors.clear();
+        match lines.gain {
+            Some(gain) => gain.factors(self.side, ray, samples.clone(), &mut self.factors),
+            None => self.factors.resize(samples.len(), 1.0),
+        }
+        if lines.water_column {
+            // The water column has no ground to be normalised by.
+            let ground = ray.sample_at(ray.altitude_m).max(0.0) as usize;
+            let above = ground.saturating_sub(samples.start).min(self.factors.len());
+            self.factors[..above].fill(1.0);
+        }
+        let share = 1.0 / count as f32;
+        let mut sum = 0.0;
+        self.sums.clear();
+        self.sums.push(sum);
+        for (&total, factor) in self.totals.iter().zip(&self.factors) {
+            sum += total as f32 * share * factor;
+            self.sums.push(sum);
+        }
+        self.sums.len() > 1
+    }
+
+    /// Adds up some samples of a ping and of those `around` it that were recorded over the same range; how many pings that were.
+    fn add_up(
+        &mut self,
+        lines: &Lines<'_>,
+        ping: usize,
+        around: Range<usize>,
+        part: &Range<usize>,
+    ) -> u32 {
+        let survey = lines.survey;
+        let own = survey.span(ping, self.side);
+        let is_like = |other: usize| {
+            let span = survey.span(other, self.side);
+            let same = |a: &SideSpan, b: &SideSpan| {
+                (a.count, a.near_m, a.far_m) == (b.count, b.near_m, b.far_m)
+            };
+            own.zip(span).is_some_and(|(own, span)| same(own, span))
+        };
+        let step = around.len().div_ceil(MOST_AVERAGED).max(1);
+        let others = around.step_by(step).filter(|&other| other != ping);
+        self.totals.clear();
+        let mut count = 0;
+        for ping in std::iter::once(ping).chain(others.filter(|&other| is_like(other))) {
+            let Some(samples) = survey.samples(ping, self.side) else {
+                continue;
+            };
+            samples.copy_part_outward(part.clone(), &mut self.samples);
+            let length = self.samples.len().max(self.totals.len());
+            self.totals.resize(length, 0);
+            for (total, level) in self.totals.iter_mut().zip(&self.samples) {
+                *total += u32::from(*level);
+            }
+            count += 1;
+        }
+        count
+    }
+}
+
+/// Mean of the samples between two places counted in samples, by their running sums. At least one sample wide; NaN outside.
+fn mean(sums: &[f32], from: f64, to: f64) -> f32 {
+    let last = (sums.len() - 1) as f64;
+    let middle = 0.5 * (from + to);
+    let half = (0.5 * (to - from)).max(0.5);
+    if middle < 0.0 || middle > last {
+        return f32::NAN;
+    }
+    let (from, to) = ((middle - half).max(0.0), (middle + half).min(last));
+    let at = |place: f64| {
+        let low = (place as usize).min(sums.len() - 2);
+        sums[low] + (sums[low + 1] - sums[low]) * (place - low as f64) as f32
+    };
+    (at(to) - at(from)) / (to - from) as f32
+}
