@@ -1,11 +1,12 @@
 //! A picture of the analyst's own under the map: a GeoTIFF, read block by block as it is looked at.
 //!
-//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder does not know), `blocks` keeps
-//! those that were read last. Files are untrusted: a
+//! `place` says where its pixels lie, `colours` what they mean (`palettes` also where the decoder does not know), `masks` which of
+//! them are seen, `blocks` keeps those that were read last. Files are untrusted: a
 //! block larger than [`MOST_BLOCK_BYTES`] is refused, and what a look takes is bounded by [`MOST_PIXELS`].
 
 mod blocks;
 mod colours;
+mod masks;
 mod palettes;
 mod place;
 
@@ -57,6 +58,8 @@ struct Level {
     /// Columns and rows of a block.
     block: [u32; 2],
     kept: Kept,
+    /// The directory of its mask.
+    mask: Option<usize>,
 }
 
 /// Where the pixels of a level are.
@@ -159,6 +162,12 @@ fn levels(tiff: &mut Tiff, coding: &Coding) -> Result<Vec<Level>, String> {
                 found.push(level);
             }
         }
+        if let Some(of) = masks::masked_size(tiff, subfile) {
+            let is_like = |level: &&mut Level| (level.size, level.block) == of;
+            if let Some(level) = found.iter_mut().find(is_like) {
+                level.mask = Some(directory);
+            }
+        }
         if !tiff.more_images() || tiff.next_image().is_err() {
             break;
         }
@@ -183,6 +192,7 @@ fn level(tiff: &mut Tiff, coding: &Coding, directory: usize) -> Result<Level, St
         size: [columns, rows],
         block: [across, down.min(rows)],
         kept: Kept::Directory(directory),
+        mask: None,
     })
 }
 
@@ -294,11 +304,13 @@ impl BaseMap {
             return Some(block);
         }
         let bytes = contained(|| reader.read(directory, number)).flatten()?;
-        Some(
-            reader
-                .blocks
-                .keep((directory, number), self.coding.colours(&bytes)),
-        )
+        let mut colours = self.coding.colours(&bytes);
+        if let Some(mask) = level.mask {
+            let mask = contained(|| reader.read(mask, number)).flatten()?;
+            let wide = level.block[0].min(level.size[0].saturating_sub(column * level.block[0]));
+            masks::hide(&mut colours, &mask, wide as usize);
+        }
+        Some(reader.blocks.keep((directory, number), colours))
     }
 
     /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in one pass.
@@ -348,6 +360,7 @@ impl BaseMap {
             size,
             block: size,
             kept: Kept::Memory(pixels),
+            mask: None,
         });
         Ok(())
     }

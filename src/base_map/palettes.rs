@@ -1,22 +1,23 @@
-//! Paletted pictures for a decoder that knows none: it is shown grey levels, which are the indices.
+//! Palettes and masks for a decoder that knows neither: it is shown grey levels, which are the indices, or what is seen.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
-/// The tag that says what a sample means, and its values for a palette and for grey levels.
+/// The tag that says what a sample means, and its values for a palette, a mask and grey levels.
 const PHOTOMETRIC: u16 = 262;
 const PALETTE: u16 = 3;
+const MASK: u16 = 4;
 const GREY: u8 = 1;
 /// Directories that are looked through.
 const MOST_DIRECTORIES: usize = 64;
 /// Entries that a directory may have.
 const MOST_ENTRIES: u64 = 4096;
 
-/// A file in which every palette is said to be grey levels.
+/// A file in which every palette and mask is said to be grey levels.
 pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,
-    /// Where the bytes lie that say palette.
+    /// Where the bytes lie that say palette or mask.
     said: Vec<u64>,
 }
 
@@ -82,7 +83,7 @@ impl<'a> Walk<'a> {
         Some(walk)
     }
 
-    /// Where the low bytes lie of all values that say palette.
+    /// Where the low bytes lie of all values that say palette or mask.
     fn palettes(mut self) -> Vec<u64> {
         let mut found = Vec::new();
         for _ in 0..MOST_DIRECTORIES {
@@ -105,7 +106,7 @@ impl<'a> Walk<'a> {
                 // The value, a short, fills the first two bytes of the last field.
                 let value = entry + length - if self.is_big { 8 } else { 4 };
                 self.file.seek(SeekFrom::Start(value)).ok()?;
-                if self.number(2)? == u64::from(PALETTE) {
+                if [PALETTE, MASK].map(u64::from).contains(&self.number(2)?) {
                     found.push(value + u64::from(self.is_big_endian));
                 }
             }

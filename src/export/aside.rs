@@ -109,6 +109,19 @@ fn is_dead(writer: u32, file: &Path) -> bool {
     age.is_some_and(|age| age.as_secs() > 3600)
 }
 
+/// A file for passing data beside the place of another, where there is room for that one too. It has no name any more as soon as it is
+/// open, so that nothing is left of it however the program ends.
+pub(super) fn scratch_beside(path: &Path) -> io::Result<File> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.scratch.part", std::process::id()));
+    let passing = path.with_file_name(name);
+    let mut open = File::options();
+    open.read(true).write(true).create(true).truncate(true);
+    let file = open.open(&passing)?;
+    fs::remove_file(&passing)?;
+    Ok(file)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,6 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming, `run_folder` for that of all files of a run, `fingerprint` tells them apart; `geotiff` writes any raster, `vector` lines and areas,
+//! One file a product, `aside` for the renaming, `run_folder` for that of all files of a run, `fingerprint` tells them apart; `geotiff` writes any raster, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `points` reads and writes the point files of `bathyscope filter`.
 
@@ -28,12 +28,14 @@ mod objects;
 mod picture_boxes;
 pub mod points;
 mod profile_csv;
+mod qgis_style;
 mod rings;
 mod run_folder;
 mod summary;
 mod track;
 mod vector;
 
+use aside::scratch_beside;
 pub use aside::{ExportError, is_same_file, keep_aside, remove_leftovers, write_aside};
 pub use chip_folder::ChipFolder;
 pub use chips::{ChipError, chip, chips, picture_chips};
@@ -52,6 +54,7 @@ pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
 pub use picture_boxes::picture_boxes_csv;
 pub use profile_csv::{profile_csv, write_profile_csv};
+pub use qgis_style::qgis_style;
 pub use run_folder::RunFolder;
 pub use summary::Summary;
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};

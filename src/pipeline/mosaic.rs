@@ -5,9 +5,9 @@ use super::map_plane;
 use super::record::{Coordinates, Made};
 use crate::bathymetry::Grid;
 use crate::export::Summary;
-use crate::export::geotiff::{self, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
+use crate::export::geotiff::{self, Band, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
 use crate::geo::MapPlane;
-use crate::mosaic::{Layout, TILE_CELLS, gain_table, tile};
+use crate::mosaic::{Colours, Layout, TILE_CELLS, gain_table, tile};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
@@ -38,8 +38,8 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> La
     .with_range_factor(products.correction.range_factor())
 }
 
-/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF of
-/// colours, transparent where nothing was heard. Memory does not grow with the area.
+/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band
+/// of levels with a mask, or colours with opacity. Memory does not grow with the area.
 ///
 /// The error is one sentence: the file cannot be written, or the work was cancelled.
 pub fn write_mosaic(
@@ -67,14 +67,16 @@ pub fn write_mosaic(
     let tiles: Vec<[usize; 2]> = index.tiles().map(|(row, column)| [row, column]).collect();
     let draw = |place: [usize; 2]| {
         let drawn = tile(survey, &layout, &grid, &index, &gain, settings, place);
-        let colours = drawn
-            .levels
-            .iter()
-            .map(|&level| settings.colours.rgba(level));
-        colours.flatten().collect()
+        let levels = drawn.levels.iter();
+        match settings.colours {
+            Colours::Grey => drawn.levels,
+            Colours::Copper => levels
+                .flat_map(|&level| settings.colours.rgba(level))
+                .collect(),
+        }
     };
     let name = "mosaic.tif";
-    let spec = spec(&grid, &map, survey);
+    let spec = spec(&grid, &map, survey, settings.colours);
     geotiff(&folder.join(name), &spec, &tiles, draw, progress)
         .map_err(|error: RasterError| error.to_string())?;
     Ok(MosaicWritten::File(Box::new(made(name, &grid, &map))))
@@ -111,9 +113,21 @@ fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
     }
 }
 
+/// What a cell of a grey mosaic holds.
+const LEVEL: Band = Band {
+    name: "echo level",
+    unit: "",
+    positive_down: false,
+};
+
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
-fn spec(grid: &Grid, map: &MapPlane, survey: &Survey) -> geotiff::RasterSpec {
+fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> geotiff::RasterSpec {
+    // Levels are one band, which a map program can stretch; colours are a picture.
+    let (cells, band) = match colours {
+        Colours::Grey => (Cells::Level, Some(LEVEL)),
+        Colours::Copper => (Cells::Rgba, None),
+    };
     RasterSpec {
         columns: grid.columns,
         rows: grid.rows,
@@ -121,7 +135,8 @@ fn spec(grid: &Grid, map: &MapPlane, survey: &Survey) -> geotiff::RasterSpec {
         north: map.in_crs([0.0, grid.north_m])[1],
         cell: map.in_crs([grid.cell_m; 2]),
         crs: map.crs.clone(),
-        cells: Cells::Rgba,
+        cells,
+        band,
         description: format!("Side-scan mosaic of {}", survey.name()),
     }
 }

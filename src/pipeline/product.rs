@@ -10,7 +10,7 @@ pub enum Product {
     Cloud,
     /// track.gpx, .geojson, .kmz, .shp; footprint.geojson, .kmz
     Track,
-    /// depth.tif, uncertainty.tif, distance.tif
+    /// depth.tif, uncertainty.tif, distance.tif, each with its colours for QGIS (.qml)
     Depth,
     /// depth.xyz: a line of text for each cell
     Xyz,

@@ -12,7 +12,7 @@ import vectors
 
 # What describes other files, is for people, or belongs to something with a record.
 WITHOUT_RECORD = {"report.json", "report.html", "chips"}
-COMPANIONS = {".shx", ".dbf", ".prj", ".cpg"}
+COMPANIONS = {".shx", ".dbf", ".prj", ".cpg", ".qml"}
 
 
 def records(folder):

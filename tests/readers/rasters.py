@@ -1,10 +1,17 @@
 """The GeoTIFFs by GDAL."""
 
+import lxml.etree
 import numpy
 import rasterio
+import rasterio.windows
+from rio_cogeo.cogeo import cog_validate
 from common import check_count, check_extent, check_values, into, same, tolerance
 
-LAYERS = ("depth.tif", "uncertainty.tif", "distance.tif")
+LAYERS = {
+    "depth.tif": "depth",
+    "uncertainty.tif": "standard deviation of depth",
+    "distance.tif": "distance to the nearest depth",
+}
 
 
 def check(folder, made, points):
@@ -17,6 +24,30 @@ def check(folder, made, points):
         check_depths(folder / "depth.tif", made["depth.tif"], points)
     if "mosaic.tif" in made:
         check_mosaic(folder / "mosaic.tif", made["mosaic.tif"], points)
+    for name in (*LAYERS, "mosaic.tif"):
+        if name in made:
+            check_cloud_optimized(name, folder / name)
+
+
+def check_cloud_optimized(name, path):
+    """The port of GDAL's own validator that comes with rio-cogeo; a warning counts as an error."""
+    valid, errors, warnings = cog_validate(path, strict=True, quiet=True)
+    assert valid and not warnings, f"{name} is no valid Cloud-Optimized GeoTIFF: {errors + warnings}"
+
+
+def check_statistics(name, raster, values):
+    """What the band says of itself, against numpy."""
+    said = raster.tags(1)
+    found = {
+        "MINIMUM": values.min(),
+        "MAXIMUM": values.max(),
+        "MEAN": values.mean(dtype="float64"),
+        "STDDEV": values.std(dtype="float64"),
+        "VALID_PERCENT": 100 * values.size / (raster.width * raster.height),
+    }
+    for key, value in found.items():
+        off = abs(float(said[f"STATISTICS_{key}"]) - value)
+        assert off <= 1e-6 * max(1.0, abs(value)), f"{name}: {key} is {value}, not {said}"
 
 
 def check_raster(name, raster, record):
@@ -32,9 +63,22 @@ def check_layer(name, path, record):
     with rasterio.open(path) as raster:
         check_raster(name, raster, record)
         assert raster.dtypes == ("float32",) and raster.nodata == -9999
+        assert raster.descriptions == (LAYERS[name],) and raster.units == ("metre",), raster.descriptions
+        assert raster.tags(1).get("positive") == ("down" if name == "depth.tif" else None)
         values = raster.read(1, masked=True).compressed()
+        check_statistics(name, raster, values)
+        check_style(path, values)
     check_count(name, record, "cells", len(values))
     check_values(name, record, values.min(), values.max(), 0.00001)
+
+
+def check_style(path, values):
+    """The colours for QGIS run from the least to the greatest value."""
+    renderer = lxml.etree.parse(path.with_suffix(".qml")).find(".//rasterrenderer")
+    assert renderer.get("type") == "singlebandpseudocolor" and renderer.get("band") == "1"
+    stops = [float(item.get("value")) for item in renderer.iter("item")]
+    same(f"{path.stem}.qml", [stops[0], stops[-1]], [values.min(), values.max()], 0.00001)
+    assert (numpy.diff(stops) >= 0).all() and len(stops) > 5
 
 
 def check_cells(folder, record):
@@ -77,12 +121,22 @@ def check_mosaic(path, record, points):
     with rasterio.open(path) as raster:
         check_raster("mosaic.tif", raster, record)
         check_count("mosaic.tif", record, "cells", raster.width * raster.height)
-        assert raster.count == 4 and set(raster.dtypes) == {"uint8"}
-        assert raster.colorinterp[3] == rasterio.enums.ColorInterp.alpha
-        picture = raster.read()
+        assert raster.count == 1 and raster.dtypes == ("uint8",) and raster.nodata is None
+        assert raster.colorinterp == (rasterio.enums.ColorInterp.gray,)
+        assert raster.mask_flag_enums == ([rasterio.enums.MaskFlags.per_dataset],), raster.mask_flag_enums
+        assert raster.descriptions == ("echo level",)
+        levels, mask = raster.read(1), raster.dataset_mask()
+        check_statistics("mosaic.tif", raster, levels[mask > 0])
         pings = into(record, points.lon, points.lat)[points.source > 0]
-        heard = numpy.array([value[0] for value in raster.sample(pings, indexes=4)]) > 0
-    assert heard.mean() > 0.9, f"only {heard.mean():.0%} of the first returns lie on the mosaic"
-    opaque = picture[3] == 255
-    assert set(numpy.unique(picture[3])) <= {0, 255}
-    assert (picture[:3, ~opaque] == 0).all() and picture[0, opaque].std() > 5, "the mosaic shows nothing"
+        detected = [raster.index(*place) for place in pings]
+        seen = numpy.array([mask[row, column] for row, column in detected if raster_holds(raster, row, column)]) > 0
+        overviews = raster.overviews(1)
+    assert seen.sum() > 0.9 * len(pings), f"only {seen.sum()} of {len(pings)} first returns lie on the mosaic"
+    assert ((mask > 0) == (levels > 0)).all() and levels[mask > 0].std() > 5, "the mosaic shows nothing"
+    for level in range(len(overviews)):
+        with rasterio.open(path, overview_level=level) as raster:
+            assert ((raster.dataset_mask() > 0) == (raster.read(1) > 0)).all(), f"the mask of overview {level} is another"
+
+
+def raster_holds(raster, row, column):
+    return 0 <= row < raster.height and 0 <= column < raster.width

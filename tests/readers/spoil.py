@@ -39,6 +39,21 @@ def deepen(folder):
     edit("depth.tif.json", lambda record: [record["values"].update({key: record["values"][key] + 0.1}) for key in ("least", "most")])(folder)
 
 
+def append_overviews(folder):
+    """Has GDAL make the overviews again, at the end of the file."""
+    with rasterio.Env(GDAL_DISABLE_READDIR_ON_OPEN=True, IGNORE_COG_LAYOUT_BREAK="YES"):
+        with rasterio.open(folder / "mosaic.tif", "r+") as raster:
+            raster.build_overviews([2, 4, 8], rasterio.enums.Resampling.nearest)
+
+
+def darken(folder):
+    """Takes a level off a cell of the mosaic, its statistics left as they are."""
+    with rasterio.Env(IGNORE_COG_LAYOUT_BREAK="YES"), rasterio.open(folder / "mosaic.tif", "r+") as raster:
+        values = raster.read(1)
+        values[values > 100] -= 1
+        raster.write(values, 1)
+
+
 def other_zone(folder):
     path = folder / "isobaths.prj"
     path.write_text(path.read_text().replace("-81", "-87"))
@@ -51,6 +66,8 @@ SPOILERS = {
     "a missing record": lambda folder: (folder / "track.kmz.json").unlink(),
     "a point moved by a centimetre": shift_a_point,
     "a map 10 cm too deep": deepen,
+    "a mosaic that is darker than it says": darken,
+    "overviews at the end of the file": append_overviews,
     "another zone": other_zone,
     "a line too few": edit("track.geojson", lambda lines: lines["features"].pop()),
     "an isobath of another depth": edit("isobaths.geojson", lambda lines: lines["features"][0]["properties"].update(depth_m=1.9)),

@@ -104,9 +104,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 6] = [
+const SERVE_ALL: [&str; 7] = [
     "calendar.rs",
     "contained.rs",
+    "depth_colours.rs",
     "printable.rs",
     "progress.rs",
     "statistics.rs",

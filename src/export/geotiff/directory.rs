@@ -1,9 +1,11 @@
 //! Directories of a TIFF: tags in order, their values behind them.
 
+use super::metadata::gdal_metadata;
+use super::statistics::Statistics;
 use super::{Cells, NODATA, RASTER_TILE, RasterSpec};
 
 /// The values of a tag.
-pub enum Values {
+enum Values {
     /// ASCII, its zero added.
     Text(String),
     /// 16 bit.
@@ -15,7 +17,7 @@ pub enum Values {
 }
 
 /// Number and values.
-pub struct Tag(u16, Values);
+struct Tag(u16, Values);
 
 impl Values {
     /// The format's number of the type, how many values, their bytes.
@@ -53,87 +55,120 @@ impl Values {
     }
 }
 
-/// A directory that starts at a place in the file, and the place of its link to the next one.
-pub fn directory(tags: &[Tag], start: u64) -> (Vec<u8>, u64) {
+/// One directory of the file: a level, or the mask of one.
+pub struct Page {
+    pub columns: usize,
+    pub rows: usize,
+    pub is_overview: bool,
+    pub is_mask: bool,
+    /// Offset and length of each tile, row by row.
+    pub places: Vec<[u32; 2]>,
+}
+
+/// The head of the file and all directories, each with its values behind it. How many bytes these are does not depend on the places.
+pub fn bytes(spec: &RasterSpec, statistics: &Statistics, pages: &[Page]) -> Vec<u8> {
+    // Little-endian, TIFF, and the first directory right behind.
+    let mut all = b"II\x2a\0\x08\0\0\0".to_vec();
+    for (index, page) in pages.iter().enumerate() {
+        let is_last = index + 1 == pages.len();
+        directory(&tags(spec, statistics, page), is_last, &mut all);
+    }
+    all
+}
+
+/// Adds a directory, its values, and the link to the next one, which lies right behind them.
+fn directory(tags: &[Tag], is_last: bool, all: &mut Vec<u8>) {
+    let start = all.len();
     let head = 2 + 12 * tags.len() + 4;
-    let (mut entries, mut behind) = (Vec::with_capacity(head), Vec::new());
-    entries.extend((tags.len() as u16).to_le_bytes());
+    let mut behind = Vec::new();
+    all.extend((tags.len() as u16).to_le_bytes());
     for Tag(number, values) in tags {
         let (kind, count, mut bytes) = values.stored();
-        entries.extend(number.to_le_bytes());
-        entries.extend(kind.to_le_bytes());
-        entries.extend(count.to_le_bytes());
+        all.extend(number.to_le_bytes());
+        all.extend(kind.to_le_bytes());
+        all.extend(count.to_le_bytes());
         if bytes.len() <= 4 {
             bytes.resize(4, 0);
-            entries.extend(bytes);
+            all.extend(bytes);
         } else {
-            let place = start as u32 + (head + behind.len()) as u32;
-            entries.extend(place.to_le_bytes());
+            let place = (start + head + behind.len()) as u32;
+            all.extend(place.to_le_bytes());
             bytes.resize(bytes.len().next_multiple_of(2), 0);
             behind.extend(bytes);
         }
     }
-    let link = start + entries.len() as u64;
-    entries.extend([0; 4]);
-    entries.extend(behind);
-    (entries, link)
+    let next = match is_last {
+        true => 0,
+        false => (start + head + behind.len()) as u32,
+    };
+    all.extend(next.to_le_bytes());
+    all.extend(behind);
 }
 
-/// The tags of one level of `columns` x `rows` cells whose tiles lie at `places` (offset and length).
-pub fn tags(
-    spec: &RasterSpec,
-    [columns, rows]: [usize; 2],
-    overview: bool,
-    places: &[[u32; 2]],
-) -> Vec<Tag> {
-    let (samples, bits, format, colours) = match spec.cells {
-        Cells::Rgba => (4, 8, 1, 2),
-        Cells::Metres => (1, 32, 3, 1),
+/// The tags of a directory, in ascending order as the format wants them.
+fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
+    let is_full = !page.is_overview && !page.is_mask;
+    let cells = (!page.is_mask).then_some(spec.cells);
+    // Samples, bits of each, what they are (1 grey, 2 colours, 4 a mask).
+    let (samples, bits, colours) = match cells {
+        Some(Cells::Rgba) => (4, 8, 2),
+        Some(Cells::Level) => (1, 8, 1),
+        Some(Cells::Metres) => (1, 32, 1),
+        None => (1, 1, 4),
     };
     let short = |value: u16| Values::Short(vec![value]);
     let long = |value: usize| Values::Long(vec![value as u32]);
     let mut tags = vec![
-        Tag(254, long(usize::from(overview))),
-        Tag(256, long(columns)),
-        Tag(257, long(rows)),
+        Tag(
+            254,
+            long(usize::from(page.is_overview) + 4 * usize::from(page.is_mask)),
+        ),
+        Tag(256, long(page.columns)),
+        Tag(257, long(page.rows)),
         Tag(258, Values::Short(vec![bits; samples])),
         // Deflate, as Adobe numbers it.
         Tag(259, short(8)),
         Tag(262, short(colours)),
-        Tag(
-            270,
-            Values::Text(
-                spec.description
-                    .replace(|c: char| !c.is_ascii() || c == '\0', "?"),
-            ),
-        ),
-        Tag(277, short(samples as u16)),
-        Tag(284, short(1)),
-        Tag(
-            305,
-            Values::Text(concat!("Bathyscope ", env!("CARGO_PKG_VERSION")).to_owned()),
-        ),
-        Tag(317, short(if spec.cells == Cells::Rgba { 2 } else { 1 })),
+    ];
+    if is_full {
+        let ascii = |c: char| !c.is_ascii() || c == '\0';
+        tags.push(Tag(270, Values::Text(spec.description.replace(ascii, "?"))));
+    }
+    tags.extend([Tag(277, short(samples as u16)), Tag(284, short(1))]);
+    if is_full {
+        let program = concat!("Bathyscope ", env!("CARGO_PKG_VERSION"));
+        tags.push(Tag(305, Values::Text(program.to_owned())));
+    }
+    // Differences of bytes to the cell before, or none.
+    let is_differences = cells == Some(Cells::Rgba);
+    tags.extend([
+        Tag(317, short(if is_differences { 2 } else { 1 })),
         Tag(322, long(RASTER_TILE)),
         Tag(323, long(RASTER_TILE)),
         Tag(
             324,
-            Values::Long(places.iter().map(|place| place[0]).collect()),
+            Values::Long(page.places.iter().map(|place| place[0]).collect()),
         ),
         Tag(
             325,
-            Values::Long(places.iter().map(|place| place[1]).collect()),
+            Values::Long(page.places.iter().map(|place| place[1]).collect()),
         ),
-    ];
-    if spec.cells == Cells::Rgba {
+    ]);
+    if cells == Some(Cells::Rgba) {
         // The fourth sample is opacity, the colours not multiplied by it.
         tags.push(Tag(338, short(2)));
     }
+    // Unsigned, or floating point.
+    let format = if cells == Some(Cells::Metres) { 3 } else { 1 };
     tags.push(Tag(339, Values::Short(vec![format; samples])));
-    if !overview {
+    if is_full {
         tags.extend(georeference(spec));
     }
-    if spec.cells == Cells::Metres {
+    if let Some(band) = spec.band.filter(|_| is_full) {
+        let text = gdal_metadata(spec, &band, statistics);
+        tags.push(Tag(42_112, Values::Text(text)));
+    }
+    if cells == Some(Cells::Metres) {
         tags.push(Tag(42_113, Values::Text(format!("{NODATA}"))));
     }
     tags

@@ -3,37 +3,54 @@
 use super::{Cells, NODATA, RASTER_TILE};
 
 /// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each cell the mean of those of its
-/// four that hold something. Both hold [`RASTER_TILE`] rows of as many cells of four bytes.
+/// four that hold something. Both hold [`RASTER_TILE`] rows of as many cells.
 pub fn halve_into(cells: Cells, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
+    match cells {
+        Cells::Rgba => halve(finer, quarter, coarser, mean_colour),
+        Cells::Level => halve(finer, quarter, coarser, mean_level),
+        Cells::Metres => halve(finer, quarter, coarser, mean_metres),
+    }
+}
+
+fn halve<const BYTES: usize>(
+    finer: &[u8],
+    quarter: [usize; 2],
+    coarser: &mut [u8],
+    mean: impl Fn([[u8; BYTES]; 4]) -> [u8; BYTES],
+) {
     let half = RASTER_TILE / 2;
-    let at = |row: usize, column: usize| 4 * (row * RASTER_TILE + column);
-    for row in 0..half {
-        for column in 0..half {
-            let four = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|[down, across]| {
-                let start = at(2 * row + down, 2 * column + across);
-                [0, 1, 2, 3].map(|byte| finer[start + byte])
-            });
-            let mean = match cells {
-                Cells::Rgba => mean_colour(four),
-                Cells::Metres => mean_metres(four),
-            };
-            let goal = at(quarter[0] * half + row, quarter[1] * half + column);
-            coarser[goal..goal + 4].copy_from_slice(&mean);
+    let finer = finer.as_chunks::<BYTES>().0;
+    let coarser = coarser.as_chunks_mut::<BYTES>().0;
+    for (row, pair) in finer.chunks_exact(2 * RASTER_TILE).enumerate() {
+        let (upper, lower) = pair.split_at(RASTER_TILE);
+        let first = (quarter[0] * half + row) * RASTER_TILE + quarter[1] * half;
+        let pairs = upper.chunks_exact(2).zip(lower.chunks_exact(2));
+        for (goal, (upper, lower)) in coarser[first..first + half].iter_mut().zip(pairs) {
+            *goal = mean([upper[0], upper[1], lower[0], lower[1]]);
         }
     }
 }
 
 /// The mean colour of what is not transparent.
 fn mean_colour(four: [[u8; 4]; 4]) -> [u8; 4] {
-    let seen: Vec<[u8; 4]> = four.into_iter().filter(|colour| colour[3] > 0).collect();
-    if seen.is_empty() {
-        return [0; 4];
+    let seen = four.iter().filter(|colour| colour[3] > 0);
+    let (mut sums, mut count) = ([0_u32; 4], 0);
+    for colour in seen {
+        sums = std::array::from_fn(|byte| sums[byte] + u32::from(colour[byte]));
+        count += 1;
     }
-    let count = seen.len() as u32;
-    [0, 1, 2, 3].map(|byte| {
-        let sum: u32 = seen.iter().map(|colour| u32::from(colour[byte])).sum();
-        ((sum + count / 2) / count) as u8
-    })
+    match count {
+        0 => [0; 4],
+        count => sums.map(|sum| ((sum + count / 2) / count) as u8),
+    }
+}
+
+/// The mean of the levels that are known.
+fn mean_level(four: [[u8; 1]; 4]) -> [u8; 1] {
+    let sum: u16 = four.iter().map(|level| u16::from(level[0])).sum();
+    let count: u16 = four.iter().map(|level| u16::from(level[0] > 0)).sum();
+    // Never 0, since each of them is at least 1.
+    [((sum + count / 2) / count.max(1)) as u8]
 }
 
 /// The mean of what is known.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::export::points;
 
 fn spec(columns: usize, rows: usize, cells: Cells) -> RasterSpec {
     RasterSpec {
@@ -9,22 +10,106 @@ fn spec(columns: usize, rows: usize, cells: Cells) -> RasterSpec {
         cell: [0.5, 0.5],
         crs: Crs::from_epsg(32_612).unwrap(),
         cells,
+        band: (cells == Cells::Metres).then_some(Band {
+            name: "depth",
+            unit: "metre",
+            positive_down: true,
+        }),
         description: "depth".into(),
     }
 }
 
-/// Reads the tags of the directory at a place, and the place of the next: number, type, count, value or offset.
-fn read_directory(bytes: &[u8], at: usize) -> (Vec<[u32; 4]>, usize) {
-    let short = |at: usize| u32::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
-    let long = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    let count = short(at) as usize;
-    let tags = (0..count).map(|index| at + 2 + 12 * index);
-    let tags = tags.map(|at| [short(at), short(at + 2), long(at + 4), long(at + 8)]);
-    (tags.collect(), long(at + 2 + 12 * count) as usize)
+/// A directory of a file: what its tags hold, numbers widened, and where it lies.
+struct Directory {
+    at: usize,
+    tags: Vec<(u32, Vec<u64>)>,
+}
+
+impl Directory {
+    fn get(&self, number: u32) -> &[u64] {
+        let found = self.tags.iter().find(|tag| tag.0 == number);
+        found.map(|tag| tag.1.as_slice()).unwrap_or_default()
+    }
+
+    fn text(&self, number: u32) -> String {
+        let bytes = self.get(number).iter().map(|&byte| byte as u8);
+        String::from_utf8(bytes.collect()).unwrap()
+    }
+}
+
+fn directories(bytes: &[u8]) -> Vec<Directory> {
+    let number = |at: usize, size: usize| {
+        let bytes = bytes[at..at + size].iter().rev();
+        bytes.fold(0_u64, |number, &byte| number << 8 | u64::from(byte))
+    };
+    let (mut at, mut found) = (number(4, 4) as usize, Vec::new());
+    while at != 0 {
+        let count = number(at, 2) as usize;
+        let tag = |index: usize| {
+            let entry = at + 2 + 12 * index;
+            let size = match number(entry + 2, 2) {
+                2 => 1,
+                3 => 2,
+                4 => 4,
+                kind => {
+                    assert_eq!(kind, 12, "a type that is not written");
+                    8
+                }
+            };
+            let values = number(entry + 4, 4) as usize;
+            let first = match values * size <= 4 {
+                true => entry + 8,
+                false => number(entry + 8, 4) as usize,
+            };
+            let values = (0..values).map(|index| number(first + index * size, size));
+            (number(entry, 2) as u32, values.collect())
+        };
+        let tags: Vec<(u32, Vec<u64>)> = (0..count).map(tag).collect();
+        assert!(tags.is_sorted_by_key(|tag| tag.0));
+        found.push(Directory { at, tags });
+        at = number(at + 2 + 12 * count, 4) as usize;
+    }
+    found
+}
+
+/// What a validator of Cloud-Optimized GeoTIFF asks for: directories first and in order, tiles from the coarsest level to the full
+/// picture, row by row.
+fn assert_cloud_optimized(bytes: &[u8], found: &[Directory]) {
+    assert_eq!(found[0].at, 8);
+    assert!(found.is_sorted_by_key(|directory| directory.at));
+    let last_directory = found.last().unwrap().at as u64;
+    let mut levels: Vec<(u64, &Directory)> = Vec::new();
+    for directory in found {
+        let [places, lengths] = [324, 325].map(|tag| directory.get(tag));
+        assert_eq!(
+            [places.len(), directory.get(322)[0] as usize],
+            [lengths.len(), RASTER_TILE]
+        );
+        for (place, length) in places.iter().zip(lengths) {
+            assert!(*place > last_directory && place + length <= bytes.len() as u64);
+        }
+        // Those that hold nothing share one tile; the others follow each other.
+        let mut own = places.to_vec();
+        own.dedup();
+        let mut once = own.clone();
+        once.sort_unstable();
+        once.dedup();
+        let shared = own.len() - once.len();
+        let ascending = own.windows(2).filter(|pair| pair[0] < pair[1]).count();
+        assert!(ascending + 2 * shared + 1 >= own.len(), "{places:?}");
+        levels.push((*places.iter().min().unwrap(), directory));
+    }
+    for pair in levels.windows(2) {
+        let is_mask_of = pair[1].1.get(254)[0] & 4 != 0;
+        match is_mask_of {
+            true => assert_eq!(pair[0].1.get(256), pair[1].1.get(256)),
+            false => assert!(pair[0].0 > pair[1].0, "coarser tiles lie before finer ones"),
+        }
+    }
 }
 
 #[test]
-fn levels_halve_down_to_one_tile_and_tags_ascend() {
+fn directories_come_first_and_coarse_tiles_before_fine_ones() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.tif");
     let spec = spec(1000, 300, Cells::Metres);
@@ -32,25 +117,113 @@ fn levels_halve_down_to_one_tile_and_tags_ascend() {
         let metres = (10 * row + column) as f32;
         metres.to_le_bytes().repeat(RASTER_TILE * RASTER_TILE)
     };
-    geotiff(&path, &spec, &[[0, 0], [1, 3]], draw, &Progress::new()).unwrap();
+    geotiff(&path, &spec, &[[0, 0], [1, 2]], draw, &Progress::new()).unwrap();
     let bytes = std::fs::read(&path).unwrap();
-    let (mut at, mut sizes) = (
-        u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize,
-        Vec::new(),
-    );
-    while at != 0 {
-        let (tags, next) = read_directory(&bytes, at);
-        assert!(tags.is_sorted_by_key(|tag| tag[0]));
-        let value = |number: u32| tags.iter().find(|tag| tag[0] == number).unwrap()[3];
-        sizes.push([value(254), value(256), value(257)]);
-        at = next;
-    }
+    let found = directories(&bytes);
+    assert_cloud_optimized(&bytes, &found);
+    let size = |directory: &Directory| [254, 256, 257].map(|tag| directory.get(tag)[0]);
+    let sizes: Vec<_> = found.iter().map(size).collect();
     assert_eq!(sizes, [[0, 1000, 300], [1, 500, 150], [1, 250, 75]]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_band_has_a_name_a_unit_and_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let mut tile = Cells::Metres.empty_tile();
+    for (cell, metres) in [(0, 2.0_f32), (5, 3.0), (300, 7.0)] {
+        tile[4 * cell..4 * cell + 4].copy_from_slice(&metres.to_le_bytes());
+    }
+    let spec = spec(100, 60, Cells::Metres);
+    geotiff(&path, &spec, &[[0, 0]], |_| tile.clone(), &Progress::new()).unwrap();
+    let found = directories(&std::fs::read(&path).unwrap());
+    let text = found[0].text(42_112);
+    for item in [
+        "name=\"DESCRIPTION\" sample=\"0\" role=\"description\">depth<",
+        "name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">metre<",
+        "name=\"positive\" sample=\"0\">down<",
+        "name=\"STATISTICS_MINIMUM\" sample=\"0\">2<",
+        "name=\"STATISTICS_MAXIMUM\" sample=\"0\">7<",
+        "name=\"STATISTICS_MEAN\" sample=\"0\">4<",
+        "name=\"STATISTICS_STDDEV\" sample=\"0\">2.1602",
+        "name=\"STATISTICS_VALID_PERCENT\" sample=\"0\">0.05<",
+    ] {
+        assert!(text.contains(item), "{item} in {text}");
+    }
+    assert!(metadata::counts_downwards(&text));
+}
+
+#[test]
+fn the_tag_and_not_the_sentence_says_which_way_depths_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let mut tile = Cells::Metres.empty_tile();
+    tile[..4].copy_from_slice(&2.5_f32.to_le_bytes());
+    for positive_down in [true, false] {
+        let mut spec = spec(100, 60, Cells::Metres);
+        spec.description = "Surface".to_owned();
+        spec.band = spec.band.map(|band| Band {
+            positive_down,
+            ..band
+        });
+        geotiff(&path, &spec, &[[0, 0]], |_| tile.clone(), &Progress::new()).unwrap();
+        let found = points::read_elevations(path.as_os_str()).unwrap();
+        let expected = if positive_down { -2.5 } else { 2.5 };
+        assert_eq!(found.points[0][2], expected);
+    }
+}
+
+#[test]
+fn levels_have_one_band_and_a_mask_at_every_resolution() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let mut spec = spec(700, 700, Cells::Level);
+    spec.band = Some(Band {
+        name: "echo level",
+        unit: "",
+        positive_down: false,
+    });
+    let draw = |[row, column]: [usize; 2]| {
+        let level = |cell: usize| (cell % 7 * (row + column)) as u8;
+        (0..RASTER_TILE * RASTER_TILE).map(level).collect()
+    };
+    geotiff(
+        &path,
+        &spec,
+        &[[0, 1], [1, 0], [1, 1]],
+        draw,
+        &Progress::new(),
+    )
+    .unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let found = directories(&bytes);
+    assert_cloud_optimized(&bytes, &found);
+    // Kind, columns, samples, bits, what a sample is.
+    let what = |directory: &Directory| [254, 256, 277, 258, 262].map(|tag| directory.get(tag)[0]);
+    let whats: Vec<_> = found.iter().map(what).collect();
+    let expected = [
+        [0, 700, 1, 8, 1],
+        [4, 700, 1, 1, 4],
+        [1, 350, 1, 8, 1],
+        [5, 350, 1, 1, 4],
+        [1, 175, 1, 8, 1],
+        [5, 175, 1, 1, 4],
+    ];
+    assert_eq!(whats, expected);
+    // The mask of the tile in the middle: six of seven cells of a level.
+    let mask = &found[1];
+    let index = 4;
+    let place = mask.get(324)[index] as usize;
+    let packed = &bytes[place..place + mask.get(325)[index] as usize];
+    let mask = pack::unpack(Cells::Level, packed).unwrap();
+    assert_eq!(mask.len(), RASTER_TILE * RASTER_TILE / 8);
+    assert_eq!(mask[..2], [0b0111_1110, 0b1111_1101]);
 }
 
 #[test]
 fn halves_are_means_of_what_is_known() {
-    let mut finer = Cells::Metres.empty().repeat(RASTER_TILE * RASTER_TILE);
+    let mut finer = Cells::Metres.empty_tile();
     let mut set = |row: usize, column: usize, metres: f32| {
         let at = 4 * (row * RASTER_TILE + column);
         finer[at..at + 4].copy_from_slice(&metres.to_le_bytes());
@@ -58,7 +231,7 @@ fn halves_are_means_of_what_is_known() {
     set(0, 0, 1.0);
     set(0, 1, 2.0);
     set(3, 2, 7.0);
-    let mut coarser = Cells::Metres.empty().repeat(RASTER_TILE * RASTER_TILE);
+    let mut coarser = Cells::Metres.empty_tile();
     overview::halve_into(Cells::Metres, &finer, [1, 0], &mut coarser);
     let at = |row: usize, column: usize| {
         let at = 4 * (row * RASTER_TILE + column);
@@ -71,25 +244,12 @@ fn halves_are_means_of_what_is_known() {
 }
 
 #[test]
-fn packing_can_be_undone() {
-    let bytes: Vec<u8> = (0..4 * RASTER_TILE * RASTER_TILE)
-        .map(|index| (index * index / 7) as u8)
-        .collect();
-    for cells in [Cells::Rgba, Cells::Metres] {
-        assert_eq!(
-            unpack(cells, &pack(cells, bytes.clone()).unwrap()).unwrap(),
-            bytes
-        );
-    }
-}
-
-#[test]
 fn a_cancelled_raster_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let progress = Progress::new();
     progress.cancel();
     let path = folder.path().join("a.tif");
-    let empty = |_| vec![0; 4 * RASTER_TILE * RASTER_TILE];
+    let empty = |_| Cells::Rgba.empty_tile();
     let stopped = geotiff(
         &path,
         &spec(300, 300, Cells::Rgba),

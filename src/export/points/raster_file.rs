@@ -2,6 +2,7 @@
 
 use super::elevations::Plane;
 use crate::contained::contained;
+use crate::export::geotiff;
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
@@ -14,7 +15,7 @@ pub(super) struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
     pub plane: Plane,
-    /// Whether the raster says of itself that it counts depths downwards, as those of `bathyscope process` do.
+    /// Whether the raster says of itself that its values count downwards, as the depths of `bathyscope process` do.
     pub downwards: bool,
 }
 
@@ -31,6 +32,8 @@ const RASTER_TYPE: u16 = 1025;
 const GEOGRAPHIC: u16 = 2048;
 const PROJECTED: u16 = 3072;
 const IS_GEOGRAPHIC: u16 = 2;
+/// Tag in which GDAL keeps what it adds to a band.
+const GDAL_METADATA: u16 = 42_112;
 const IS_POINT: u16 = 2;
 
 /// Reads the first image of a file. The error is a sentence without the path.
@@ -63,7 +66,7 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
     let place = Place::of(&mut decoder, keys.value(RASTER_TYPE) == Some(IS_POINT))?;
     let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
     let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    let description = decoder.get_tag_ascii_string(Tag::ImageDescription);
+    let downwards = counts_downwards(&mut decoder);
     let known = |value: f64| value.is_finite() && nodata != Some(value);
     let mut points = Vec::new();
     each_block(
@@ -88,8 +91,16 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
     Ok(RasterPoints {
         points,
         plane: keys.plane(),
-        downwards: description.is_ok_and(|text| text.starts_with("Depth in metres, positive down")),
+        downwards,
     })
+}
+
+/// Whether values are depths: an item in GDAL's tag says so, or the description that older rasters of `bathyscope process` have.
+fn counts_downwards(decoder: &mut Tiff) -> bool {
+    let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
+    let description = decoder.get_tag_ascii_string(Tag::ImageDescription);
+    metadata.is_ok_and(|text| geotiff::counts_downwards(&text))
+        || description.is_ok_and(|text| text.starts_with("Depth in metres, positive down"))
 }
 
 /// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole: column and row of its first cell,

@@ -3,15 +3,94 @@
 use super::DepthWritten;
 use super::plane::Plane;
 use crate::bathymetry::{Grid, Surface};
-use crate::export::Summary;
-use crate::export::geotiff::{Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
+use crate::depth_colours::depth_colour;
+use crate::export::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
+use crate::export::{Summary, qgis_style};
 use crate::pipeline::Products;
 use crate::pipeline::record::{Coordinates, Made};
 use crate::progress::Progress;
 use std::path::Path;
 
+/// A raster to write.
+struct Layer<'a> {
+    name: &'static str,
+    /// Its colours in QGIS.
+    style: &'static str,
+    band: Band,
+    /// What the record calls the values.
+    measured: &'static str,
+    values: &'a [f32],
+    what: &'static str,
+    colour: fn(f32) -> [u8; 3],
+}
+
+fn layers(surface: &Surface) -> [Layer<'_>; 3] {
+    let band = |name, positive_down| Band {
+        name,
+        unit: "metre",
+        positive_down,
+    };
+    [
+        Layer {
+            name: "depth.tif",
+            style: "depth.qml",
+            band: band("depth", true),
+            measured: "depth_m",
+            values: &surface.depth_m,
+            what: "Depth in metres, positive down",
+            colour: depth_colour,
+        },
+        Layer {
+            name: "uncertainty.tif",
+            style: "uncertainty.qml",
+            band: band("standard deviation of depth", false),
+            measured: "standard_deviation_m",
+            values: &surface.spread_m,
+            what: "Standard deviation in metres of the depths that carry a cell",
+            colour: |share| ramp(&YELLOW_TO_RED, share),
+        },
+        Layer {
+            name: "distance.tif",
+            style: "distance.qml",
+            band: band("distance to the nearest depth", false),
+            measured: "distance_m",
+            values: &surface.distance_m,
+            what: "Distance in metres from a cell to the nearest depth",
+            colour: |share| ramp(&PURPLES, share),
+        },
+    ]
+}
+
+/// Steps of the colours in a style.
+const STEPS: usize = 10;
+/// ColorBrewer's `YlOrRd` and `Purples` in five classes (Brewer 2002).
+const YELLOW_TO_RED: [[u8; 3]; 5] = [
+    [255, 255, 178],
+    [254, 204, 92],
+    [253, 141, 60],
+    [240, 59, 32],
+    [189, 0, 38],
+];
+const PURPLES: [[u8; 3]; 5] = [
+    [242, 240, 247],
+    [203, 201, 226],
+    [158, 154, 200],
+    [117, 107, 177],
+    [84, 39, 143],
+];
+
+/// The colour at a share of the way through some, linear between them.
+fn ramp(colours: &[[u8; 3]; 5], share: f32) -> [u8; 3] {
+    let place = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
+    let below = (place as usize).min(colours.len() - 2);
+    std::array::from_fn(|channel| {
+        let [from, to] = [colours[below], colours[below + 1]].map(|one| f32::from(one[channel]));
+        (from + (to - from) * (place - below as f32)).round() as u8
+    })
+}
+
 /// Writes `depth.tif`, `uncertainty.tif` and `distance.tif`: metres as f32 on one grid, each with what was and was not
-/// corrected in its description.
+/// corrected in its description, and beside each its colours for QGIS (`.qml`).
 pub(super) fn write(
     surface: &Surface,
     plane: &Plane<'_>,
@@ -20,31 +99,11 @@ pub(super) fn write(
     progress: &Progress,
     written: &mut DepthWritten,
 ) -> Result<(), String> {
-    let layers: [(&'static str, &'static str, &[f32], &'static str); 3] = [
-        (
-            "depth.tif",
-            "depth_m",
-            &surface.depth_m,
-            "Depth in metres, positive down",
-        ),
-        (
-            "uncertainty.tif",
-            "standard_deviation_m",
-            &surface.spread_m,
-            "Standard deviation in metres of the depths that carry a cell",
-        ),
-        (
-            "distance.tif",
-            "distance_m",
-            &surface.distance_m,
-            "Distance in metres from a cell to the nearest depth",
-        ),
-    ];
     let grid = &surface.grid;
     let tiles = tiles(grid, &surface.depth_m);
     let applied = applied(products, grid);
     let crs = &plane.map.crs;
-    for (name, measured, values, what) in layers {
+    for layer in layers(surface) {
         let spec = RasterSpec {
             columns: grid.columns,
             rows: grid.rows,
@@ -53,18 +112,27 @@ pub(super) fn write(
             cell: plane.map.in_crs([grid.cell_m; 2]),
             crs: crs.clone(),
             cells: Cells::Metres,
-            description: format!("{what}; {}. {applied}", plane.survey.name()),
+            band: Some(layer.band),
+            description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
         };
-        let draw = |tile| draw(grid, values, tile);
-        geotiff(&folder.join(name), &spec, &tiles, draw, progress)
+        let draw = |tile| draw(grid, layer.values, tile);
+        geotiff(&folder.join(layer.name), &spec, &tiles, draw, progress)
             .map_err(|error| error.to_string())?;
+        let summary = summary(plane, grid, layer.values);
+        qgis_style(
+            &folder.join(layer.style),
+            summary.values.unwrap_or_default(),
+            STEPS,
+            layer.colour,
+        )
+        .map_err(|error| error.to_string())?;
         written.made.push(Made {
-            name,
-            what,
+            name: layer.name,
+            what: layer.what,
             coordinates: Coordinates::System(crs.clone()),
             counted: "cells",
-            measured,
-            summary: summary(plane, grid, values),
+            measured: layer.measured,
+            summary,
             regardless_of: &["detector", "isobaths", "mosaic"],
         });
     }

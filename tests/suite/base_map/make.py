@@ -27,16 +27,18 @@ def picture(columns, rows, bands):
     return np.stack(waves[:bands]).astype(np.uint8)
 
 
-def write(name, data, epsg, pixel, palette=None, overviews=(), transform=None, interpretation=None, late=False, **options):
+def write(name, data, epsg, pixel, palette=None, overviews=(), transform=None, interpretation=None, late=False, mask=None, **options):
     bands, rows, columns = data.shape
     transform = transform or corner(epsg or 32617, columns, rows, pixel)
     profile = dict(driver="GTiff", width=columns, height=rows, count=bands, dtype=data.dtype, transform=transform)
     if epsg:
         profile["crs"] = f"EPSG:{epsg}"
-    with rasterio.open(name, "w", **profile, **options) as file:
+    with rasterio.Env(GDAL_TIFF_INTERNAL_MASK=True), rasterio.open(name, "w", **profile, **options) as file:
         if palette and not late:
             file.write_colormap(1, palette)
         file.write(data)
+        if mask is not None:
+            file.write_mask(mask)
         if palette and late:
             file.write_colormap(1, palette)
         if interpretation:
@@ -51,6 +53,7 @@ def colours(name, epsg, count=40):
         data, place = file.read(), file.transform
         palette = file.colormap(1) if file.colorinterp[0] == ColorInterp.palette else None
         nodata = file.nodata
+        seen = file.dataset_mask()
         has_alpha = ColorInterp.alpha in file.colorinterp
     to_degrees = Transformer.from_crs(epsg, 4326, always_xy=True)
     found = []
@@ -64,7 +67,7 @@ def colours(name, epsg, count=40):
             colour = [values[0]] * 3 + [255]
         else:
             colour = values[:3] + [values[3] if has_alpha else 255]
-        if colour[3] == 0 or nodata is not None and all(value == nodata for value in values):
+        if colour[3] == 0 or seen[row, column] == 0 or nodata is not None and all(value == nodata for value in values):
             colour = [0, 0, 0, 0]
         found.append([lon, lat, colour])
     return found
@@ -89,6 +92,8 @@ write("jpeg.tif", soft.astype(np.uint8), 32617, 0.5, compress="jpeg", photometri
 wide = np.repeat(np.repeat(picture(130, 16, 3), 40, axis=2), 40, axis=1)
 write("wide.tif", wide, 32617, 0.02, compress="deflate", tiled=True, blockxsize=256, blockysize=256)
 write("lambert.tif", picture(60, 40, 3), 2154, 0.5, compress="deflate", transform=from_origin(652000, 6862000, 0.5, 0.5))
+seen = np.hypot(*np.meshgrid(np.linspace(-1, 1, 210), np.linspace(-1, 1, 150))) < 0.8
+write("masked_grey.tif", picture(210, 150, 1), 32617, 0.3, compress="deflate", overviews=(2,), mask=seen, **tiled)
 # Refused.
 write("heights.tif", picture(20, 20, 1).astype(np.float32), 32617, 0.5)
 write("nowhere.tif", picture(20, 20, 3), None, 0.5)
@@ -97,6 +102,6 @@ write("turned.tif", picture(20, 20, 3), 32617, 0.5, transform=Affine(0.5, 0.1, 3
 
 cases = [("utm_rgb.tif", 32617), ("degrees_grey.tif", 4326), ("mercator_palette.tif", 3857),
          ("late_palette.tif", 32617), ("lambert.tif", 2154), ("infrared.tif", 32617), ("bands.tif", 32617),
-         ("nad83_rgba.tif", 26917), ("jpeg.tif", 32617), ("wide.tif", 32617)]
+         ("nad83_rgba.tif", 26917), ("jpeg.tif", 32617), ("wide.tif", 32617), ("masked_grey.tif", 32617)]
 with open("colours.json", "w") as file:
     json.dump({name: colours(name, epsg) for name, epsg in cases}, file, indent=None)

@@ -21,7 +21,7 @@ fn products(folder: &Path) -> Vec<String> {
         product.is_some_and(|product| names.contains(product))
     };
     let belongs = |name: &String| {
-        let others = [".shx", ".dbf", ".prj", ".cpg"];
+        let others = [".shx", ".dbf", ".prj", ".cpg", ".qml"];
         name.starts_with("report.") || others.iter().any(|other| name.ends_with(other))
     };
     let products = names

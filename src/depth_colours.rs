@@ -1,4 +1,5 @@
-//! Colours of depth: shallow light to deep dark, even to the eye.
+//! Colours of depth, the same in the window, on the report's map and in the style of `depth.tif`: shallow light to deep dark, even to
+//! the eye.
 
 /// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth of the way from shallow to deep, as sRGB. It ends before the
 /// original's near-black, so that the deepest stays visible on a dark canvas.

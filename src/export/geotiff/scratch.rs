@@ -1,0 +1,67 @@
+//! Where packed tiles wait until it is known how long all of them are.
+
+use super::pack::Packed;
+use crate::export::scratch_beside;
+use std::fs::File;
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+
+/// Where some bytes lie in the scratch file.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    at: u64,
+    /// How many they are.
+    pub length: u32,
+}
+
+/// A tile in the scratch file, and its mask where it has one.
+#[derive(Clone, Copy, Debug)]
+pub struct Blocks {
+    pub image: Block,
+    pub mask: Option<Block>,
+}
+
+/// Packed tiles in the order in which they were made.
+pub struct Scratch {
+    file: File,
+    end: u64,
+}
+
+impl Scratch {
+    /// A new file beside the one that is written, where there is room for it.
+    pub fn beside(path: &Path) -> io::Result<Self> {
+        Ok(Self {
+            file: scratch_beside(path)?,
+            end: 0,
+        })
+    }
+
+    /// Adds a tile.
+    pub fn keep(&mut self, packed: &Packed) -> io::Result<Blocks> {
+        let image = self.append(&packed.image)?;
+        let mask = match &packed.mask {
+            Some(mask) => Some(self.append(mask)?),
+            None => None,
+        };
+        Ok(Blocks { image, mask })
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> io::Result<Block> {
+        let length = u32::try_from(bytes.len()).map_err(io::Error::other)?;
+        self.file.seek(SeekFrom::Start(self.end))?;
+        self.file.write_all(bytes)?;
+        let block = Block {
+            at: self.end,
+            length,
+        };
+        self.end += u64::from(length);
+        Ok(block)
+    }
+
+    /// Replaces `out` with the bytes of a block.
+    pub fn read(&mut self, block: Block, out: &mut Vec<u8>) -> io::Result<()> {
+        out.resize(block.length as usize, 0);
+        self.file.seek(SeekFrom::Start(block.at))?;
+        self.file.read_exact(out)
+    }
+}

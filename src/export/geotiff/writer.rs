@@ -1,0 +1,231 @@
+//! Makes all levels of a raster and writes them in the order of a Cloud-Optimized GeoTIFF.
+
+use super::directory::{self, Page};
+use super::pack::{pack, unpack};
+use super::scratch::{Block, Blocks, Scratch};
+use super::statistics::Statistics;
+use super::{RASTER_TILE, RasterSpec, overview};
+use crate::progress::Progress;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
+
+/// Tiles that are drawn and held at a time.
+const BATCH: usize = 32;
+
+/// One resolution of the raster.
+struct Level {
+    columns: usize,
+    rows: usize,
+    /// By row and column of the tile; those that are not here hold nothing.
+    tiles: BTreeMap<[usize; 2], Blocks>,
+}
+
+impl Level {
+    /// Rows and columns of tiles.
+    fn across(&self) -> [usize; 2] {
+        [self.rows, self.columns].map(|cells| cells.div_ceil(RASTER_TILE))
+    }
+}
+
+/// A raster on its way into a file.
+pub struct Writer<'a> {
+    spec: &'a RasterSpec,
+    scratch: Scratch,
+    /// The full resolution first.
+    levels: Vec<Level>,
+    statistics: Statistics,
+}
+
+impl<'a> Writer<'a> {
+    /// Without any tile yet.
+    pub fn new(spec: &'a RasterSpec, scratch: Scratch) -> Self {
+        Self {
+            spec,
+            scratch,
+            levels: Vec::new(),
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// The raster itself.
+    pub fn base(
+        &mut self,
+        tiles: &[[usize; 2]],
+        draw: impl Fn([usize; 2]) -> Vec<u8> + Sync,
+        progress: &Progress,
+    ) -> io::Result<()> {
+        let cells = self.spec.cells;
+        self.levels.push(Level {
+            columns: self.spec.columns,
+            rows: self.spec.rows,
+            tiles: BTreeMap::new(),
+        });
+        for batch in tiles.chunks(BATCH) {
+            progress.check().map_err(io::Error::other)?;
+            let drawn = batch.par_iter().map(|&tile| {
+                let bytes = draw(tile);
+                let statistics = Statistics::of(cells, &bytes);
+                Ok((statistics, pack(cells, bytes)?))
+            });
+            let drawn = drawn.collect::<io::Result<Vec<_>>>()?;
+            for (tile, (statistics, packed)) in batch.iter().zip(&drawn) {
+                self.statistics.join(statistics);
+                let blocks = self.scratch.keep(packed)?;
+                self.keep(*tile, blocks, progress);
+            }
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, tile: [usize; 2], blocks: Blocks, progress: &Progress) {
+        if let Some(level) = self.levels.last_mut() {
+            level.tiles.insert(tile, blocks);
+        }
+        progress.advance(1);
+    }
+
+    /// Adds a level of half the resolution, read back from the one before; false when that fits one tile.
+    pub fn overview(&mut self, progress: &Progress) -> io::Result<bool> {
+        let Some(finer) = self.levels.last() else {
+            return Ok(false);
+        };
+        if finer.columns <= RASTER_TILE && finer.rows <= RASTER_TILE {
+            return Ok(false);
+        }
+        let (columns, rows) = (finer.columns.div_ceil(2), finer.rows.div_ceil(2));
+        let halved = finer.tiles.keys().map(|tile| tile.map(|index| index / 2));
+        let mut tiles: Vec<[usize; 2]> = halved.collect();
+        tiles.sort_unstable();
+        tiles.dedup();
+        let finer = self.levels.len() - 1;
+        self.levels.push(Level {
+            columns,
+            rows,
+            tiles: BTreeMap::new(),
+        });
+        let cells = self.spec.cells;
+        for batch in tiles.chunks(BATCH / 4) {
+            progress.check().map_err(io::Error::other)?;
+            let parts = batch.iter().map(|tile| self.parts(finer, *tile));
+            let parts = parts.collect::<io::Result<Vec<_>>>()?;
+            let packed = parts.into_par_iter().map(|parts| {
+                let mut tile = cells.empty_tile();
+                for (quarter, bytes) in parts {
+                    overview::halve_into(cells, &unpack(cells, &bytes)?, quarter, &mut tile);
+                }
+                pack(cells, tile)
+            });
+            let packed = packed.collect::<io::Result<Vec<_>>>()?;
+            for (tile, packed) in batch.iter().zip(&packed) {
+                let blocks = self.scratch.keep(packed)?;
+                self.keep(*tile, blocks, progress);
+            }
+        }
+        Ok(true)
+    }
+
+    /// The compressed finer tiles that make a tile: which quarter, and the bytes.
+    fn parts(
+        &mut self,
+        finer: usize,
+        [row, column]: [usize; 2],
+    ) -> io::Result<Vec<([usize; 2], Vec<u8>)>> {
+        let mut parts = Vec::with_capacity(4);
+        for quarter in [[0, 0], [0, 1], [1, 0], [1, 1]] {
+            let tile = [2 * row + quarter[0], 2 * column + quarter[1]];
+            if let Some(blocks) = self.levels[finer].tiles.get(&tile) {
+                let mut bytes = Vec::new();
+                self.scratch.read(blocks.image, &mut bytes)?;
+                parts.push((quarter, bytes));
+            }
+        }
+        Ok(parts)
+    }
+
+    /// Writes the directories, the full resolution first, then the tiles, the coarsest level first, row by row.
+    pub fn write(mut self, file: File, progress: &Progress) -> io::Result<()> {
+        let nothing = self
+            .scratch
+            .keep(&pack(self.spec.cells, self.spec.cells.empty_tile())?)?;
+        let levels = std::mem::take(&mut self.levels);
+        let mut pages = self.pages(&levels, nothing);
+        let start = directory::bytes(self.spec, &self.statistics, &pages).len() as u64;
+        let copied = place(&levels, &mut pages, nothing, start)?;
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        out.write_all(&directory::bytes(self.spec, &self.statistics, &pages))?;
+        let mut bytes = Vec::new();
+        for block in copied {
+            progress.check().map_err(io::Error::other)?;
+            self.scratch.read(block, &mut bytes)?;
+            out.write_all(&bytes)?;
+        }
+        out.flush()
+    }
+
+    /// The directories in their order, each mask behind what it masks, none knowing yet where its tiles will lie.
+    fn pages(&self, levels: &[Level], nothing: Blocks) -> Vec<Page> {
+        let of_level = |(index, level): (usize, &Level)| {
+            let kinds: &[bool] = match nothing.mask {
+                Some(_) => &[false, true],
+                None => &[false],
+            };
+            let [down, across] = level.across();
+            let page = |&is_mask: &bool| Page {
+                columns: level.columns,
+                rows: level.rows,
+                is_overview: index > 0,
+                is_mask,
+                places: vec![[0; 2]; down * across],
+            };
+            kinds.iter().map(page).collect::<Vec<_>>()
+        };
+        levels.iter().enumerate().flat_map(of_level).collect()
+    }
+}
+
+/// Finds the place in the file of every tile, from `start` on, and which blocks are to be copied there in turn. What holds nothing is
+/// stored once a level.
+fn place(
+    levels: &[Level],
+    pages: &mut [Page],
+    nothing: Blocks,
+    start: u64,
+) -> io::Result<Vec<Block>> {
+    let mut at = start;
+    let mut copied = Vec::new();
+    let mut copy = |block: Block| -> io::Result<[u32; 2]> {
+        let place = u32::try_from(at).ok();
+        at += u64::from(block.length);
+        let (Some(place), Ok(_)) = (place, u32::try_from(at)) else {
+            return Err(io::Error::other(
+                "the raster would pass 4 GB, which TIFF cannot hold; choose larger cells",
+            ));
+        };
+        copied.push(block);
+        Ok([place, block.length])
+    };
+    let masks = 1 + usize::from(nothing.mask.is_some());
+    for (level, pages) in levels.iter().zip(pages.chunks_mut(masks)).rev() {
+        let [_, across] = level.across();
+        let mut empty: Option<[[u32; 2]; 2]> = None;
+        let mut both = |blocks: Blocks| -> io::Result<[[u32; 2]; 2]> {
+            let image = copy(blocks.image)?;
+            Ok([image, blocks.mask.map_or(Ok([0; 2]), &mut copy)?])
+        };
+        let count = pages.first().map_or(0, |page| page.places.len());
+        for index in 0..count {
+            let tile = [index / across, index % across];
+            let found = match (level.tiles.get(&tile), empty) {
+                (Some(blocks), _) => both(*blocks)?,
+                (None, Some(empty)) => empty,
+                (None, None) => *empty.insert(both(nothing)?),
+            };
+            for (page, found) in pages.iter_mut().zip(found) {
+                page.places[index] = found;
+            }
+        }
+    }
+    Ok(copied)
+}
