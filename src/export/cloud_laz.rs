@@ -4,7 +4,7 @@ use super::gps_time::adjusted_standard_s;
 use super::las_writer::{LasWriter, transforms};
 use super::{ExportError, Summary, colour, extra_bytes, write_aside};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
-use crate::first_return::FirstReturns;
+use crate::first_return::{FirstReturns, Pick};
 use crate::geo::Crs;
 use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};
@@ -19,13 +19,16 @@ const RESOLUTION_M: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
+/// Slant range from the edge of a first return within which its echo is strongest, metres.
+const ECHO_M: f64 = 0.2;
 /// ASPRS class of a bathymetric point.
 const BATHYMETRIC: u8 = 40;
 
 /// Writes the kept points as LAZ 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` tells where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
-/// Colours are the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
+/// Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
+/// the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
 /// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
 /// the log knows when it was; otherwise seconds after the log's time zero.
 pub fn cloud_laz(
@@ -99,6 +102,7 @@ fn las_point(
         x,
         y,
         z: point.z_m,
+        intensity: u16::from(echo_level(survey, returns, point)) * 257,
         return_number: 1,
         number_of_returns: 1,
         classification: Classification::new(BATHYMETRIC)?,
@@ -110,13 +114,33 @@ fn las_point(
     })
 }
 
-/// Of the first return that a point is; NaN for a sounding.
+/// Confidence of the first return that a point is; NaN for a sounding.
 fn confidence(returns: &FirstReturns, point: &CloudPoint) -> f32 {
+    first_return(returns, point).map_or(f32::NAN, |(_, pick)| pick.confidence)
+}
+
+/// The first return that a point is, and its side; `None` for a sounding.
+fn first_return(returns: &FirstReturns, point: &CloudPoint) -> Option<(Side, Pick)> {
     let side = match point.source {
-        PointSource::DownScan => return f32::NAN,
+        PointSource::DownScan => return None,
         PointSource::Port => Side::Port,
         PointSource::Starboard => Side::Starboard,
     };
-    let pick = returns.side(side).get(point.ping as usize);
-    pick.map_or(f32::NAN, |pick| pick.confidence)
+    let pick = returns.side(side).get(point.ping as usize)?;
+    pick.is_some().then_some((side, *pick))
+}
+
+/// The greatest level within a pulse's length of the first return: the pick itself lies on the edge of the echo, where the level says
+/// little of the ground. 0 for a sounding.
+fn echo_level(survey: &Survey, returns: &FirstReturns, point: &CloudPoint) -> u8 {
+    let level = || {
+        let (side, pick) = first_return(returns, point)?;
+        let ping = point.ping as usize;
+        let (span, samples) = (survey.span(ping, side)?, survey.samples(ping, side)?);
+        let length = (ECHO_M / span.metres_per_sample()).clamp(1.0, f64::from(u16::MAX)) as usize;
+        let first = pick.sample.max(0.0) as usize;
+        let last = samples.len().min(first + length);
+        (first..last).map(|sample| samples.get(sample)).max()
+    };
+    level().unwrap_or(0)
 }

@@ -113,10 +113,10 @@ pub fn write_clouds(
     let in_laz = Made {
         what: match survey.start_unix_s {
             Some(_) => {
-                "The points that the outlier filter kept; z is elevation above the transducer, time adjusted standard GPS time"
+                "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257, time adjusted standard GPS time"
             }
             None => {
-                "The points that the outlier filter kept; z is elevation above the transducer, time seconds after the log's beginning"
+                "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257, time seconds after the log's beginning"
             }
         },
         ..made(laz, system(), in_laz)

@@ -38,9 +38,18 @@ def check_laz(path, record, points):
     same("ping of cloud.laz", las.ping, points.ping, 0)
     same("side of cloud.laz", las.side, points.source, 0)
     same("confidence of cloud.laz", las.confidence, points.confidence, 0.00051)
+    check_intensity(las, points)
     check_time(las, record, points)
     no_data = header.point_format.dimension_by_name("confidence").no_data
     assert no_data is None or no_data[0] == -1.0, no_data
+
+
+def check_intensity(las, points):
+    """Echo levels of one byte in the upper range of two; soundings have none."""
+    intensity = numpy.asarray(las.intensity)
+    of_side_scan = intensity[points.source > 0]
+    assert (intensity % 257 == 0).all() and (intensity[points.source == 0] == 0).all()
+    assert (of_side_scan > 0).mean() > 0.99 and len(numpy.unique(of_side_scan)) > 20, "the intensity says nothing"
 
 
 def check_time(las, record, points):

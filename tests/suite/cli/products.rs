@@ -6,7 +6,14 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-const DEPTH: [&str; 3] = ["depth.tif", "uncertainty.tif", "distance.tif"];
+const DEPTH: [&str; 6] = [
+    "depth.tif",
+    "depth.qml",
+    "uncertainty.tif",
+    "uncertainty.qml",
+    "distance.tif",
+    "distance.qml",
+];
 const ISOBATHS: [&str; 3] = ["isobaths.geojson", "depth_areas.geojson", "storage.csv"];
 
 fn json(path: &Path) -> Value {
@@ -38,6 +45,27 @@ fn only_the_products_that_are_named_are_made() {
     assert!(refusal(folder, &wrong, 2).contains("dept"));
     let wrong = [&process[..], &["other", "--set", "surface.max_gap_m=0"]].concat();
     assert!(refusal(folder, &wrong, 1).contains("surface.max_gap_m"));
+}
+
+#[test]
+fn points_of_the_cloud_carry_the_level_of_their_echo() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let process = ["process", "pond.sl2", "--no-objects", "--products", "cloud"];
+    run(folder, &[&process[..], &["-o", "out"]].concat());
+    let mut reader = las::Reader::from_path(folder.join("out/cloud.laz")).expect("a LAZ file");
+    let points = reader.read_all().expect("points");
+    // The user data are 0 for soundings.
+    let points = points.user_data().zip(points.intensity());
+    let (side_scan, soundings): (Vec<_>, Vec<_>) = points.partition(|(source, _)| *source > 0);
+    assert!(side_scan.len() > 100 && soundings.len() > 100);
+    let mut levels: Vec<u16> = side_scan.iter().map(|(_, intensity)| *intensity).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    assert!(levels[0] > 0 && levels.len() > 20, "{levels:?}");
+    assert!(levels.iter().all(|level| level % 257 == 0));
+    assert!(soundings.iter().all(|(_, intensity)| *intensity == 0));
 }
 
 #[test]
