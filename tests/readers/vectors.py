@@ -198,7 +198,7 @@ def check_footprint(folder, made):
 def check_covers(folder, record, shape):
     """What the mosaic shows lies within the footprint, but for its last half metre."""
     with rasterio.open(folder / "mosaic.tif") as raster:
-        rows, columns = numpy.nonzero(raster.read(4))
+        rows, columns = numpy.nonzero(raster.dataset_mask())
         chosen = numpy.random.default_rng(1).choice(len(rows), 4000)
         places = [raster.xy(rows[one], columns[one]) for one in chosen]
     back = pyproj.Transformer.from_crs(system(record), 4326, always_xy=True)

@@ -237,12 +237,12 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
 }
 
 #[test]
-fn a_weak_side_and_a_misread_depth_leave_neither_step_nor_bar() {
+fn a_weak_side_leaves_no_step_even_where_the_depth_is_misread() {
     let (survey, products) = weak_to_starboard_and_misread();
     let [recorded, even] =
         [Gain::Recorded, Gain::Empirical].map(|gain| Swaths::of(&survey, &products, gain));
-    let figures = [&recorded, &even].map(|one| [one.step(), one.unevenness(), one.bars()]);
-    eprintln!("step, unevenness, bars: {figures:.3?}");
+    let figures = [&recorded, &even].map(|one| [one.step(), one.unevenness()]);
+    eprintln!("step, unevenness: {figures:.3?}");
     // There is something to mend.
     assert!(
         recorded.step() < -0.3 && recorded.unevenness() > 0.15,
@@ -250,5 +250,4 @@ fn a_weak_side_and_a_misread_depth_leave_neither_step_nor_bar() {
     );
     assert!(even.step().abs() <= 0.02, "{figures:.3?}");
     assert!(even.unevenness() <= 0.04, "{figures:.3?}");
-    assert!(even.bars() <= 0.10, "{figures:.3?}");
 }
