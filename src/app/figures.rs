@@ -1,6 +1,6 @@
 //! Counts of a result, taken once on a worker so that no panel counts points in a frame.
 
-use crate::cloud::{PointSource, Residuals, residuals};
+use crate::cloud::{Outliers, Residuals, residuals};
 use crate::first_return::FirstReturns;
 use crate::pipeline::Products;
 use crate::progress::{Cancelled, Progress};
@@ -17,11 +17,9 @@ pub struct Figures {
     pub canopy: usize,
     /// Points of the cloud.
     pub points: usize,
-    /// Points beside the track.
-    pub side_scan_points: usize,
-    /// Points that the outlier filter removes.
-    pub removed: usize,
-    /// Side-scan depth against recorded depth.
+    /// Side-scan points, and those that the outlier filter removes.
+    pub outliers: Outliers,
+    /// Elevation of side-scan points minus that of the recorded depth at the same ping.
     pub residuals: Option<Residuals>,
 }
 
@@ -34,18 +32,13 @@ impl Figures {
     ) -> Result<Self, Cancelled> {
         let found = |side| picks(&products.returns, side);
         let points = &products.cloud.points;
-        let side_scan = points
-            .iter()
-            .filter(|point| point.source != PointSource::DownScan);
-        let side_scan_points = side_scan.count();
         progress.check()?;
         Ok(Self {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
             canopy: canopy(&products.returns),
             points: points.len(),
-            side_scan_points,
-            removed: products.cloud.outliers(&products.kept),
+            outliers: products.cloud.outliers(&products.kept),
             residuals: residuals(
                 survey,
                 &products.cloud,

@@ -195,6 +195,20 @@ impl Calibration {
         self.flat_spot.as_ref()?.factor
     }
 
+    /// What is done to the recorded ranges, for the edge of a picture; `None` where they stay as they are.
+    pub fn range_change(&self) -> Option<String> {
+        match (self.mode, self.reach, self.ppd(), self.factor()) {
+            (ScaleMode::FlatSpot, PpdReach::Constant, Some(ppd), _) => {
+                Some(format!("ranges by {:.2} px/m", ppd.px_per_m))
+            }
+            (ScaleMode::FlatSpot, PpdReach::Factor, _, Some(factor)) => {
+                Some(format!("ranges ×{factor:.3}"))
+            }
+            _ if self.offset_m.abs() < 0.005 => None,
+            _ => Some(format!("ranges {:+.2} m", -self.offset_m)),
+        }
+    }
+
     /// Slant range, metres, at a distance of `sample` samples outward from the nearest edge of a recorded side.
     pub fn range_m(&self, span: &SideSpan, sample: f64) -> f64 {
         let header_m = span.range_m(sample);

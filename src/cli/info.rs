@@ -2,6 +2,7 @@
 
 use super::output;
 use crate::calendar;
+use crate::calibration::header_scale;
 use crate::formats;
 use crate::progress::Progress;
 use crate::survey::{Channel, SideScanState, Survey};
@@ -123,10 +124,19 @@ fn to_text(survey: &Survey) -> String {
         );
     }
     line("side-scan", side_scan_sentence(survey));
+    if let Some(scale) = header_scale(survey) {
+        line(
+            "scale",
+            format!("{:.2} samples a metre, as recorded", scale.px_per_m),
+        );
+    }
     match depth_span(survey) {
         Some((low, high)) => {
             let soundings = counted(survey.soundings.len(), "sounding");
-            line("depth", format!("{low:.2} m to {high:.2} m ({soundings})"));
+            line(
+                "depth",
+                format!("{low:.2} m to {high:.2} m below transducer ({soundings})"),
+            );
         }
         None => line("depth", "none recorded".to_owned()),
     }
@@ -242,6 +252,7 @@ fn to_json(survey: &Survey) -> Value {
             "port": survey.side_scan.iter().filter(|ping| ping.port.is_some()).count(),
             "starboard": survey.side_scan.iter().filter(|ping| ping.starboard.is_some()).count(),
         },
+        "header_px_per_m": header_scale(survey).map(|scale| scale.px_per_m),
         "depth_m": depth_span(survey).map(|(low, high)| [low, high]),
         "soundings": survey.soundings.len(),
         "position": first.map(|fix| json!({ "lon": fix.position.lon_deg, "lat": fix.position.lat_deg })),

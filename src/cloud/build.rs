@@ -3,7 +3,7 @@
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
 use super::{
-    CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
+    CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource, Reduction,
     SoundingIndex,
 };
 use crate::calibration::Calibration;
@@ -42,8 +42,8 @@ pub fn build(
     progress.start(3);
     let mut points = sounding_points(survey, navigation, settings.down_scan, correction);
     progress.advance(1);
-    let factor = correction.range_factor();
-    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, calibration, side, factor));
+    let reduction = Reduction::new(calibration, correction);
+    let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
     let rises = match settings.geometry {
         Geometry::Slope => rises(survey, &ranges),
         _ => Vec::new(),
@@ -74,13 +74,12 @@ const FARTHEST_M: f64 = 10_000.0;
 fn ranges_m(
     survey: &Survey,
     returns: &FirstReturns,
-    calibration: &Calibration,
+    reduction: Reduction<'_>,
     side: Side,
-    factor: f64,
 ) -> Vec<f64> {
     let picks = returns.side(side).par_iter().enumerate();
     picks
-        .map(|(ping, pick)| factor * slant_range_m(survey, calibration, ping, side, pick.sample))
+        .map(|(ping, pick)| reduction.range_at_m(survey, ping, side, pick.sample))
         .map(|range_m| match range_m <= FARTHEST_M {
             true => range_m,
             false => f64::NAN,

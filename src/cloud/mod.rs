@@ -1,7 +1,7 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
 //! `build` makes the points, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
+//! depths count from, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
 //! with recorded depths.
 
 mod build;
@@ -9,13 +9,15 @@ pub mod correction;
 mod geometry;
 mod keep;
 pub mod outliers;
+mod reduction;
 mod residuals;
 mod specular;
 
 pub use build::{build, slant_range_m};
-pub use correction::{Correction, DepthSettings};
+pub use correction::{Correction, DepthReference, DepthSettings};
 pub use geometry::{Foot, beside, fixed_foot};
 pub use keep::keep_points;
+pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals};
 
 use serde::{Deserialize, Serialize};
@@ -171,12 +173,29 @@ impl PointCloud {
         })
     }
 
-    /// Side-scan points that the outlier filter removed; `kept` holds one flag per point.
-    pub fn outliers(&self, kept: &[bool]) -> usize {
-        let beside = |point: &CloudPoint| point.source != PointSource::DownScan;
+    /// What the outlier filter removed of the side-scan points, which are all that it looks at; `kept` holds one flag per point.
+    pub fn outliers(&self, kept: &[bool]) -> Outliers {
         let points = self.points.iter().zip(kept);
-        points
-            .filter(|(point, kept)| beside(point) && !**kept)
-            .count()
+        let side_scan = points.filter(|(point, _)| point.source != PointSource::DownScan);
+        side_scan.fold(Outliers::default(), |sum, (_, kept)| Outliers {
+            removed: sum.removed + usize::from(!kept),
+            side_scan: sum.side_scan + 1,
+        })
+    }
+}
+
+/// How many points the outlier filter removed, of how many.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outliers {
+    /// Side-scan points removed.
+    pub removed: usize,
+    /// Side-scan points in all.
+    pub side_scan: usize,
+}
+
+impl Outliers {
+    /// Removed share of the side-scan points, 0 to 1.
+    pub fn share(&self) -> f64 {
+        self.removed as f64 / self.side_scan.max(1) as f64
     }
 }

@@ -5,7 +5,8 @@ use crate::statistics::{median, quantile};
 use crate::survey::Survey;
 use serde::Serialize;
 
-/// Statistics of differences; which sign is up is said where they are taken.
+/// Statistics of differences: of elevations, measured minus reference, so that above 0 is shallower; where other things are
+/// compared, it is said there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Residuals {
     /// Number of differences.
@@ -24,10 +25,10 @@ pub struct Residuals {
     pub p95_m: f64,
 }
 
-/// Side-scan depth minus recorded depth at the same ping (positive is deeper), over the kept side-scan points where the
-/// recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
+/// Elevation of side-scan points minus that of the recorded depth at the same ping (positive is shallower), over the kept points
+/// where the recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
 ///
-/// The two depths are those of different places where the foot lies beside the track: on a slope the difference is real.
+/// The two are those of different places where the foot lies beside the track: on a slope the difference is real.
 pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,
@@ -42,7 +43,7 @@ pub fn residuals(
         .filter_map(|(point, _)| {
             let ping = survey.side_scan.get(point.ping as usize)?;
             let recorded_m = f64::from(ping.locked_depth_m());
-            (recorded_m > 0.0).then(|| -point.z_m - correction.depth_m(ping.time_s, recorded_m))
+            (recorded_m > 0.0).then(|| point.z_m + correction.depth_m(ping.time_s, recorded_m))
         })
         .collect();
     Residuals::of(&mut differences)

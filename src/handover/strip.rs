@@ -1,6 +1,7 @@
 //! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
 
 use super::{Handover, raster};
+use crate::cloud::Reduction;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use crate::waterfall::{Levels, RangeAxis};
@@ -66,7 +67,15 @@ impl Strip<'_> {
         for ping in pings.step_by(step) {
             read += 1;
             for side in Side::BOTH {
-                add(self.from.survey, ping, side, self.far_m, &mut sums);
+                let reduction = self.from.products.reduction();
+                add(
+                    self.from.survey,
+                    reduction,
+                    ping,
+                    side,
+                    self.far_m,
+                    &mut sums,
+                );
             }
         }
         let shade = |sum: f32| {
@@ -86,8 +95,9 @@ impl Strip<'_> {
         }
     }
 
-    /// The median first return of each column, by the recorder's own scale: the picture's.
+    /// The median first return of each column.
     fn line(&self, side: Side) -> String {
+        let reduction = self.from.products.reduction();
         let mut path = String::new();
         let mut is_down = false;
         for column in 0..self.columns {
@@ -96,7 +106,8 @@ impl Strip<'_> {
                 .filter_map(|ping| {
                     let pick = self.from.products.returns.side(side).get(ping)?;
                     let span = self.from.survey.span(ping, side)?;
-                    pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
+                    let sample = f64::from(pick.sample);
+                    pick.is_some().then(|| reduction.range_m(span, sample))
                 })
                 .collect();
             is_down = match ranges.is_empty() {
@@ -143,13 +154,20 @@ impl Strip<'_> {
 }
 
 /// Adds the echoes of one side of a ping to the rows that they lie in.
-fn add(survey: &Survey, ping: usize, side: Side, far_m: f64, sums: &mut [f32]) {
+fn add(
+    survey: &Survey,
+    reduction: Reduction<'_>,
+    ping: usize,
+    side: Side,
+    far_m: f64,
+    sums: &mut [f32],
+) {
     let (Some(span), Some(samples)) = (survey.span(ping, side), survey.samples(ping, side)) else {
         return;
     };
     for row in 0..SIDE_ROWS {
         let [from, to] = [row, row + 1].map(|row| {
-            let sample = span.sample_at(row as f64 / SIDE_ROWS as f64 * far_m);
+            let sample = reduction.sample_at(span, row as f64 / SIDE_ROWS as f64 * far_m);
             sample.clamp(0.0, samples.len() as f64) as usize
         });
         if to > from {

@@ -51,12 +51,13 @@ fn sentences(from: &Handover<'_>) -> String {
     }
     write!(
         told,
-        " {} side-scan pings and {} soundings along {} of track gave {} points, of which {} ({:.1} %) were set aside as outliers.",
+        " {} side-scan pings and {} soundings along {} of track gave {} points; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
         length(sailed_m(from)),
         count(counts.points),
         count(counts.outliers_removed),
+        count(counts.side_scan_points),
         100.0 * counts.outliers_removed_share,
     )
     .ok();
@@ -111,7 +112,7 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
                 signed(residuals.median_m),
                 metres(residuals.sd_m)
             ),
-            "side-scan minus recorded depth, median \u{b1} standard deviation",
+            "side-scan minus recorded elevation at the same ping (above 0 is shallower), median \u{b1} standard deviation",
         ));
     }
     if from.objects.is_some() {

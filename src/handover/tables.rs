@@ -4,7 +4,7 @@ use super::Handover;
 use super::text::{bytes, count};
 use crate::calibration::ScaleMode;
 use crate::export::xml;
-use crate::pipeline::{Preset, Settings};
+use crate::pipeline::{CalibrationReport, Preset, Settings};
 use std::fmt::Write as _;
 
 type Written = Result<(), std::fmt::Error>;
@@ -124,7 +124,27 @@ fn scale(from: &Handover<'_>) -> String {
         (_, _, Some(header)) => format!("as the log states it, {header}"),
         _ => "as the log states it".to_owned(),
     };
-    format!("<p>Slant ranges are scaled {told}.</p>\n")
+    format!("<p>Slant ranges are scaled {told}.{}</p>\n", offset(scale))
+}
+
+/// What is taken off the ranges, or why nothing is.
+fn offset(scale: &CalibrationReport) -> String {
+    match (scale.offset_m, scale.offset_measured_m, scale.offset_note) {
+        (0.0, Some(measured_m), Some(note)) => format!(
+            " First returns lie {} m from the recorded depths; no offset is taken off the ranges ({note}).",
+            signed(measured_m)
+        ),
+        (0.0, None, Some(note)) => format!(" No offset is taken off them ({note})."),
+        (0.0, ..) => String::new(),
+        (offset_m, ..) => format!(
+            " {} m are added to every range: by so much first returns and recorded depths differ throughout the log.",
+            signed(-offset_m)
+        ),
+    }
+}
+
+fn signed(value_m: f64) -> String {
+    format!("{value_m:+.2}").replace('-', "\u{2212}")
 }
 
 /// `key = value` of every setting that is not the recommended one.

@@ -39,7 +39,7 @@ pub use placing::Placing;
 pub use product::Product;
 pub use products::{Products, Stage, run};
 pub use record::{Coordinates, Made, write_record};
-pub use report::{Input, Report, warnings};
+pub use report::{CalibrationReport, Input, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
 pub use track::write_track;
 

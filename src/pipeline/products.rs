@@ -2,7 +2,7 @@
 
 use super::Settings;
 use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{self, Correction, PointCloud};
+use crate::cloud::{self, Correction, PointCloud, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey, navigate};
@@ -87,6 +87,13 @@ pub struct Products {
     pub cloud: Arc<PointCloud>,
     /// One flag per point: kept by the outlier filter.
     pub kept: Arc<Vec<bool>>,
+}
+
+impl Products {
+    /// What samples and recorded depths are in metres by these results: for every read-out.
+    pub fn reduction(&self) -> Reduction<'_> {
+        Reduction::new(&self.calibration, &self.correction)
+    }
 }
 
 /// How many flat stretches are ranked.

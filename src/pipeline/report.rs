@@ -1,8 +1,8 @@
 //! `report.json`: what went in, with which settings, what came out, and how far to trust it.
 
 use super::{Preset, Products, Settings};
-use crate::calibration::{Calibration, PingRange};
-use crate::cloud::{PointSource, Residuals, residuals};
+use crate::calibration::{Calibration, PingRange, ScaleMode};
+use crate::cloud::{Residuals, residuals};
 use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey, Track};
@@ -40,7 +40,8 @@ pub struct Report {
     pub counts: Counts,
     /// Scales.
     pub calibration: CalibrationReport,
-    /// Side-scan depth against recorded depth, over the kept points; absent without any.
+    /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping: above 0 is shallower; absent
+    /// without any.
     pub residuals: Option<Residuals>,
     /// What these depths are, and what was not corrected.
     pub statement: String,
@@ -94,7 +95,7 @@ pub struct Counts {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CalibrationReport {
     /// `flat_spot` or `header`.
-    pub mode: crate::calibration::ScaleMode,
+    pub mode: ScaleMode,
     /// Pixels (u8 samples) per metre at the flat spot.
     pub ppd_px_per_m: Option<f64>,
     /// Its robust standard deviation.
@@ -117,6 +118,12 @@ pub struct CalibrationReport {
     pub b_m: Option<f64>,
     /// Taken off every slant range, metres (`calibration.offset`).
     pub offset_m: f64,
+    /// The offset that the log shows, in force or not, metres.
+    pub offset_measured_m: Option<f64>,
+    /// How far it may be off by its scatter, metres.
+    pub offset_uncertainty_m: Option<f64>,
+    /// Why none is taken off.
+    pub offset_note: Option<&'static str>,
     /// Robust standard deviation about that line.
     pub fit_spread_m: Option<f64>,
 }
@@ -149,12 +156,7 @@ impl Report {
                 .filter(|pick| pick.is_some())
                 .count()
         };
-        let side_scan_points = cloud
-            .points
-            .iter()
-            .filter(|point| point.source != PointSource::DownScan)
-            .count();
-        let outliers_removed = cloud.outliers(kept);
+        let outliers = cloud.outliers(kept);
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -173,9 +175,9 @@ impl Report {
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
                 points: cloud.points.len(),
-                side_scan_points,
-                outliers_removed,
-                outliers_removed_share: outliers_removed as f64 / side_scan_points.max(1) as f64,
+                side_scan_points: outliers.side_scan,
+                outliers_removed: outliers.removed,
+                outliers_removed_share: outliers.share(),
             },
             calibration: CalibrationReport::new(calibration),
             residuals: residuals(survey, cloud, correction, kept),
@@ -230,19 +232,10 @@ impl Report {
                 counts.zero_heading
             ),
         ];
-        if let (Some(ppd), Some(spread)) =
-            (calibration.ppd_px_per_m, calibration.ppd_spread_px_per_m)
-        {
-            let header = calibration
-                .header_px_per_m
-                .map_or(String::new(), |px| format!(", header {px:.2}"));
-            lines.push(format!(
-                "scale: flat spot {ppd:.2} +- {spread:.2} px/m{header}"
-            ));
-        }
+        lines.extend(calibration.summary());
         if let Some(residuals) = residuals {
             lines.push(format!(
-                "side-scan minus recorded depth: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                "side-scan minus recorded elevation at the same ping: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
                 residuals.n, residuals.median_m, residuals.sd_m, residuals.p95_m
             ));
         }
@@ -251,6 +244,24 @@ impl Report {
 }
 
 impl CalibrationReport {
+    /// The scale in force first, and what is done to the ranges; `None` where nothing gives a scale.
+    fn summary(&self) -> Option<String> {
+        let header = (self.header_px_per_m).map(|px| format!("as recorded {px:.2} px/m"));
+        let flat_spot = (self.ppd_px_per_m.zip(self.ppd_spread_px_per_m))
+            .map(|(ppd, spread)| format!("flat spot {ppd:.2} +- {spread:.2} px/m"));
+        let [first, second] = match self.mode {
+            ScaleMode::Header => [header, flat_spot],
+            ScaleMode::FlatSpot => [flat_spot, header],
+        };
+        let first = first?;
+        let second = second.map_or(String::new(), |second| format!("; not in force: {second}"));
+        let offset = match self.offset_m {
+            0.0 => String::new(),
+            offset_m => format!(", ranges {:+.2} m", -offset_m),
+        };
+        Some(format!("scale: {first}{offset}{second}"))
+    }
+
     fn new(calibration: &Calibration) -> Self {
         let Calibration {
             mode,
@@ -258,6 +269,8 @@ impl CalibrationReport {
             header,
             fit,
             offset_m,
+            measured_offset,
+            offset_note,
             ..
         } = calibration;
         let ppd = calibration.ppd();
@@ -275,6 +288,9 @@ impl CalibrationReport {
             header_px_per_m: header.map(|scale| scale.px_per_m),
             header_spread_px_per_m: header.map(|scale| scale.spread_px_per_m),
             offset_m: *offset_m,
+            offset_measured_m: measured_offset.map(|measured| measured.offset_m),
+            offset_uncertainty_m: measured_offset.map(|measured| measured.uncertainty_m),
+            offset_note: *offset_note,
             k: fit.map(|fit| fit.k),
             b_m: fit.map(|fit| fit.b_m),
             fit_spread_m: fit.map(|fit| fit.spread_m),

@@ -1,23 +1,51 @@
 //! Where a mark lies on the ground.
 
 use crate::app::{App, Mark};
-use crate::cloud::slant_range_m;
+use crate::cloud::Reduction;
+use crate::detection;
 use crate::geo::{LonLat, UtmZone};
-use crate::survey::Side;
+use crate::pipeline::Products;
+use crate::survey::{Side, SidePing};
+use crate::ui::text;
 
-/// Slant range of a mark by the calibration in force, metres; by the recorder's scale while there is no result.
+/// What samples and recorded depths are in metres by the last results; as recorded while there are none.
+pub fn reduction(app: &App) -> Reduction<'_> {
+    let products = app.products.as_ref();
+    products.map_or_else(Reduction::default, Products::reduction)
+}
+
+/// Slant range of a mark, metres.
 pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
     let survey = app.survey.as_ref()?;
-    let (side, sample) = (mark.side?, mark.sample?);
-    let range = match &app.products {
-        Some(products) => slant_range_m(survey, &products.calibration, mark.ping, side, sample),
-        None => survey
-            .side_scan
-            .get(mark.ping)?
-            .side(side)?
-            .range_m(f64::from(sample)),
-    };
-    range.is_finite().then_some(range)
+    let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
+    range_m.is_finite().then_some(range_m)
+}
+
+/// Slant ranges of the near and the far edge of a box, metres.
+pub fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
+    let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+    let survey = app.survey.as_ref();
+    let span = survey.and_then(|survey| survey.span(middle, mark.side));
+    let reduction = reduction(app);
+    [mark.near_m, mark.far_m].map(|recorded_m| {
+        span.map_or(recorded_m, |span| {
+            reduction.range_m(span, span.sample_at(recorded_m))
+        })
+    })
+}
+
+/// The recorded depth at a ping as the map has it, metres; NaN where there is none.
+pub fn depth_m(app: &App, ping: &SidePing) -> f64 {
+    reduction(app).depth_m(ping.time_s, f64::from(ping.depth_m))
+}
+
+/// [`depth_m`] with what it counts from; a dash where there is none.
+pub fn depth(app: &App, ping: &SidePing) -> String {
+    let depth_m = depth_m(app, ping);
+    match depth_m.is_finite() {
+        true => format!("{depth_m:.2} m {}", reduction(app).reference().name()),
+        false => text::NONE.to_owned(),
+    }
 }
 
 /// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
@@ -65,7 +93,16 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
 /// Distance from the track on a flat bottom at the recorded depth, metres.
 fn ground_range_m(app: &App, mark: Mark) -> Option<f64> {
     let slant_m = range_m(app, mark)?;
-    let depth_m = f64::from(app.survey.as_ref()?.side_scan.get(mark.ping)?.depth_m);
-    let depth_m = if depth_m.is_finite() { depth_m } else { 0.0 };
-    Some((slant_m * slant_m - depth_m * depth_m).max(0.0).sqrt())
+    let recorded_m = f64::from(app.survey.as_ref()?.side_scan.get(mark.ping)?.depth_m);
+    let altitude_m = reduction(app).altitude_m(recorded_m);
+    let altitude_m = if altitude_m.is_finite() {
+        altitude_m
+    } else {
+        0.0
+    };
+    Some(
+        (slant_m * slant_m - altitude_m * altitude_m)
+            .max(0.0)
+            .sqrt(),
+    )
 }

@@ -58,6 +58,12 @@ pub fn difference(value_m: f64) -> String {
     }
 }
 
+/// [`difference`] with its sign also above 0.
+pub fn signed_difference(value_m: f64) -> String {
+    let sign = if value_m > 0.0 { "+" } else { "" };
+    format!("{sign}{}", difference(value_m))
+}
+
 /// How flat a stretch is and what its first returns say, in three lines.
 pub fn flat_stretch(spot: &FlatSpot) -> String {
     let [port, starboard] = spot.picks;
@@ -69,7 +75,7 @@ pub fn flat_stretch(spot: &FlatSpot) -> String {
         None => "too few for a scale".to_owned(),
     };
     format!(
-        "pings {}..{}, {:.2} m deep, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
+        "pings {}..{}, {:.2} m deep as recorded, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
         spot.pings.start,
         spot.pings.end,
         spot.depth_m,

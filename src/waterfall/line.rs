@@ -52,6 +52,18 @@ impl LineSpan {
         [self.min_m.min(before.max_m), self.max_m.max(before.min_m)]
     }
 
+    /// With both ends moved; a gap stays one.
+    pub fn moved(&self, to: impl Fn(f32) -> f32) -> Self {
+        if self.is_gap() {
+            return *self;
+        }
+        Self {
+            min_m: to(self.min_m),
+            max_m: to(self.max_m),
+            ..*self
+        }
+    }
+
     fn join(self, other: Self) -> Self {
         Self {
             min_m: self.min_m.min(other.min_m),

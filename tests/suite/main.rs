@@ -12,6 +12,7 @@ mod corrected;
 mod crs;
 mod damage;
 mod dataset;
+mod depths;
 mod detection_metrics;
 mod detection_targets;
 mod detector;

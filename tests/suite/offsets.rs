@@ -8,7 +8,7 @@ use bathyscope::progress::Progress;
 use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, Curve, RecorderSettings, Scene, TrackSettings,
 };
-use bathyscope::survey::{Projection, Side, Survey, navigate};
+use bathyscope::survey::{Projection, RangeSource, Side, Survey, navigate};
 use std::sync::Arc;
 
 /// How far an offset in force may lie from the truth, metres.
@@ -210,4 +210,62 @@ fn an_offset_in_force_is_the_true_one_on_logs_of_any_range_depth_pulse_and_sound
         3 * applied[0] >= applied[1],
         "{applied:?} in force where the soundings are right"
     );
+}
+
+/// A level pond with soundings that are `scale` times the depth and `offset_m` more.
+fn pond(scale: f64, offset_m: f64) -> KnownSurvey {
+    let scene = Scene {
+        track: TrackSettings {
+            lines: 1,
+            cross_lines: 0,
+            ..TrackSettings::default()
+        },
+        artefacts: Artefacts {
+            depth_scale: scale,
+            depth_offset_m: offset_m,
+            range_change: 1.0,
+            weed_m: 0.0,
+            ..Artefacts::default()
+        },
+        scattered_objects: 0,
+        ..Scene::default()
+    };
+    KnownSurvey::new(&scene, 5)
+}
+
+#[test]
+fn an_offset_that_no_instrument_causes_is_refused_with_its_figure_and_the_reason() {
+    // As over the wreck of a survey-grade line: r = 1.37 d + 0.6.
+    let pond = pond(1.0 / 1.37, -0.6 / 1.37);
+    let (_, found) = calibrated(&pond.survey, &Settings::default());
+    assert_eq!(found.offset_m, 0.0);
+    assert_eq!(found.offset_note, Some("refused"));
+    let [warning] = found.warnings.as_slice() else {
+        panic!("one sentence: {:?}", found.warnings);
+    };
+    let measured = found.measured_offset.expect("an offset");
+    assert!(measured.offset_m > 1.0, "{measured:?}");
+    let figure = format!("{:.2} m beyond the recorded depths", measured.offset_m);
+    assert!(warning.contains(&figure), "{warning}");
+    assert!(warning.contains("more than a pulse"), "{warning}");
+    let span = pond.survey.span(10, Side::Port).expect("a side");
+    assert_eq!(found.range_m(span, 300.0), span.range_m(300.0));
+}
+
+#[test]
+fn ranges_of_a_survey_recorder_are_trusted_unless_asked_not_to() {
+    let pond = pond(1.0, 0.0);
+    let (_, fish_finder) = calibrated(&pond.survey, &Settings::default());
+    assert!(fish_finder.offset_m < -0.02, "{fish_finder:?}");
+    let mut survey = pond.survey.clone();
+    survey.range_source = RangeSource::SurveyRecorder;
+    let (_, trusted) = calibrated(&survey, &Settings::default());
+    assert_eq!(trusted.offset_m, 0.0);
+    assert_eq!(trusted.offset_note, Some("survey-grade ranges"));
+    assert_eq!(trusted.measured_offset, fish_finder.measured_offset);
+    let asked = Settings::default()
+        .with_assignment("calibration.offset=fit")
+        .expect("a setting");
+    let (_, fitted) = calibrated(&survey, &asked);
+    assert_eq!(fitted.offset_m, fish_finder.offset_m);
 }

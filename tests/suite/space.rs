@@ -314,12 +314,12 @@ fn every_shader_is_valid() {
 fn the_views_name_what_they_show_and_look_as_they_did() {
     let mut map = open(Room::map());
     map.get_by_label(
-        "Map, track of 707 pings, depth 2.0 to 3.6 m, 2 flat stretches; layers: depth map, hill-shade, isobaths, track, boxes",
+        "Map, track of 707 pings, depth 2.0 to 3.6 m below transducer, 2 flat stretches; layers: depth map, hill-shade, isobaths, track, boxes",
     );
     map.snapshot("map");
 
     let mut cloud = open(Room::cloud());
-    cloud.get_by_label("3D point cloud, 2 121 points, 31 removed");
+    cloud.get_by_label("3D point cloud, 2 121 points, 31 removed (2.1 %)");
     cloud.snapshot("cloud");
 
     let mut room = Room::cloud();

@@ -10,6 +10,7 @@ mod statement;
 
 pub use gauge::Gauge;
 pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
+pub use statement::DepthReference;
 
 use crate::calendar;
 use crate::survey::Survey;

@@ -2,6 +2,55 @@
 
 use super::Correction;
 
+/// What depths count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthReference {
+    /// The transducer: no draft is known.
+    Transducer,
+    /// The water's surface as it was.
+    Surface,
+    /// The level that the water level counts from.
+    Level,
+}
+
+impl DepthReference {
+    /// In a label, after a depth.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Transducer => "below transducer",
+            Self::Surface => "below surface",
+            Self::Level => "below water level zero",
+        }
+    }
+
+    /// Over a scale of depths in metres; short where nothing was corrected, which is the rule.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Transducer => "depth, m",
+            Self::Surface => "m below surface",
+            Self::Level => "m below level",
+        }
+    }
+
+    /// In a table.
+    pub fn noun(self) -> &'static str {
+        match self {
+            Self::Transducer => "transducer",
+            Self::Surface => "surface",
+            Self::Level => "water level zero",
+        }
+    }
+
+    /// In a sentence.
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Transducer => "the transducer",
+            Self::Surface => "the water's surface as it was",
+            Self::Level => "the level that the water level counts from",
+        }
+    }
+}
+
 impl Correction {
     /// What depths count from, what was applied, and what was not.
     pub fn statement(&self) -> String {
@@ -13,17 +62,17 @@ impl Correction {
         };
         format!(
             "Depths are below {}. {applied}. Not corrected: {}.",
-            self.zero(),
+            self.reference().in_words(),
             missing.join(", ")
         )
     }
 
     /// What depths count from.
-    fn zero(&self) -> &'static str {
+    pub fn reference(&self) -> DepthReference {
         match (self.knows_level(), self.settings.draft_m > 0.0) {
-            (true, _) => "the level that the water level counts from",
-            (false, true) => "the water's surface as it was",
-            (false, false) => "the transducer",
+            (true, _) => DepthReference::Level,
+            (false, true) => DepthReference::Surface,
+            (false, false) => DepthReference::Transducer,
         }
     }
 

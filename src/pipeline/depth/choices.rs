@@ -75,7 +75,11 @@ pub(super) fn choices(
             let mut settings = products.settings.clone();
             settings.calibration.mode = mode;
             settings.calibration.ppd = ppd;
-            settings.calibration.offset = offset;
+            settings.calibration.offset = match (offset, products.settings.calibration.offset) {
+                // Whichever way to it is in force.
+                (OffsetMode::Fit, in_force @ (OffsetMode::Auto | OffsetMode::Fit)) => in_force,
+                _ => offset,
+            };
             settings.cloud.geometry = geometry;
             let made = run(survey, &settings, Some(products), progress, |_| ())?;
             if made.calibration.mode != mode {

@@ -2,7 +2,9 @@
 
 use super::parts::{self, Choice, Section, choice, fact, section};
 use crate::app::{Action, Command};
-use crate::calibration::{Calibration, FlatSpot, PingRange, PpdReach, Scale, ScaleMode};
+use crate::calibration::{
+    Calibration, FlatSpot, OffsetMode, PingRange, PpdReach, Scale, ScaleMode,
+};
 use crate::pipeline::Stage;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
@@ -34,6 +36,20 @@ const REACHES: &[Choice<PpdReach>] = &[
     ),
 ];
 
+const OFFSETS: &[Choice<OffsetMode>] = &[
+    (
+        OffsetMode::Auto,
+        "where it fits",
+        "Taken off where it is one that a pulse, a filter or a draft causes; ranges of survey-grade logs stay as they are.",
+    ),
+    (
+        OffsetMode::Fit,
+        "also survey-grade",
+        "As before, and on survey-grade logs too.",
+    ),
+    (OffsetMode::None, "none", "Ranges stay as they are."),
+];
+
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
@@ -60,6 +76,17 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 REACHES,
                 context.app.settings.calibration.ppd,
                 |settings, reach| settings.calibration.ppd = reach,
+            );
+        }
+        if context.app.settings.calibration.mode == ScaleMode::Header {
+            choice(
+                ui,
+                context,
+                "Offset",
+                "What is done about a constant between first-return ranges and recorded depths.",
+                OFFSETS,
+                context.app.settings.calibration.offset,
+                |settings, offset| settings.calibration.offset = offset,
             );
         }
         let Some(products) = context.app.products.clone() else {
@@ -98,6 +125,24 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
         "Header",
         "Pixels per metre that the recorder's own ranges imply.",
         scale(calibration.header.as_ref()),
+    );
+    let measured = calibration.measured_offset.map_or(String::new(), |found| {
+        let added_m = -found.offset_m;
+        format!(
+            " This log asks for {added_m:+.2} ±{:.2} m.",
+            found.uncertainty_m
+        )
+    });
+    fact(
+        ui,
+        "Ranges",
+        &format!(
+            "What is added to every recorded range, so that first returns and recorded depths agree where the bottom is level.{measured}"
+        ),
+        match calibration.offset_note {
+            Some(note) => format!("+0 m: {note}"),
+            None => format!("{:+.2} m", -calibration.offset_m),
+        },
     );
     let fit = calibration.fit.map_or_else(
         || text::NONE.to_owned(),

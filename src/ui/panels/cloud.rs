@@ -2,7 +2,7 @@
 
 use super::parts::{self, Choice, Knob, Section, choice, fact, knob, section};
 use crate::app::Figures;
-use crate::cloud::Geometry;
+use crate::cloud::{Geometry, Residuals};
 use crate::pipeline::{Products, Stage};
 use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
@@ -67,6 +67,20 @@ const PROJECTIONS: &[Choice<Projection>] = &[
     ),
 ];
 
+/// How the side-scan points lie over the soundings of their own pings: named alike wherever it stands.
+pub(super) const SAME_PING: &str = "At same ping";
+/// What it is.
+pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping, over all points that are kept: median, where above 0 is shallower than the sounding, and 95th percentile of the absolute difference. On a slope part of it is real.";
+
+/// Its figures.
+pub(super) fn same_ping(residuals: &Residuals) -> String {
+    format!(
+        "{} · p95 {}",
+        text::signed_difference(residuals.median_m),
+        text::difference(residuals.p95_m)
+    )
+}
+
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let heading = Section {
@@ -90,7 +104,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
         format!(
             "{} · {} beside",
             text::count(figures.points),
-            text::count(figures.side_scan_points)
+            text::count(figures.outliers.side_scan)
         ),
     );
     let zero = products.navigation.zero_heading;
@@ -102,16 +116,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
         format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings")),
     );
     if let Some(residuals) = figures.residuals {
-        fact(
-            ui,
-            "Against sonar",
-            "Side-scan depth minus recorded depth at the same ping over all points that are kept: median, and 95th percentile of the absolute difference. On a slope part of it is real.",
-            format!(
-                "{} · p95 {}",
-                text::difference(residuals.median_m),
-                text::difference(residuals.p95_m)
-            ),
-        );
+        fact(ui, SAME_PING, SAME_PING_HINT, same_ping(&residuals));
     }
 }
 

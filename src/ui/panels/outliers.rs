@@ -25,14 +25,15 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
         parts::remark(ui, "No result yet.");
         return;
     };
-    let share = 100.0 * figures.removed as f64 / figures.points.max(1) as f64;
+    let outliers = figures.outliers;
     fact(
         ui,
         "Removed",
-        "Points that the filter takes out; in the paper it was about a tenth.",
+        "Side-scan points that the filter takes out, and their share of all side-scan points; in the paper it was about a tenth.",
         format!(
-            "{} ({share:.1} %; paper 10 %)",
-            text::count(figures.removed)
+            "{} ({:.1} %; paper 10 %)",
+            text::count(outliers.removed),
+            100.0 * outliers.share()
         ),
     );
 }

@@ -46,23 +46,29 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
     fact(
         ui,
         "Depth",
-        "Depth below the transducer by the recorder's own bottom lock, at the time of this ping.",
+        "By the recorder's own bottom lock at the time of this ping, with the depth correction, as on the map.",
         format!(
-            "{} ({})",
-            text::measure(f64::from(ping.depth_m), 2, "m"),
+            "{}{}",
+            text::measure(place::depth_m(context.app, ping), 2, "m"),
             if had_bottom(&survey, ping.time_s) {
-                "sonar"
+                ""
             } else {
-                "sonar, bottom lost"
+                ", bottom lost"
             }
         ),
+    );
+    fact(
+        ui,
+        "Below",
+        "What depths count from: the transducer, the water's surface where a draft is given, or the zero of the water level.",
+        place::reduction(context.app).reference().noun(),
     );
     if let Some(range) = place::range_m(context.app, mark) {
         let side = mark.side.map_or("", Side::name);
         fact(
             ui,
             "Range here",
-            "Slant range of the selected place by the calibration in force.",
+            "Slant range of the selected place by the calibration and the speed of sound in force.",
             format!("{range:.2} m {side}"),
         );
     }

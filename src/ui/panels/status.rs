@@ -52,10 +52,7 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         };
         cell(ui, format!("range {range:.2} m{side}"));
     }
-    cell(
-        ui,
-        format!("depth {}", text::measure(f64::from(ping.depth_m), 2, "m")),
-    );
+    cell(ui, format!("depth {}", place::depth(app, ping)));
     let speed = app
         .products
         .as_ref()

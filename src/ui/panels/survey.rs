@@ -80,7 +80,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
     fact(
         ui,
         "Soundings",
-        "Depths of the recorder's own bottom lock; repeated ones are left out.",
+        "Depths of the recorder's own bottom lock, below the transducer as recorded; repeated ones are left out.",
         soundings(context, survey),
     );
     if context.app.lost_soundings > 0 {

@@ -2,6 +2,7 @@
 
 use super::ticks;
 use crate::app::ViewOptions;
+use crate::cloud::DepthReference;
 use crate::render::{depth_colour, diverging_colour};
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
@@ -67,9 +68,9 @@ pub struct Scale {
 
 impl Scale {
     /// Depths, shallow on top.
-    pub fn of_depth(range_m: [f32; 2]) -> Self {
+    pub fn of_depth(range_m: [f32; 2], reference: DepthReference) -> Self {
         Self {
-            title: "depth, m",
+            title: reference.title(),
             ends: range_m.map(f64::from),
             colour: depth_colour,
             signed: false,

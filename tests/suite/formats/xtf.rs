@@ -1,6 +1,7 @@
 //! Small XTF files: both sample widths, both kinds of positions.
 
 use super::*;
+use bathyscope::survey::RangeSource;
 
 #[test]
 fn eight_and_sixteen_bits_show_the_same_picture() {
@@ -18,6 +19,7 @@ fn altitude_is_depth_and_metres_are_local() {
     let survey = read(handmade::xtf(20, 1, 0, (412_000.0, 4_730_000.0), 7.5));
     assert_eq!(survey.soundings.len(), 20);
     assert_eq!(survey.side_scan[3].depth_m, 7.5);
+    assert_eq!(survey.range_source, RangeSource::SurveyRecorder);
     assert!(says(&survey, "unknown zone"));
     let [_, north_m] = survey.track.frame.to_enu(survey.track.fixes[19].position);
     assert!((north_m - 19.0 * 0.5).abs() < 0.01, "{north_m}");

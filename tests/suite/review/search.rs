@@ -13,7 +13,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     let mut window = demo_window();
     app_mut(&mut window).apply(Command::UseModel(model("end_to_end")));
     window.run();
-    window.get_by_label("Find objects").click();
+    window.get_by_label("Find objects").click_accesskit();
     window.run();
     let found = review_of(&window).boxes().len();
     assert!(found > 100, "{found}");
@@ -26,7 +26,7 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     let id = selected(&window);
     press(&mut window, Modifiers::NONE, Key::R);
-    window.get_by_label("Find objects").click();
+    window.get_by_label("Find objects").click_accesskit();
     window.run();
     assert_eq!(
         review_of(&window).get(id).map(|one| one.state),

@@ -1,12 +1,22 @@
 //! The statistics of differences, in rows.
 
 use crate::bathymetry::compare::Comparison;
+use crate::cloud::Residuals;
+use crate::ui::panels::cloud;
 use crate::ui::panels::parts::fact;
 use crate::ui::text;
 use egui::Ui;
 
-/// Draws them.
-pub fn ui(ui: &mut Ui, comparison: &Comparison) {
+/// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is the reference.
+pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>) {
+    if let Some(residuals) = same_ping {
+        fact(
+            ui,
+            cloud::SAME_PING,
+            cloud::SAME_PING_HINT,
+            cloud::same_ping(residuals),
+        );
+    }
     let matched = comparison.measured - comparison.unmatched;
     fact(
         ui,
@@ -22,8 +32,8 @@ pub fn ui(ui: &mut Ui, comparison: &Comparison) {
         let pairs = [
             (
                 "Mean, median",
-                "Of the differences: above 0 is shallower than the reference.",
-                [signed(found.mean_m), signed(found.median_m)],
+                "Of the differences at the same place: above 0 is shallower than the reference.",
+                [found.mean_m, found.median_m].map(text::signed_difference),
             ),
             (
                 "SD, RMS",
@@ -49,12 +59,5 @@ pub fn ui(ui: &mut Ui, comparison: &Comparison) {
         let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
         let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";
         fact(ui, &name, hint, share);
-    }
-}
-
-fn signed(metres: f64) -> String {
-    match metres > 0.0 {
-        true => format!("+{}", text::difference(metres)),
-        false => text::difference(metres),
     }
 }

@@ -28,7 +28,11 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(agreement) = context.app.agreement().cloned() else {
             return parts::remark(ui, lack(context.app));
         };
-        figures::ui(ui, &agreement.comparison);
+        let figures = context.app.figures.as_ref();
+        let same_ping = figures
+            .filter(|_| agreement.reference.is_none())
+            .and_then(|figures| figures.residuals.as_ref());
+        figures::ui(ui, &agreement.comparison, same_ping);
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         // Wrapped: a row that is wider than the panel would widen it when it comes into view.

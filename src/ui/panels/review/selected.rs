@@ -193,17 +193,10 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         "Along the track and in slant range; echo and shadow together.",
         size(app.reviewing.size_m(mark)),
     );
-    fact(
-        ui,
-        "Range",
-        "Slant range of its near and far edge by the recorder's scale.",
-        format!(
-            "{:.2} to {:.2} m {}",
-            mark.near_m,
-            mark.far_m,
-            mark.side.name()
-        ),
-    );
+    fact(ui, "Range", "Slant range of its near and far edge.", {
+        let [near_m, far_m] = place::ranges_m(app, mark);
+        format!("{near_m:.2} to {far_m:.2} m {}", mark.side.name())
+    });
     if let Some(placed) = app.reviewing.placed(one.id) {
         on_the_ground(ui, context, &placed.target);
     }
@@ -239,7 +232,10 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
     fact(
         ui,
         "Depth",
-        "Of the bottom below the transducer, where it lies.",
+        &format!(
+            "Of the bottom where it lies, {}.",
+            place::reduction(context.app).reference().name()
+        ),
         text::measure(target.depth_m, 2, "m"),
     );
 }

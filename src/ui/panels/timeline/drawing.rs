@@ -67,6 +67,14 @@ impl Frame {
             None => text::NONE.to_owned(),
         };
         self.gutter(ui, self.depth, "Depth", reach(deepest, "m"));
+        // The gutter has no room for what they count from; at its foot the strip of depths is mostly empty.
+        ui.painter().text(
+            self.depth.right_bottom() - egui::vec2(4.0, 1.0),
+            egui::Align2::RIGHT_BOTTOM,
+            strips.reference.name(),
+            egui::FontId::proportional(10.0),
+            ui.visuals().weak_text_color(),
+        );
         self.gutter(ui, self.speed, "Speed", reach(fastest, "m/s"));
         self.axis(ui, context, strips);
     }

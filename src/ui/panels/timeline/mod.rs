@@ -5,6 +5,7 @@ mod drawing;
 mod strips;
 
 use crate::app::{Command, Outcome, Task};
+use crate::pipeline::Products;
 use crate::ui::{ViewContext, theme};
 use drawing::Frame;
 use egui::{Sense, Ui};
@@ -14,8 +15,8 @@ use strips::Strips;
 /// Height of the panel, points.
 pub const HEIGHT: f32 = 104.0;
 
-/// Which survey and navigation the strips belong to.
-type Key = (u64, usize);
+/// Which survey, navigation and depth correction the strips belong to.
+type Key = (u64, usize, usize);
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
@@ -38,17 +39,21 @@ impl TimeLine {
             *self = Self::default();
             return;
         };
-        let navigation = app
-            .products
-            .as_ref()
-            .map(|products| products.navigation.clone());
-        let address = navigation.as_ref().map_or(0, |n| Arc::as_ptr(n) as usize);
-        let key = (app.survey_serial, address);
+        let products = app.products.clone();
+        let [navigation, correction] = products.as_ref().map_or([0; 2], |products| {
+            let correction = Arc::as_ptr(&products.correction) as usize;
+            [Arc::as_ptr(&products.navigation) as usize, correction]
+        });
+        let key = (app.survey_serial, navigation, correction);
         let known = self.shown.as_ref().map(|(known, _)| *known);
         let coming = self.task.as_ref().map(|(coming, _)| *coming);
         if known != Some(key) && coming != Some(key) {
             let survey = survey.clone();
-            let work = move |_: &_| Strips::of(&survey, navigation.as_deref());
+            let work = move |_: &_| {
+                let navigation = products.as_ref().map(|products| &*products.navigation);
+                let reduction = products.as_ref().map(Products::reduction);
+                Strips::of(&survey, navigation, reduction.unwrap_or_default())
+            };
             self.task = Some((key, Task::start(app.jobs(), work)));
         }
         if let Some((key, task)) = &self.task {
@@ -75,7 +80,12 @@ impl TimeLine {
             .map_or(0, |survey| survey.side_scan.len());
         let ping = context.app.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
-            let name = format!("Time line, ping {ping} of {count}");
+            let depth = self
+                .shown
+                .as_ref()
+                .and_then(|(_, strips)| strips.as_ref()?.deepest());
+            let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
+            let name = format!("Time line, ping {ping} of {count}{depth}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });
         let Some((_, Some(strips))) = &self.shown else {

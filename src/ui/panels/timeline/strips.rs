@@ -1,7 +1,8 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
-use super::columns::{Columns, columns};
-use crate::survey::{Navigation, Survey};
+use super::columns::{Columns, columns, span};
+use crate::cloud::{DepthReference, Reduction};
+use crate::survey::{Navigation, Sounding, Survey};
 use egui::Rect;
 
 /// Columns that a log is reduced to; more than any screen is wide.
@@ -13,18 +14,25 @@ pub struct Strips {
     pub from_s: f64,
     /// See `from_s`.
     pub to_s: f64,
-    /// Depths of the recorder's bottom lock, metres.
+    /// Depths of the recorder's bottom lock as the map has them, metres.
     pub depth: Columns,
     /// Depths that it gave after it had lost the bottom, metres.
     pub lost: Columns,
     /// Speeds over ground, metres a second.
     pub speed: Columns,
+    /// What the depths count from.
+    pub reference: DepthReference,
     /// Times at which the log's warnings point.
     pub warnings_s: Vec<f64>,
 }
 
 impl Strips {
-    pub fn of(survey: &Survey, navigation: Option<&Navigation>) -> Option<Self> {
+    /// `reduction` makes depths of the recorded ones.
+    pub fn of(
+        survey: &Survey,
+        navigation: Option<&Navigation>,
+        reduction: Reduction<'_>,
+    ) -> Option<Self> {
         let pings = &survey.side_scan;
         let soundings = &survey.soundings;
         let starts = [
@@ -40,7 +48,11 @@ impl Strips {
         let depths = |locked: bool| {
             let some = soundings.iter().filter(move |s| s.locked == locked);
             let count = column_count(soundings.len());
-            columns(some.map(|s| (s.time_s, s.depth_m)), from_s, to_s, count)
+            let depth = |s: &Sounding| {
+                let depth_m = reduction.depth_m(s.time_s, f64::from(s.depth_m));
+                (s.time_s, depth_m as f32)
+            };
+            columns(some.map(depth), from_s, to_s, count)
         };
         // A log without side-scan still has the boat's speed at its soundings.
         let times = if pings.is_empty() {
@@ -63,8 +75,15 @@ impl Strips {
             depth: depths(true),
             lost: depths(false),
             speed: columns(speeds, from_s, to_s, column_count(times.len())),
+            reference: reduction.reference(),
             warnings_s: warning_times(survey),
         })
+    }
+
+    /// How deep the strip of depths goes, and what it counts from; `None` without depths.
+    pub fn deepest(&self) -> Option<String> {
+        let deepest_m = span(&self.depth).or_else(|| span(&self.lost))?[1];
+        Some(format!("to {deepest_m:.1} m {}", self.reference.name()))
     }
 
     /// Where a time lies on the screen.

@@ -2,6 +2,7 @@
 
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
+use crate::cloud::DepthReference;
 use crate::pipeline::Products;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
@@ -78,10 +79,11 @@ pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Produ
         ""
     };
     let text = format!(
-        "{}, ping {}: {:.2} m deep, E {:.1} m  N {:.1} m{outlier}",
+        "{}, ping {}: {:.2} m {}, E {:.1} m  N {:.1} m{outlier}",
         point.source.name(),
         point.ping,
         -point.z_m,
+        products.reduction().reference().name(),
         point.east_m,
         point.north_m,
     );
@@ -108,6 +110,7 @@ pub fn paint_legend(
     options: &ViewOptions,
     survey: &Survey,
     scene: &CloudScene,
+    reference: DepthReference,
 ) {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
     for (text, colour) in lines(options, scene) {
@@ -131,7 +134,7 @@ pub fn paint_legend(
     {
         let corner = rect.right_bottom() - vec2(8.0, 8.0);
         let height = (rect.height() * 0.4).clamp(50.0, 160.0);
-        Scale::of_depth(range_m).show(painter, options, corner, height);
+        Scale::of_depth(range_m, reference).show(painter, options, corner, height);
     }
 }
 
@@ -158,15 +161,16 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             kind(counts.kept(), "points", theme::canvas_text_colour(options));
         }
     }
-    if counts.removed > 0 {
+    let outliers = scene.outliers;
+    if outliers.removed > 0 {
         let verb = match options.cloud.outlier_preview {
             true => "would go",
             false => "removed",
         };
         let text = format!(
             "outliers {verb} {} ({:.1} %)",
-            count(counts.removed),
-            counts.removed_percent()
+            count(outliers.removed),
+            100.0 * outliers.share()
         );
         let colour = match options.cloud.outlier_preview {
             true => theme::outlier_colour(),

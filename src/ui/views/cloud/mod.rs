@@ -13,7 +13,7 @@ use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
 use crate::cloud::PointCloud;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
-use crate::ui::{ViewContext, ViewRequest, text, theme};
+use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::CloudPicture;
@@ -131,7 +131,8 @@ impl CloudView {
         axes.labels(&painter);
         objects::paint(&painter, context.app, &scene, &axes);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
-        controls::paint_legend(&painter, rect, options, &survey, &scene);
+        let reference = place::reduction(context.app).reference();
+        controls::paint_legend(&painter, rect, options, &survey, &scene, reference);
         controls::paint_read_out(&painter, rect, context.app, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
@@ -253,8 +254,9 @@ fn draw(
 
 fn name(scene: &CloudScene) -> String {
     format!(
-        "3D point cloud, {} points, {} removed",
+        "3D point cloud, {} points, {} removed ({:.1} %)",
         text::count(scene.counts.kept()),
-        text::count(scene.counts.removed)
+        text::count(scene.outliers.removed),
+        100.0 * scene.outliers.share()
     )
 }

@@ -2,7 +2,7 @@
 
 use crate::app::{CloudColour, Mark, ViewOptions};
 use crate::bathymetry;
-use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::cloud::{CloudPoint, Outliers, PointCloud, PointSource};
 use crate::progress::Progress;
 use crate::render::{CloudBuffers, PointVertex, Uploader, depth_colour, depth_share};
 use crate::survey::Side;
@@ -39,12 +39,6 @@ impl Counts {
         self.kept() + self.removed + self.lost
     }
 
-    /// Share of the side-scan points that the filter removes, percent.
-    pub fn removed_percent(&self) -> f64 {
-        let side_scan = self.port + self.starboard + self.removed;
-        100.0 * self.removed as f64 / side_scan.max(1) as f64
-    }
-
     fn add(&mut self, source: PointSource, kept: bool) {
         let count = match (kept, source) {
             (false, PointSource::DownScan) => &mut self.lost,
@@ -70,6 +64,8 @@ pub struct CloudScene {
     pub corners: [Vec3; 2],
     /// How many points there are.
     pub counts: Counts,
+    /// What the outlier filter removes.
+    pub outliers: Outliers,
     /// Ends of the colour scale of depth, metres.
     pub range_m: Option<[f32; 2]>,
 }
@@ -93,6 +89,7 @@ impl CloudScene {
             buffers: None,
             corners: [Vec3::ZERO; 2],
             counts,
+            outliers: cloud.outliers(&kept),
             range_m,
             cloud,
             kept,
@@ -274,7 +271,11 @@ mod tests {
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((scene.shown(false), scene.shown(true)), (2, 3));
-        assert_eq!(scene.counts.removed_percent(), 50.0);
+        let removed = Outliers {
+            removed: 1,
+            side_scan: 3,
+        };
+        assert_eq!(scene.outliers, removed, "as the panel and the report count");
         let depths: Vec<f32> = scene.of_ping(4).map(|place| place.z).collect();
         assert_eq!(depths, [-9.0, -3.0]);
         assert_eq!(scene.of_ping(5).count(), 0);

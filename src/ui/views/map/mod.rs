@@ -309,8 +309,9 @@ fn layers(context: &ViewContext<'_>) -> String {
 }
 
 fn name(survey: &Survey, products: &Products, track: &TrackLayer) -> String {
+    let reference = products.reduction().reference().name();
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
-        format!(", depth {shallow:.1} to {deep:.1} m")
+        format!(", depth {shallow:.1} to {deep:.1} m {reference}")
     });
     format!(
         "Map, track of {} pings{depths}, {} flat stretches",

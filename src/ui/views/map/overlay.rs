@@ -90,7 +90,9 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
 fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
     let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
     let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
-    let depths = scene.range_m().filter(|_| coloured).map(Scale::of_depth);
+    let reference = scene.products.reduction().reference();
+    let depths = scene.range_m().filter(|_| coloured);
+    let depths = depths.map(|range_m| Scale::of_depth(range_m, reference));
     let residuals = scene.residuals.as_deref();
     let residuals = residuals.map(|layer| Scale::of_residuals(layer.reach_m));
     let mut covered = Vec::new();

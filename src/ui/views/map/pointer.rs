@@ -19,7 +19,7 @@ const NEAR: f32 = 6.0;
 /// Width in which a place stands in one line in degrees and in metres, points.
 const TWO_PLACES: f32 = 360.0;
 /// Width in which the whole read-out stands in one line, points.
-const ONE_LINE: f32 = 620.0;
+const ONE_LINE: f32 = 720.0;
 
 /// What the pointer is about.
 #[derive(Default)]
@@ -267,7 +267,10 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> Stri
     let depth = scene.depth.as_ref();
     if let Some((depth_m, distance_m)) = depth.and_then(|depth| depth.at([east_m, north_m])) {
         text += gap(ONE_LINE);
-        text += &format!("depth {depth_m:.2} m (interpolated, nearest {distance_m:.1} m away)");
+        text += &format!(
+            "depth {depth_m:.2} m {} (interpolated, nearest {distance_m:.1} m away)",
+            place::reduction(app).reference().name()
+        );
     }
     let residuals = scene.residuals.as_deref();
     let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;

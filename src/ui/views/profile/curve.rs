@@ -3,6 +3,7 @@
 use super::Shown;
 use super::plot::Plot;
 use crate::app::ViewOptions;
+use crate::cloud::Reduction;
 use crate::first_return::Normalisation;
 use crate::survey::{Side, SideSpan};
 use crate::ui::theme;
@@ -26,10 +27,19 @@ pub(super) fn draw(
             let raw: Vec<f32> = (0..samples.len())
                 .map(|index| f32::from(samples.get(index)) / 255.0)
                 .collect();
-            line(&painter, plot, span, side, &raw, ink.gamma_multiply(0.45));
+            let faint = ink.gamma_multiply(0.45);
+            line(&painter, plot, shown.reduction, span, side, &raw, faint);
         }
         let normalised = normalisation.profile(shown.survey, shown.ping, side);
-        line(&painter, plot, span, side, &normalised, ink);
+        line(
+            &painter,
+            plot,
+            shown.reduction,
+            span,
+            side,
+            &normalised,
+            ink,
+        );
     }
 }
 
@@ -37,6 +47,7 @@ pub(super) fn draw(
 fn line(
     painter: &Painter,
     plot: &Plot,
+    reduction: Reduction<'_>,
     span: &SideSpan,
     side: Side,
     values: &[f32],
@@ -44,7 +55,7 @@ fn line(
 ) {
     let samples_per_value = f64::from(span.count) / values.len().max(1) as f64;
     let x = |index: usize| {
-        let range_m = span.range_m((index as f64 + 0.5) * samples_per_value);
+        let range_m = reduction.range_m(span, (index as f64 + 0.5) * samples_per_value);
         plot.x(match side {
             Side::Port => -range_m,
             Side::Starboard => range_m,

@@ -16,8 +16,7 @@ pub(super) fn dead_zone(painter: &Painter, plot: &Plot, dead_zone_m: f64, option
 
 /// Depth, threshold and picks, the picks on top.
 pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &ViewOptions) {
-    let depth_m = f64::from(shown.recorded.depth_m);
-    for across_m in [-depth_m, depth_m] {
+    for across_m in [-shown.altitude_m, shown.altitude_m] {
         vertical(
             painter,
             plot,
@@ -64,8 +63,8 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
         return;
     };
     let across_m = match side {
-        Side::Port => -found.recorded_m,
-        Side::Starboard => found.recorded_m,
+        Side::Port => -found.range_m,
+        Side::Starboard => found.range_m,
     };
     let colour = theme::side_colour(options, side);
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {

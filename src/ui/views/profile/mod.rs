@@ -7,6 +7,7 @@ mod plot;
 mod scale;
 
 use crate::app::{Command, Mark};
+use crate::cloud::Reduction;
 use crate::first_return::Pick;
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, place, theme};
@@ -42,8 +43,11 @@ impl Default for ProfileView {
 /// What the profile shows.
 struct Shown<'a> {
     survey: &'a Survey,
+    reduction: Reduction<'a>,
     ping: usize,
     recorded: &'a SidePing,
+    /// Distance of the bottom below the transducer by the recorded depth, metres.
+    altitude_m: f64,
     picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
@@ -53,9 +57,7 @@ struct Shown<'a> {
 #[derive(Clone, Copy)]
 struct Found {
     pick: Pick,
-    /// Slant range by the recorder's scale, which is that of the range axis, metres.
-    recorded_m: f64,
-    /// Slant range by the calibration in force, metres.
+    /// Slant range, metres.
     range_m: f64,
 }
 
@@ -86,7 +88,7 @@ impl ProfileView {
         };
         let normalisation = self.scale.of(ui.ctx(), context, &survey);
         self.zoom_at(ui, &response);
-        let plot = Plot::new(rect, far_m(shown.recorded) / f64::from(self.zoom));
+        let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
         plot::axes(&painter, &plot, &context.app.options);
         marks::dead_zone(&painter, &plot, shown.dead_zone_m, &context.app.options);
         curve::draw(
@@ -174,27 +176,20 @@ impl ProfileView {
     }
 }
 
-fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'_>) -> Option<Shown<'a>> {
+fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Option<Shown<'a>> {
     let recorded = survey.side_scan.get(ping)?;
+    let reduction = place::reduction(context.app);
     let found = |side| {
         let pick = context.app.returns()?.side(side).get(ping).copied()?;
-        let recorded_m = recorded.side(side)?.range_m(f64::from(pick.sample));
-        let mark = Mark {
-            side: Some(side),
-            sample: Some(pick.sample),
-            ..Mark::ping(ping)
-        };
-        let range_m = place::range_m(context.app, mark).unwrap_or(recorded_m);
-        recorded_m.is_finite().then_some(Found {
-            pick,
-            recorded_m,
-            range_m,
-        })
+        let range_m = reduction.range_m(recorded.side(side)?, f64::from(pick.sample));
+        range_m.is_finite().then_some(Found { pick, range_m })
     };
     Some(Shown {
         survey,
+        reduction,
         ping,
         recorded,
+        altitude_m: reduction.altitude_m(f64::from(recorded.depth_m)),
         picks: Side::BOTH.map(found),
         threshold: context.app.settings.first_return.threshold,
         dead_zone_m: context.app.settings.first_return.dead_zone_m,
@@ -202,8 +197,13 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'_>) -> Opti
 }
 
 /// Farthest slant range of both sides, metres; 1 where a damaged header gives none.
-fn far_m(ping: &SidePing) -> f64 {
-    let far = Side::BOTH.map(|side| ping.side(side).map_or(0.0, |span| f64::from(span.far_m)));
+fn far_m(shown: &Shown<'_>) -> f64 {
+    let far = Side::BOTH.map(|side| {
+        let span = shown.recorded.side(side);
+        span.map_or(0.0, |span| {
+            shown.reduction.range_m(span, f64::from(span.count))
+        })
+    });
     let far_m = far[0].max(far[1]);
     if far_m.is_finite() && far_m > 0.0 {
         far_m
@@ -220,7 +220,10 @@ fn mark_at(shown: &Shown<'_>, across_m: f64) -> Mark {
     };
     let span = shown.recorded.side(side);
     let sample = span
-        .map(|span| (span.sample_at(across_m.abs()), f64::from(span.count)))
+        .map(|span| {
+            let sample = shown.reduction.sample_at(span, across_m.abs());
+            (sample, f64::from(span.count))
+        })
         .filter(|(sample, count)| (0.0..*count).contains(sample))
         .map(|(sample, _)| sample as f32);
     Mark {
@@ -250,8 +253,11 @@ fn accessible_name(shown: &Shown<'_>) -> String {
         let range = found.map_or("none".to_owned(), |found| format!("{:.2} m", found.range_m));
         format!("{} first return {range}", side.name())
     });
-    let depth = if shown.recorded.depth_m.is_finite() {
-        format!(", recorded depth {:.2} m", shown.recorded.depth_m)
+    let depth = if shown.altitude_m.is_finite() {
+        format!(
+            ", recorded bottom {:.2} m below transducer",
+            shown.altitude_m
+        )
     } else {
         String::new()
     };

@@ -3,6 +3,7 @@
 use super::drawing::Drawing;
 use super::lens::{Lens, Place, across_m};
 use crate::app::Orientation;
+use crate::cloud::Reduction;
 use crate::first_return::FirstReturns;
 use crate::survey::{Side, Survey};
 use crate::waterfall::{LineSpan, LineStep};
@@ -67,26 +68,43 @@ pub(super) fn first_return(
         lines: drawing.picks.as_deref(),
         side,
     };
-    draw(painter, lens, survey, step, side, pen);
+    draw(painter, &columns(lens, survey, step, side), lens, pen);
 }
 
-/// The recorded depth, as the slant range at which a flat bottom would first be heard; dashed and paler where the recorder
+/// The recorded depth, where the slant range lies at which a flat bottom would first be heard; dashed and paler where the recorder
 /// had lost the bottom.
-pub(super) fn depth(painter: &Painter, lens: &Lens, survey: &Survey, drawing: &Drawing, pen: Pen) {
+pub(super) fn depth(
+    painter: &Painter,
+    lens: &Lens,
+    survey: &Survey,
+    drawing: &Drawing,
+    reduction: Reduction<'_>,
+    pen: Pen,
+) {
     let step = LineStep::Depth(drawing.depth.as_ref());
     for side in Side::BOTH {
-        draw(painter, lens, survey, step, side, pen);
+        let mut columns = columns(lens, survey, step, side);
+        let (first, halvings) = (columns.first, columns.halvings);
+        for (index, span) in columns.spans.iter_mut().enumerate() {
+            // The scale of the column's first ping stands for it.
+            if let Some(recorded) = survey.span((first + index) << halvings, side) {
+                *span = span.moved(|depth_m| {
+                    let altitude_m = reduction.altitude_m(f64::from(depth_m));
+                    reduction.recorded_range_m(recorded, altitude_m) as f32
+                });
+            }
+        }
+        draw(painter, &columns, lens, pen);
     }
 }
 
-fn draw(painter: &Painter, lens: &Lens, survey: &Survey, step: LineStep<'_>, side: Side, pen: Pen) {
-    let columns = columns(lens, survey, step, side);
+fn draw(painter: &Painter, columns: &Columns, lens: &Lens, pen: Pen) {
     let pens = [pen.rim(), pen];
     if columns.halvings > 0 {
-        painter.extend(pens.map(|pen| ribbon(&columns, lens, pen).into()));
+        painter.extend(pens.map(|pen| ribbon(columns, lens, pen).into()));
         return;
     }
-    let runs = runs(&columns, lens);
+    let runs = runs(columns, lens);
     for pen in pens {
         for run in &runs {
             draw_run(painter, run, lens, pen);

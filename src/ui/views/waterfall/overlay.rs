@@ -7,7 +7,7 @@ use super::scales::RangeLines;
 use super::{bottom, boxes, flat_spots, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::survey::{Side, Survey};
-use crate::ui::theme;
+use crate::ui::{place, theme};
 use egui::Painter;
 
 /// Width of the first return, points.
@@ -33,9 +33,11 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     let options = &shown.app.options;
     let ink = theme::picture_ink(options);
     let wants_range_lines = options.waterfall.range_lines;
-    let range_lines = wants_range_lines.then(|| RangeLines::in_view(lens, shown.far_m));
+    let reduction = place::reduction(shown.app);
+    let range_lines =
+        wants_range_lines.then(|| RangeLines::in_view(lens, shown.survey, reduction, shown.far_m));
     if let Some(lines) = &range_lines {
-        lines.draw(painter, lens, ink);
+        lines.draw(painter, ink);
     }
     let stretches = flat_spots::in_view(lens, shown.app);
     for stretch in &stretches {
@@ -73,6 +75,10 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         shown_box.label(&mut labels, &shown.app.reviewing.review);
     }
     scales::sides(&mut labels, lens, options);
+    let products = shown.app.products.as_ref();
+    if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
+        scales::range_change(&mut labels, lens, &change);
+    }
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
     for stretch in &stretches {
         stretch.label(&mut labels);
@@ -93,7 +99,8 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
             width: 1.0,
             rim: 0.0,
         };
-        lines::depth(painter, lens, shown.survey, drawing, pen);
+        let reduction = place::reduction(shown.app);
+        lines::depth(painter, lens, shown.survey, drawing, reduction, pen);
     }
     let returns = shown.app.returns();
     let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {

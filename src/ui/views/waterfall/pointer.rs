@@ -159,25 +159,20 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
     lines
 }
 
-/// What is known of a place. Its range is that of the picture's scale, the recorder's; beside it stands the range that the
-/// cloud and the exported first returns have.
+/// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
 pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
     let mut lines = format!(
-        "ping {}  {}\n{}, range {:.2} m as recorded",
+        "ping {}  {}\n{}, range {:.2} m",
         mark.ping,
         text::clock(survey.start_unix_s, ping.time_s),
         side.name(),
-        at.across_m.abs(),
+        place::range_m(app, mark).unwrap_or(at.across_m.abs()),
     );
-    if let Some(range_m) = app
-        .products
-        .as_ref()
-        .and_then(|_| place::range_m(app, mark))
-    {
-        lines += &format!("\nrange {range_m:.2} m calibrated");
+    if app.products.is_some() {
+        lines += &format!("\n{:.2} m as recorded", at.across_m.abs());
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
         && let Some(samples) = survey.samples(mark.ping, side)
@@ -191,7 +186,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
         lines += &format!("\nsample {sample}, echo {echo}");
     }
     if ping.depth_m.is_finite() {
-        lines += &format!("\ndepth {:.2} m", ping.depth_m);
+        lines += &format!("\ndepth {}", place::depth(app, ping));
     }
     lines += &doubts(app, ping, mark.ping, side);
     if let Some(at) = place::lon_lat(app, mark) {

@@ -3,41 +3,83 @@
 use super::labels::{INK, Labels};
 use super::lens::{Lens, Place, across_m};
 use crate::app::{Orientation, ViewOptions};
-use crate::survey::{Side, Survey};
+use crate::cloud::Reduction;
+use crate::survey::{Side, SideSpan, Survey};
 use crate::ui::{text, theme};
-use egui::{Align2, Color32, Painter, Stroke, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
 
 /// Screen points between range lines, at least.
 const LINE_POINTS: f64 = 45.0;
+/// Screen points from the name of a side to the words beside it.
+const BELOW_SIDE: f32 = 20.0;
 /// Screen points between ticks along the track, at least.
 const TICK_POINTS: f64 = 120.0;
 
-/// Lines of equal slant range on both sides, as far as the picture goes.
+/// Places along the track at which a range line is looked up, at most.
+const LOOKED_UP: usize = 256;
+/// Range lines on a side, at most: a damaged scale must not draw for ever.
+const MOST_LINES: u32 = 1000;
+
+/// Lines of equal slant range on both sides, as far as the picture goes. The picture is drawn by the recorder's scale; the lines
+/// stand where the ranges of the cloud and of every read-out are.
 pub(super) struct RangeLines {
     step_m: f64,
-    /// Signed ranges in view.
-    across_m: Vec<f64>,
+    lines: Vec<RangeLine>,
+}
+
+/// A line of equal slant range on one side.
+struct RangeLine {
+    range_m: f64,
+    points: Vec<Pos2>,
 }
 
 impl RangeLines {
     /// The lines that a lens sees of a picture `far_m` wide on each side.
-    pub fn in_view(lens: &Lens, far_m: f64) -> Self {
+    pub fn in_view(lens: &Lens, survey: &Survey, reduction: Reduction<'_>, far_m: f64) -> Self {
         let step_m = text::round_step(lens.metres_per_point() * LINE_POINTS);
         let seen = lens.metres();
         let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
-        let across_m = (1..=(farthest / step_m).floor() as u32)
-            .flat_map(|line| Side::BOTH.map(|side| across_m(side, f64::from(line) * step_m)))
-            .filter(|across_m| seen.contains(across_m));
-        Self {
-            step_m,
-            across_m: across_m.collect(),
+        let visible = lens.visible(survey.side_scan.len());
+        let step = visible.len().div_ceil(LOOKED_UP).max(1);
+        let mut lines = Vec::new();
+        for side in Side::BOTH {
+            let spans: Vec<(usize, SideSpan)> = visible
+                .clone()
+                .step_by(step)
+                .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
+                .collect();
+            for line in 1..=MOST_LINES {
+                let range_m = f64::from(line) * step_m;
+                let places: Vec<(usize, f64)> = (spans.iter())
+                    .map(|(ping, span)| (*ping, reduction.recorded_range_m(span, range_m)))
+                    .collect();
+                let nearest = places
+                    .iter()
+                    .map(|(_, at_m)| *at_m)
+                    .fold(f64::MAX, f64::min);
+                // Also where no side was recorded in view, or its scale is damaged.
+                if !(nearest <= farthest && spans.len() == places.len()) || places.is_empty() {
+                    break;
+                }
+                let in_view = |(_, at_m): &(usize, f64)| seen.contains(&across_m(side, *at_m));
+                if places.iter().any(in_view) {
+                    let points = points(lens, side, &places);
+                    lines.push(RangeLine { range_m, points });
+                }
+            }
         }
+        Self { step_m, lines }
     }
 
     /// Draws the lines.
-    pub fn draw(&self, painter: &Painter, lens: &Lens, ink: Color32) {
-        for &across_m in &self.across_m {
-            painter.line_segment(lens.line_at_range(across_m), Stroke::new(1.0, ink));
+    pub fn draw(&self, painter: &Painter, ink: Color32) {
+        for line in &self.lines {
+            let stroke = Stroke::new(1.0, ink);
+            match line.points.as_slice() {
+                // Of a straight line, the painter sets the pixels sharp.
+                [start, end] => painter.line_segment([*start, *end], stroke),
+                points => painter.line(points.to_vec(), stroke),
+            };
         }
     }
 
@@ -47,12 +89,42 @@ impl RangeLines {
             Orientation::Horizontal => (Align2::LEFT_CENTER, vec2(6.0, 0.0)),
             Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
         };
-        for &across_m in &self.across_m {
-            let [start, _] = lens.line_at_range(across_m);
-            let label = text::metres(across_m.abs(), self.step_m);
-            labels.write(start + shift, anchor, &label, INK);
+        for line in &self.lines {
+            if let Some(start) = line.points.first() {
+                let label = text::metres(line.range_m, self.step_m);
+                labels.write(*start + shift, anchor, &label, INK);
+            }
         }
     }
+}
+
+/// A line through the places of one range: straight through the picture where they are all alike.
+fn points(lens: &Lens, side: Side, places: &[(usize, f64)]) -> Vec<Pos2> {
+    let first_m = places.first().map_or(0.0, |(_, at_m)| *at_m);
+    let alike = |(_, at_m): &(usize, f64)| (at_m - first_m).abs() < 1e-3;
+    if places.iter().all(alike) {
+        return lens.line_at_range(across_m(side, first_m)).to_vec();
+    }
+    let at = |&(ping, at_m): &(usize, f64)| {
+        lens.screen_at(Place {
+            ping: ping as f64 + 0.5,
+            across_m: across_m(side, at_m),
+        })
+    };
+    places.iter().map(at).collect()
+}
+
+/// What is done to the recorded ranges, below the name of the side where the picture ends.
+pub(super) fn range_change(labels: &mut Labels<'_>, lens: &Lens, change: &str) {
+    let rect = lens.rect.shrink(6.0);
+    let (at, anchor) = match lens.orientation {
+        Orientation::Horizontal => (rect.right_top() + vec2(0.0, BELOW_SIDE), Align2::RIGHT_TOP),
+        Orientation::Vertical => (
+            rect.left_bottom() - vec2(0.0, BELOW_SIDE),
+            Align2::LEFT_BOTTOM,
+        ),
+    };
+    labels.write(at, anchor, change, INK);
 }
 
 /// Ping numbers and times at the far edge of starboard (below) or port (left).
@@ -105,5 +177,76 @@ pub(super) fn sides(labels: &mut Labels<'_>, lens: &Lens, options: &ViewOptions)
         // Thin strokes need more light than a line to be read on the dark.
         let ink = theme::side_colour(options, side).lerp_to_gamma(INK, 0.35);
         labels.write(at, anchor, side.name(), ink);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::{Calibration, PpdReach, ScaleMode};
+    use crate::cloud::Correction;
+    use crate::survey::{Encoding, Order, SidePing};
+    use crate::ui::views::waterfall::camera::{Camera, Extent, Size};
+    use egui::{Rect, pos2, vec2};
+    use std::sync::Arc;
+
+    #[test]
+    fn range_lines_stand_at_the_ranges_of_the_read_outs() {
+        let span = SideSpan {
+            file: 0,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset: 0,
+            count: 1000,
+            near_m: 0.0,
+            far_m: 20.0,
+        };
+        let ping = SidePing {
+            time_s: 0.0,
+            depth_m: 3.0,
+            depth_locked: true,
+            port: Some(span),
+            starboard: Some(span),
+        };
+        let survey = Survey {
+            side_scan: Arc::new(vec![ping; 50]),
+            ..Survey::default()
+        };
+        let calibration = Calibration {
+            mode: ScaleMode::Header,
+            reach: PpdReach::Factor,
+            flat_spot: None,
+            header: None,
+            fit: None,
+            offset_m: -0.4,
+            measured_offset: None,
+            offset_note: None,
+            warnings: Vec::new(),
+        };
+        let correction = Correction::default();
+        let reduction = Reduction::new(&calibration, &correction);
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(500.0, 400.0));
+        let extent = Extent {
+            pings: 50.0,
+            far_m: 20.0,
+            bin_m: 0.02,
+        };
+        let size = Size::of(rect.size(), Orientation::Horizontal);
+        let lens = Lens::new(Camera::start(&extent, size), rect, Orientation::Horizontal);
+        let lines = RangeLines::in_view(&lens, &survey, reduction, 20.0);
+        assert!(lines.lines.len() > 4);
+        for line in &lines.lines {
+            let recorded_m = lens.place_at(line.points[0]).across_m.abs();
+            let read_m = reduction.range_m(&span, span.sample_at(recorded_m));
+            assert!(
+                (read_m - line.range_m).abs() < 0.01,
+                "{read_m} {}",
+                line.range_m
+            );
+            assert!(
+                (recorded_m - line.range_m + 0.4).abs() < 0.01,
+                "{recorded_m}"
+            );
+        }
     }
 }

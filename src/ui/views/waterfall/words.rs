@@ -61,8 +61,12 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (Some(_), true) => "first return shown",
     };
     let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
+    let products = context.app.products.as_ref();
+    let ranges = products
+        .and_then(|products| products.calibration.range_change())
+        .map_or_else(String::new, |change| format!(", {change}"));
     format!(
-        "Waterfall, pings {} to {} of {}, {first_return}{warning}",
+        "Waterfall, pings {} to {} of {}, {first_return}{ranges}{warning}",
         visible.start,
         visible.end.saturating_sub(1),
         survey.side_scan.len()

@@ -3,7 +3,7 @@
 use super::frame::Frame;
 use crate::app::{Action, App, Command};
 use crate::bathymetry::Station;
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
     Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -204,7 +204,8 @@ fn curve(painter: &Painter, frame: &Frame, stations: &[Station], context: &ViewC
     let ink = theme::plot_ink(&context.app.options);
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
     let font = crate::ui::views::legend::font();
-    painter.text(corner, egui::Align2::LEFT_TOP, "depth, m", font, ink);
+    let title = place::reduction(context.app).reference().title();
+    painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
 }
 
 fn ground(line: &[Pos2], bottom: f32, colour: Color32) -> Shape {
