@@ -2,7 +2,7 @@
 
 use super::Jobs;
 use crate::progress::Progress;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 /// What became of a task.
 pub enum Outcome<T> {
@@ -12,6 +12,15 @@ pub enum Outcome<T> {
     Done(T),
     /// Its thread died.
     Failed,
+}
+
+/// Wakes the window when it is dropped.
+struct WakeAtEnd(Arc<dyn Fn() + Send + Sync>);
+
+impl Drop for WakeAtEnd {
+    fn drop(&mut self) {
+        (self.0)();
+    }
 }
 
 /// Work under way. Dropping it cancels it.
@@ -34,11 +43,12 @@ impl<T: Send + 'static> Task<T> {
                 sender.send(work(&progress)).ok();
             }
             Jobs::Threads(waker) => {
-                let waker = waker.clone();
+                let at_end = WakeAtEnd(waker.clone());
                 std::thread::spawn(move || {
+                    // Dropped in turn, the channel first, also where the work panics: who is woken finds out what became of it.
+                    let (_at_end, sender) = (at_end, sender);
                     // Nobody listens any more when the task was replaced meanwhile.
                     sender.send(work(&progress)).ok();
-                    waker();
                 });
             }
         }
@@ -63,5 +73,25 @@ impl<T: Send + 'static> Task<T> {
 impl<T> Drop for Task<T> {
     fn drop(&mut self) {
         self.progress.cancel();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_is_woken_by_a_worker_that_dies() {
+        let (sender, woken) = mpsc::channel();
+        let jobs = Jobs::Threads(Arc::new(move || {
+            sender.send(()).ok();
+        }));
+        let dies = || -> u8 { panic!("for the test") };
+        let task = Task::start(&jobs, move |_| dies());
+        woken.recv().expect("it is woken");
+        assert!(matches!(task.poll(), Outcome::Failed));
+        let task = Task::start(&jobs, |_| 7);
+        woken.recv().expect("it is woken");
+        assert!(matches!(task.poll(), Outcome::Done(7)));
     }
 }

@@ -6,6 +6,7 @@ use super::{Levels, PickLines, RangeAxis, RangeLine, Tile, TileKey, Want};
 use crate::first_return::FirstReturns;
 use crate::survey::Survey;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::thread::JoinHandle;
 
 /// Something that the worker finished.
 pub enum Made {
@@ -25,6 +26,7 @@ pub enum Made {
 pub struct Tiler {
     shared: Arc<Shared>,
     made: mpsc::Receiver<Made>,
+    thread: JoinHandle<()>,
 }
 
 #[derive(Default)]
@@ -53,7 +55,7 @@ impl Tiler {
         let shared = Arc::new(Shared::default());
         let (sender, made) = mpsc::channel();
         let orders = shared.clone();
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             let out = Out { sender, waker };
             let axis = RangeAxis::of(&survey);
             out.send(Made::Axis(axis));
@@ -68,7 +70,16 @@ impl Tiler {
                 .run(&orders, &out);
             }
         });
-        Self { shared, made }
+        Self {
+            shared,
+            made,
+            thread,
+        }
+    }
+
+    /// Whether the worker makes nothing any more: there was no picture to make, or it died.
+    pub fn has_ended(&self) -> bool {
+        self.thread.is_finished()
     }
 
     /// Replaces the list of wanted tiles, most wanted first. Ones that were wanted before and are not any more are
@@ -260,6 +271,17 @@ mod tests {
             last.texels.iter().all(|texel| texel[1] > 200),
             "maxima of 512 noisy samples"
         );
+    }
+
+    #[test]
+    fn a_worker_that_dies_is_known_to_have_ended() {
+        let alive = Tiler::start(Arc::new(even(100, 64)), || ());
+        let dead = Tiler::start(Arc::new(even(100, 64)), || panic!("for the test"));
+        while !dead.has_ended() {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert!(matches!(dead.poll(), Some(Made::Axis(Some(_)))));
+        assert!(dead.poll().is_none() && !alive.has_ended());
     }
 
     #[test]

@@ -145,12 +145,13 @@ impl Shell {
     pub fn is_settled(&self) -> bool {
         let views_settled = match self.alone {
             Some(Alone::View(view)) => self.views.is_settled(view),
-            Some(Alone::Profile) => true,
+            Some(Alone::Profile) => self.views.profile.is_settled(),
             None => {
                 let shown = self.layout.shown();
                 shown.into_iter().all(|view| self.views.is_settled(view))
                     && self.timeline.is_settled()
                     && self.review.is_settled()
+                    && self.views.profile.is_settled()
             }
         };
         self.app.is_idle() && views_settled

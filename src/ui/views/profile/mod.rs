@@ -62,6 +62,11 @@ struct Found {
 }
 
 impl ProfileView {
+    /// Whether the curve is drawn at its final scale.
+    pub fn is_settled(&self) -> bool {
+        self.scale.is_settled()
+    }
+
     /// Draws the profile of the hovered ping, or else the selected one.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
         let available = ui.available_size();
@@ -86,7 +91,7 @@ impl ProfileView {
             empty(&painter, rect, &response, "no side-scan ping here");
             return;
         };
-        let normalisation = self.scale.of(ui.ctx(), context, &survey);
+        let normalisation = self.scale.of(context, &survey);
         self.zoom_at(ui, &response);
         let plot = Plot::new(rect, far_m(&shown) / f64::from(self.zoom));
         plot::axes(&painter, &plot, &context.app.options);

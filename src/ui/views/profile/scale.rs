@@ -1,10 +1,10 @@
 //! The normalisation of the whole picture, measured once off the window's thread.
 
 use crate::first_return::{ImageSettings, Normalisation, SampleMode};
-use crate::progress::Progress;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use std::sync::{Arc, mpsc};
+use crate::ui::views::background::Background;
+use std::sync::Arc;
 
 /// What a measurement is valid for.
 #[derive(Clone, PartialEq)]
@@ -16,35 +16,26 @@ struct Key {
 
 /// Measures again when survey, image or dead zone change; the newest wish wins.
 #[derive(Default)]
-pub(super) struct ScaleJob {
-    known: Option<(Key, Normalisation)>,
-    running: Option<(Key, Progress, mpsc::Receiver<Normalisation>)>,
-}
+pub(super) struct ScaleJob(Background<Key, (Key, Normalisation)>);
 
 impl ScaleJob {
     /// The normalisation for the present settings; while it is measured, the last one, or the full scale of a sample.
-    pub fn of(
-        &mut self,
-        ctx: &egui::Context,
-        context: &ViewContext<'_>,
-        survey: &Arc<Survey>,
-    ) -> Normalisation {
+    pub fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
         let settings = &context.app.settings;
         let key = Key {
             survey_serial: context.app.survey_serial,
             image: settings.image.clone(),
             dead_zone_m: settings.first_return.dead_zone_m,
         };
-        self.collect();
-        let is_known = self.known.as_ref().is_some_and(|(known, _)| *known == key);
-        let is_running = self
-            .running
-            .as_ref()
-            .is_some_and(|(running, ..)| *running == key);
-        if !is_known && !is_running {
-            self.start(key.clone(), survey.clone(), ctx.clone());
-        }
-        let usable = self.known.as_ref().filter(|(known, _)| {
+        let (wanted, survey) = (key.clone(), survey.clone());
+        self.0
+            .ask(key.clone(), context.app.jobs(), move |progress| {
+                let (image, dead_zone_m) = (&wanted.image, wanted.dead_zone_m);
+                let measured =
+                    Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
+                Some((wanted, measured))
+            });
+        let usable = self.0.result().filter(|(known, _)| {
             known.survey_serial == key.survey_serial && known.image == key.image
         });
         match usable {
@@ -57,35 +48,9 @@ impl ScaleJob {
         }
     }
 
-    fn collect(&mut self) {
-        let Some((key, _, result)) = &self.running else {
-            return;
-        };
-        match result.try_recv() {
-            Ok(measured) => {
-                self.known = Some((key.clone(), measured));
-                self.running = None;
-            }
-            // A worker that died leaves the full scale in force; it is not started again for the same key.
-            Err(mpsc::TryRecvError::Disconnected | mpsc::TryRecvError::Empty) => {}
-        }
-    }
-
-    fn start(&mut self, key: Key, survey: Arc<Survey>, ctx: egui::Context) {
-        if let Some((_, progress, _)) = self.running.take() {
-            progress.cancel();
-        }
-        let progress = Progress::new();
-        let (sender, result) = mpsc::channel();
-        self.running = Some((key.clone(), progress.clone(), result));
-        std::thread::spawn(move || {
-            let measured = Normalisation::measure(&survey, &key.image, key.dead_zone_m, &progress);
-            if let Ok(measured) = measured {
-                // Nobody listens when the wish was replaced.
-                sender.send(measured).ok();
-                ctx.request_repaint_after(std::time::Duration::from_millis(1));
-            }
-        });
+    /// Whether the scale is that of the settings, or cannot be measured.
+    pub fn is_settled(&self) -> bool {
+        !self.0.is_running()
     }
 }
 
@@ -98,5 +63,35 @@ fn full_scale(key: &Key) -> Normalisation {
             SampleMode::Bytes => i32::from(u8::MAX),
             SampleMode::Words => i32::MAX,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{App, Command, Jobs};
+    use crate::progress::Progress;
+
+    #[test]
+    fn the_first_frame_of_a_picture_has_the_scale_of_its_survey() {
+        let mut app = App::new(Jobs::Inline);
+        app.apply(Command::OpenDemo);
+        app.poll();
+        let survey = app.survey.clone().expect("the demo");
+        let context = ViewContext {
+            app: &app,
+            render_state: None,
+            commands: &mut Vec::new(),
+        };
+        let mut job = ScaleJob::default();
+        let shown = job.of(&context, &survey);
+        assert!(job.is_settled());
+        let settings = &app.settings;
+        let (image, dead_zone_m) = (&settings.image, settings.first_return.dead_zone_m);
+        let measured = Normalisation::measure(&survey, image, dead_zone_m, &Progress::new());
+        assert_eq!(
+            format!("{shown:?}"),
+            format!("{:?}", measured.expect("not cancelled"))
+        );
     }
 }

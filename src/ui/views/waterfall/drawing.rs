@@ -22,6 +22,8 @@ pub(super) struct Drawing {
     axis: Option<Option<RangeAxis>>,
     wanted_returns: Option<Arc<FirstReturns>>,
     wants_tiles: bool,
+    /// The worker ended before the picture was made.
+    pub has_failed: bool,
     pub picks: Option<Arc<PickLines>>,
     pub depth: Option<RangeLine>,
     /// Levels that suit the survey.
@@ -41,6 +43,7 @@ impl Drawing {
             axis: None,
             wanted_returns: None,
             wants_tiles: true,
+            has_failed: false,
             picks: None,
             depth: None,
             levels: Levels::RECORDED,
@@ -54,6 +57,8 @@ impl Drawing {
 
     /// Collects what arrived; asks for lines when the first returns are others than before.
     pub fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
+        // Asked before what it has sent is taken: what it sent last is here then.
+        let has_ended = self.tiler.has_ended();
         while let Some(made) = self.tiler.poll() {
             match made {
                 Made::Axis(axis) => self.axis = Some(axis),
@@ -63,6 +68,8 @@ impl Drawing {
                 Made::Depth(depth) => self.depth = Some(depth),
             }
         }
+        // Without a usable range there is nothing to make, and the worker ends by itself.
+        self.has_failed = has_ended && self.axis != Some(None);
         let Some(returns) = returns else {
             return;
         };
@@ -110,6 +117,8 @@ impl Drawing {
             (Some(_), None) => false,
         };
         match self.axis {
+            // Nothing more will come.
+            _ if self.has_failed => true,
             None => false,
             Some(None) => true,
             Some(Some(_)) => !self.wants_tiles && picks_made && self.depth.is_some(),

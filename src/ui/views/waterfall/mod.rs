@@ -169,7 +169,7 @@ impl WaterfallView {
     }
 
     /// Starts over when another survey is open.
-    fn follow_survey(&mut self, ctx: &egui::Context, context: &ViewContext<'_>) {
+    fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
         let serial = app.survey.as_ref().map(|_| app.survey_serial);
         if self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial {
@@ -181,7 +181,12 @@ impl WaterfallView {
                 .map(|survey| Drawing::start(survey.clone(), app.survey_serial, ctx));
         }
         if let Some(drawing) = &mut self.drawing {
+            let had_failed = drawing.has_failed;
             drawing.poll(app.returns());
+            if drawing.has_failed && !had_failed {
+                let text = "drawing the waterfall failed unexpectedly; what is missing comes when the log is opened again";
+                context.push(Command::Tell(text.to_owned()));
+            }
         }
     }
 
