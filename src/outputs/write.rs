@@ -62,8 +62,9 @@ impl Written {
     /// What was written and removed, in a sentence or two.
     pub fn summary(&self, folder: &Path) -> String {
         let files = self.files.join(", ");
+        // Where comes first: the list of files is long, and the window shows a few lines of it.
         let wrote = format!(
-            "wrote {files} into {}, each with its record (.json)",
+            "wrote into {}: {files}, each with its record (.json)",
             folder.display()
         );
         match self.removed.as_slice() {

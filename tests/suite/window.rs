@@ -562,3 +562,27 @@ fn the_panels_keep_their_width_whatever_they_hold() {
     let section = window.get_by_label("Depth correction section").rect();
     assert!(row.right() <= section.right() + 0.5, "{row} in {section}");
 }
+
+#[test]
+fn notices_lie_over_the_views_and_move_nothing() {
+    let mut window = demo_window();
+    let places = |window: &Window| {
+        ["Waterfall, pings", "Map, track of"].map(|name| window.get_by_label_contains(name).rect())
+    };
+    let before = places(&window);
+    for text in ["one thing", "another thing"] {
+        let command = Command::Tell(text.to_owned());
+        window.state_mut().app.apply(command);
+    }
+    window.run();
+    assert!(window.query_by_label("another thing").is_some());
+    assert_eq!(places(&window), before);
+    // A list of files does not hide the folder that they are in.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("products");
+    window.state_mut().app.apply(Command::Export(out.clone()));
+    window.run();
+    let notice = app(&window).notices.last().expect("what was written");
+    let start = format!("Wrote into {}: ", out.display());
+    assert!(notice.text.starts_with(&start), "{}", notice.text);
+}

@@ -18,6 +18,9 @@ pub mod survey;
 pub mod timeline;
 pub mod water;
 
+/// Height of the line of words at the bottom of the window, points.
+pub const STATUS_HEIGHT: f32 = 24.0;
+
 pub use parts::of_given_width;
 
 use super::ViewContext;

@@ -1,49 +1,98 @@
-//! Sentences for the analyst, one line each, until they are dismissed.
+//! Sentences for the analyst, until they are dismissed. They lie over the time line: a line that came and went below the views
+//! would move what is being clicked, and one over a view would hide its buttons.
 
-use crate::app::Command;
+use super::STATUS_HEIGHT;
+use crate::app::{Command, Notice};
 use crate::ui::{ViewContext, theme};
-use egui::{RichText, Ui};
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align, Align2, Area, FontSelection, Frame, Id, Label, Layout, RichText, Ui, vec2};
 
 /// Notices shown at once.
 const SHOWN: usize = 4;
+/// Lines of a notice; what is longer is shown whole under the pointer.
+const LINES: usize = 4;
+/// Widest that a notice becomes, points.
+const WIDEST: f32 = 720.0;
 
-/// Draws the lines; nothing when there is nothing to tell.
-pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+/// Draws them over the lower edge of the time line; nothing when there is nothing to tell.
+pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let look = app.options.theme;
-    let hidden = app.notices.len().saturating_sub(SHOWN);
-    for (index, notice) in app.notices.iter().enumerate().skip(hidden) {
-        let colour = if notice.is_error {
-            theme::error_colour(look)
-        } else {
-            theme::accent_colour(look)
-        };
-        ui.horizontal(|ui| {
-            let (rect, _) = ui.allocate_exact_size(egui::vec2(4.0, 18.0), egui::Sense::hover());
-            ui.painter().rect_filled(rect, 1.0, colour);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.small_button("Dismiss").clicked() {
-                    context.push(Command::Dismiss(index));
+    if app.notices.is_empty() {
+        return;
+    }
+    let above = STATUS_HEIGHT + 6.0;
+    // Beside it stay the buttons that play along the survey.
+    let room = ctx.content_rect().width() - 2.0 * theme::SIDE_PANEL_WIDTH - 160.0;
+    let area = Area::new(Id::unique("notices")).anchor(Align2::CENTER_BOTTOM, vec2(0.0, -above));
+    let shown = area.show(ctx, |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_width(room.clamp(260.0, WIDEST));
+            let hidden = app.notices.len().saturating_sub(SHOWN);
+            for (index, notice) in app.notices.iter().enumerate().skip(hidden) {
+                line(ui, context, index, notice);
+            }
+            if hidden > 0 {
+                let older = format!("{hidden} older notices");
+                ui.label(RichText::new(older).weak().small());
+            }
+        });
+    });
+    // It stands on its lower edge, and its height is known once it has been drawn: where that is another, it is placed anew at once
+    // and does not wait for the pointer to come.
+    let (id, size) = (
+        Id::unique("size of the notices"),
+        shown.response.rect.size(),
+    );
+    let before = ctx.data_mut(|data| data.get_temp::<egui::Vec2>(id));
+    if before != Some(size) {
+        ctx.data_mut(|data| data.insert_temp(id, size));
+        ctx.request_repaint();
+    }
+}
+
+fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notice) {
+    let look = context.app.options.theme;
+    let colour = if notice.is_error {
+        theme::error_colour(look)
+    } else {
+        theme::accent_colour(look)
+    };
+    ui.horizontal_top(|ui| {
+        let (rect, _) = ui.allocate_exact_size(vec2(4.0, 18.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 1.0, colour);
+        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+            if ui.small_button("Dismiss").clicked() {
+                context.push(Command::Dismiss(index));
+            }
+            if let Some(action) = notice.offer {
+                let button = ui.small_button(action.label());
+                if button.on_hover_text(action.hint()).clicked() {
+                    context.push(Command::Do(action));
                 }
-                if let Some(action) = notice.offer {
-                    let button = ui.small_button(action.label());
-                    if button.on_hover_text(action.hint()).clicked() {
-                        context.push(Command::Do(action));
-                    }
-                }
-                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    let text = RichText::new(&notice.text).strong();
-                    ui.add(egui::Label::new(text).truncate())
-                        .on_hover_text(&notice.text);
-                });
+            }
+            ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
+                // Laid out here: a label in a row would be as wide as its text, and lie over the buttons.
+                let lines = ui.painter().layout_job(words(ui, &notice.text));
+                ui.add(Label::new(lines)).on_hover_text(&notice.text);
             });
         });
-    }
-    if hidden > 0 {
-        ui.label(
-            RichText::new(format!("{hidden} older notices"))
-                .weak()
-                .small(),
-        );
-    }
+    });
+}
+
+/// The sentence in a few lines; a path without a space breaks where the line ends.
+fn words(ui: &Ui, text: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let colour = ui.visuals().strong_text_color();
+    RichText::new(text).strong().color(colour).append_to(
+        &mut job,
+        ui.style(),
+        FontSelection::Default,
+        Align::Min,
+    );
+    job.wrap = TextWrapping {
+        max_rows: LINES,
+        max_width: ui.available_width(),
+        ..TextWrapping::default()
+    };
+    job
 }

@@ -251,15 +251,9 @@ impl Shell {
             menu::ui(ui, &mut context);
         });
         Panel::bottom("status bar")
-            .exact_size(24.0)
+            .exact_size(panels::STATUS_HEIGHT)
             .frame(bar)
             .show(ui, |ui| panels::status::ui(ui, &mut context));
-        if !context.app.notices.is_empty() {
-            let line = bar.fill(ui.visuals().extreme_bg_color);
-            Panel::bottom("notices")
-                .frame(line)
-                .show(ui, |ui| panels::notices::ui(ui, &mut context));
-        }
         // On a small screen the views keep half of the width.
         let side_width = (ui.available_width() / 4.0).min(theme::SIDE_PANEL_WIDTH);
         // What an earlier run saved is held to that as well.
@@ -296,6 +290,7 @@ impl Shell {
         CentralPanel::no_frame().show(ui, |ui| {
             self.layout.ui(ui, &mut self.views, &mut context);
         });
+        panels::notices::show(ui.ctx(), &mut context);
         self.palette.ui(ui.ctx(), &mut context);
         help::ui(ui.ctx(), &mut self.help_open);
         self.dialogs.ui(ui.ctx(), &mut context);
