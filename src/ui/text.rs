@@ -38,6 +38,14 @@ pub fn length(value_m: f64) -> String {
     }
 }
 
+/// A course, `214°`, behind a comma; nothing where two places are one.
+pub fn and_course(course_rad: f64) -> String {
+    match course_rad.is_finite() {
+        true => format!(", {:.0}°", course_rad.to_degrees()),
+        false => String::new(),
+    }
+}
+
 /// An area on the ground: square metres, from a tenth of a square kilometre on hectares, from ten on square kilometres.
 pub fn area(value_m2: f64) -> String {
     match value_m2 {

@@ -316,3 +316,8 @@ pub fn hand_colour() -> Color32 {
 pub fn depth_line_colour() -> Color32 {
     Color32::from_rgb(225, 200, 60)
 }
+
+/// Makes a menu as wide as its longest entry: where it opens there may be less room, and words would be broken.
+pub fn whole_words(ui: &mut egui::Ui) {
+    ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+}

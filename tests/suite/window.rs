@@ -586,3 +586,32 @@ fn notices_lie_over_the_views_and_move_nothing() {
     let start = format!("Wrote into {}: ", out.display());
     assert!(notice.text.starts_with(&start), "{}", notice.text);
 }
+
+#[test]
+fn a_menu_of_a_view_breaks_no_word() {
+    let mut window = demo_window();
+    let map = window.get_by_label_contains("Map, track of").rect();
+    // At the right edge there is no room beside the pointer.
+    for at in [map.center(), map.right_center() - egui::vec2(3.0, 0.0)] {
+        window.hover_at(at);
+        for pressed in [true, false] {
+            window.event(egui::Event::PointerButton {
+                pos: at,
+                button: egui::PointerButton::Secondary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+        }
+        window.run();
+        let entry = window.get_by_label("Copy position").rect();
+        assert!(entry.height() < 26.0, "{entry}");
+        let position = window
+            .get_all_by_label_contains("° N")
+            .map(|node| node.rect())
+            .filter(|rect| (rect.left() - entry.left()).abs() < 12.0);
+        for rect in position {
+            assert!(rect.height() < 26.0, "the position in {rect}");
+        }
+        press(&mut window, Modifiers::NONE, Key::Escape);
+    }
+}

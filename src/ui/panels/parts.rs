@@ -159,14 +159,24 @@ fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
 
 /// A name and a value that can be selected and copied.
 pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
-    ui.horizontal(|ui| {
+    let value: WidgetText = value.into();
+    let value = value.strong();
+    let style = egui::TextStyle::Body;
+    let extend = Some(egui::TextWrapMode::Extend);
+    let room = ui.available_width() - theme::LABEL_WIDTH - ui.spacing().item_spacing.x;
+    let width = value.clone().into_galley(ui, extend, f32::INFINITY, style);
+    let row = |ui: &mut Ui| {
         name_cell(ui, name, hint);
-        let value: WidgetText = value.into();
-        let value = ui.add(egui::Label::new(value.strong()).truncate());
+        // What is cut off is not known: a long value takes another line.
+        let value = ui.add(egui::Label::new(value).wrap());
         if !hint.is_empty() {
             value.on_hover_text(hint);
         }
-    });
+    };
+    match width.size().x > room {
+        true => ui.horizontal_top(row),
+        false => ui.horizontal(row),
+    };
 }
 
 /// A name and the file that is in use for it, with buttons that choose one and that leave it.
@@ -329,5 +339,26 @@ pub fn choice<T: Copy + PartialEq>(
             label: name,
             live: false,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable as _;
+
+    #[test]
+    fn a_fact_is_never_cut_off() {
+        let value = "0.82 × 1.30 m, height 2.05 m";
+        let mut panel = Harness::builder().with_size([220.0, 120.0]).build_ui(|ui| {
+            fact(ui, "Object", "", value);
+            fact(ui, "Depth", "", "3.20 m");
+        });
+        panel.run();
+        let height = |text: &str| panel.get_by_label(text).rect().height();
+        // In two lines, where one has no room; what has room stays in one.
+        assert!(height(value) > 1.5 * height("3.20 m"));
+        assert!(panel.get_by_label(value).rect().right() <= 220.0);
     }
 }

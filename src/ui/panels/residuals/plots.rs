@@ -44,8 +44,8 @@ pub const OVERS: [(Over, &str, &str); 4] = [
 
 /// Height of the picture, points.
 pub const HEIGHT: f32 = 110.0;
-/// Room for the numbers below and to the left, points.
-const MARGIN: [f32; 2] = [34.0, 26.0];
+/// Room for the numbers below, points.
+const BELOW: f32 = 26.0;
 
 /// Draws one of them.
 pub fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewOptions) {
@@ -82,10 +82,17 @@ struct Axes {
 }
 
 impl Axes {
-    fn new(rect: Rect, x: [f64; 2], y: [f64; 2]) -> Self {
-        let min = rect.min + vec2(MARGIN[0], 6.0);
+    /// With room on the left for its numbers: one that is cut loses its sign first.
+    fn new(painter: &Painter, rect: Rect, x: [f64; 2], y: [f64; 2], numbers: &[String]) -> Self {
+        let font = FontId::proportional(10.0);
+        let width = |text: &String| {
+            let galley = painter.layout_no_wrap(text.clone(), font.clone(), Color32::PLACEHOLDER);
+            galley.size().x
+        };
+        let widest = numbers.iter().map(width).fold(20.0, f32::max);
+        let min = rect.min + vec2(widest.ceil() + 6.0, 6.0);
         Self {
-            area: Rect::from_min_max(min, rect.max - vec2(20.0, MARGIN[1])),
+            area: Rect::from_min_max(min, rect.max - vec2(20.0, BELOW)),
             x,
             y,
         }
@@ -116,18 +123,12 @@ impl Axes {
         }
     }
 
-    fn beside(
-        &self,
-        painter: &Painter,
-        values: &[f64],
-        shown: impl Fn(f64) -> String,
-        ink: Color32,
-    ) {
-        for value in values {
+    fn beside(&self, painter: &Painter, values: &[f64], numbers: &[String], ink: Color32) {
+        for (value, number) in values.iter().zip(numbers) {
             let at = self.at(self.x[0], *value);
             let place = pos2(self.area.left() - 4.0, at.y);
             let font = FontId::proportional(10.0);
-            painter.text(place, Align2::RIGHT_CENTER, shown(*value), font, ink);
+            painter.text(place, Align2::RIGHT_CENTER, number, font, ink);
             let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
             painter.hline(self.area.x_range(), at.y, faint);
         }
@@ -150,10 +151,11 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
     let reach_m = from_m
         .abs()
         .max((from_m + width_m * counts.len() as f64).abs());
-    let axes = Axes::new(rect, [-reach_m, reach_m], [0.0, most]);
+    let numbers = [0.0, most].map(|count| format!("{count:.0}"));
+    let axes = Axes::new(painter, rect, [-reach_m, reach_m], [0.0, most], &numbers);
     let ink = theme::plot_ink(options);
     axes.below(painter, &[-reach_m, 0.0, reach_m], " m", ink);
-    axes.beside(painter, &[0.0, most], |count| format!("{count:.0}"), ink);
+    axes.beside(painter, &[0.0, most], &numbers, ink);
     let accent = theme::accent_colour(options.theme);
     for (column, count) in counts.iter().enumerate() {
         let start_m = from_m + width_m * column as f64;
@@ -174,7 +176,10 @@ fn medians(painter: &Painter, rect: Rect, bins: &[Bin], unit: &str, options: &Vi
     let counts = |bin: &&Bin| 50 * bin.residuals.n >= most;
     let ends = |bin: &Bin| (bin.residuals.median_m.abs() + bin.residuals.sd_m).max(0.01);
     let reach_m = bins.iter().filter(counts).map(ends).fold(0.0, f64::max);
-    let axes = Axes::new(rect, [first.from, last.to], [-reach_m, reach_m]);
+    let levels_m = [-reach_m, 0.0, reach_m];
+    let numbers = levels_m.map(|metres| format!("{:+.0} cm", 100.0 * metres));
+    let (x, y) = ([first.from, last.to], [-reach_m, reach_m]);
+    let axes = Axes::new(painter, rect, x, y, &numbers);
     let ink = theme::plot_ink(options);
     axes.below(
         painter,
@@ -182,12 +187,7 @@ fn medians(painter: &Painter, rect: Rect, bins: &[Bin], unit: &str, options: &Vi
         unit,
         ink,
     );
-    axes.beside(
-        painter,
-        &[-reach_m, 0.0, reach_m],
-        |metres| format!("{:+.0} cm", 100.0 * metres),
-        ink,
-    );
+    axes.beside(painter, &levels_m, &numbers, ink);
     let accent = theme::accent_colour(options.theme);
     for bin in bins.iter().filter(counts) {
         let (middle, found) = (0.5 * (bin.from + bin.to), &bin.residuals);
@@ -195,5 +195,28 @@ fn medians(painter: &Painter, rect: Rect, bins: &[Bin], unit: &str, options: &Vi
         let ends = ends.map(|metres| axes.at(middle, metres.clamp(-reach_m, reach_m)));
         painter.line_segment(ends, Stroke::new(1.0, accent.gamma_multiply(0.6)));
         painter.circle_filled(axes.at(middle, found.median_m), 3.0, accent);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Context, LayerId, RawInput};
+
+    #[test]
+    fn the_longest_number_has_room_for_its_sign() {
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(280.0, HEIGHT));
+        let numbers = ["-1240 cm", "+0 cm", "+1240 cm"].map(str::to_owned);
+        let ctx = Context::default();
+        let _output = ctx.run_ui(RawInput::default(), |ui| {
+            let painter = ui.ctx().layer_painter(LayerId::background());
+            let axes = Axes::new(&painter, rect, [0.0, 1.0], [-1.0, 1.0], &numbers);
+            for number in &numbers {
+                let font = FontId::proportional(10.0);
+                let galley = painter.layout_no_wrap(number.clone(), font, Color32::WHITE);
+                let left = axes.area.left() - 4.0 - galley.size().x;
+                assert!(left >= rect.left(), "{number} begins at {left}");
+            }
+        });
     }
 }

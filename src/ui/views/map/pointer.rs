@@ -137,6 +137,7 @@ impl Pointer {
             return;
         };
         response.context_menu(|ui| {
+            theme::whole_words(ui);
             let position = place::written(context.app, position);
             ui.label(&position);
             if ui.button("Copy position").clicked() {

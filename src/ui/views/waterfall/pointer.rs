@@ -4,7 +4,7 @@ use super::lens::{Lens, Place};
 use super::{boxes, labels};
 use crate::app::{App, Command, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, place, text};
+use crate::ui::{ViewContext, place, text, theme};
 use egui::{Align2, Painter, Pos2, Response, vec2};
 
 /// The mark at a place; `None` before the first and after the last ping.
@@ -74,6 +74,7 @@ pub(super) fn follow(
 fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
     let mut equal_scales_at = None;
     response.context_menu(|ui| {
+        theme::whole_words(ui);
         let Some(mark) = context.app.selection else {
             ui.label("no ping here");
             return;

@@ -68,10 +68,8 @@ fn beside(figure: &Figure) -> Option<String> {
         return Some(whole);
     }
     let leg = text::length(distance_m(from, to));
-    Some(format!(
-        "{whole}\nleg {leg}, {:.0}°",
-        course_rad(from, to).to_degrees()
-    ))
+    let course = text::and_course(course_rad(from, to));
+    Some(format!("{whole}\nleg {leg}{course}"))
 }
 
 /// What is measured; `None` while there is nothing between the corners.
@@ -85,8 +83,8 @@ fn measured(figure: &Figure) -> Option<String> {
             text::area(figure.area_m2())
         )),
         (_, &[from, to]) => {
-            let course_deg = course_rad(from, to).to_degrees();
-            Some(format!("{length}, {course_deg:.0}°"))
+            let course = text::and_course(course_rad(from, to));
+            Some(format!("{length}{course}"))
         }
         _ => Some(length),
     }
@@ -110,4 +108,29 @@ pub fn words(app: &App, shown: Option<&Figure>) -> Option<String> {
         };
         what.to_owned()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geo::LonLat;
+
+    #[test]
+    fn a_corner_on_the_last_one_has_no_course() {
+        let at = |lon_deg: f64| LonLat {
+            lon_deg,
+            lat_deg: 36.9,
+        };
+        let figure = |corners: &[LonLat]| Figure {
+            kind: FigureKind::Distance,
+            corners: corners.to_vec(),
+            done: false,
+        };
+        let (here, there) = (at(-111.5), at(-111.4999));
+        assert_eq!(beside(&figure(&[here, here])).as_deref(), Some("0.00 m"));
+        let words = beside(&figure(&[here, there, there])).expect("words");
+        assert!(words.ends_with("\nleg 0.00 m"), "{words}");
+        let words = beside(&figure(&[there, here, there])).expect("words");
+        assert!(words.ends_with(", 90°"), "{words}");
+    }
 }
