@@ -63,12 +63,16 @@ pub struct MapView {
     measure: measure::MeasureTool,
     seen_plane: u64,
     seen_reveal: u64,
+    /// Height that the plot of a depth profile takes of the view, points.
+    plot_height: f32,
 }
 
 impl MapView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let (rect, plot) = measure::split(ui.available_rect_before_wrap(), context.app);
+        let whole = ui.available_rect_before_wrap();
+        let (rect, plot) = measure::split(whole, context.app);
+        self.make_room(whole.height() - rect.height());
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
@@ -77,6 +81,20 @@ impl MapView {
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         if let Some(plot) = plot {
             self.measure.plot(ui, context, plot);
+        }
+    }
+
+    /// Keeps the ground where it is on the screen when the plot comes into the lower part of the view or goes: a map that
+    /// moved would put another place under the pointer that has just been clicking.
+    fn make_room(&mut self, plot_height: f32) {
+        let before = std::mem::replace(&mut self.plot_height, plot_height);
+        let taken = plot_height - before;
+        let toggles = (before > 0.0) != (plot_height > 0.0);
+        if let Some(transform) = self.transform.as_mut().filter(|_| toggles) {
+            // The middle of a view that ends higher lies higher by half of it.
+            transform.centre_m[1] += 0.5 * f64::from(taken) * transform.metres_per_point;
+            // Fitted to its frame it would move all the same.
+            self.fitted = None;
         }
     }
 
