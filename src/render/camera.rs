@@ -8,6 +8,10 @@ const FIELD_OF_VIEW: f32 = 0.7;
 /// Nearest and farthest that the camera comes to its target, metres.
 const DISTANCES_M: [f32; 2] = [0.05, 1e6];
 
+/// How near and how far the camera is held to a box, as a share of the box's size; and the least distance, metres.
+const HELD: [f32; 2] = [0.002, 20.0];
+const LEAST_M: f32 = 0.3;
+
 /// A direction to look from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
@@ -68,6 +72,31 @@ impl OrbitCamera {
         let offset = right * (ndc.x * tan * aspect) + up * (ndc.y * tan);
         self.move_target(offset * (self.distance_m - distance_m));
         self.distance_m = distance_m;
+    }
+
+    /// Looks at the depth of a place from where the camera is: the picture stays as it is, and what comes next turns and zooms
+    /// about that depth. A place behind the camera changes nothing.
+    pub fn look_at_depth_of(&mut self, place: Vec3) {
+        let [_, _, back] = self.axes();
+        let eye = self.target + self.shrink(back * self.distance_m);
+        let depth_m = self.exaggerate(eye - place).dot(back);
+        let [nearest, farthest] = DISTANCES_M;
+        if (nearest..farthest).contains(&depth_m) {
+            self.target = eye - self.shrink(back * depth_m);
+            self.distance_m = depth_m;
+        }
+    }
+
+    /// Keeps the camera about a box: the target within half of its size around it, and as near and far as there is something
+    /// to see.
+    pub fn hold(&mut self, [low, high]: [Vec3; 2]) {
+        let half = 0.5 * (high - low).max(Vec3::ONE);
+        self.target = self.target.clamp(low - half, high + half);
+        let size_m = self.exaggerate(high - low).length().max(1.0);
+        let [nearest, farthest] = HELD.map(|share| share * size_m);
+        self.distance_m = self
+            .distance_m
+            .clamp(nearest.max(LEAST_M), farthest.max(1.0));
     }
 
     /// Shows a box whole, from the direction the camera has, within the inner `1 / margin` of the picture.
@@ -271,6 +300,39 @@ mod tests {
         camera.zoom(3.0, ndc, 1.5);
         let after = camera.projection(1.5).project(place).unwrap();
         assert!(after.truncate().distance(ndc) < 1e-4, "{after}");
+    }
+
+    #[test]
+    fn another_depth_to_turn_about_leaves_the_picture_as_it_is() {
+        let mut camera = fitted(5.0);
+        let before = camera.projection(1.5);
+        camera.look_at_depth_of(HIGH);
+        let after = camera.projection(1.5);
+        for corner in corners(LOW, HIGH) {
+            let [was, is] = [before, after].map(|one| one.project(corner).unwrap());
+            assert!(was.truncate().distance(is.truncate()) < 1e-4, "{was} {is}");
+        }
+        let held = camera;
+        camera.look_at_depth_of(held.projection(1.5).eye + (held.projection(1.5).eye - LOW));
+        assert_eq!(camera, held, "behind it");
+    }
+
+    #[test]
+    fn a_held_camera_loses_the_box_in_no_direction() {
+        for (factor, ndc) in [
+            (1.5, Vec2::new(0.9, 0.8)),
+            (1.0 / 1.5, Vec2::new(-0.9, 0.2)),
+        ] {
+            let mut camera = fitted(5.0);
+            for _ in 0..200 {
+                camera.zoom(factor, ndc, 1.5);
+                camera.hold([LOW, HIGH]);
+            }
+            let size_m = camera.exaggerate(HIGH - LOW).length();
+            assert!((0.05..25.0 * size_m).contains(&camera.distance_m));
+            let off = (camera.target - 0.5 * (LOW + HIGH)).abs();
+            assert!(off.cmple(HIGH - LOW).all(), "{off}");
+        }
     }
 
     #[test]

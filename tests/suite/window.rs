@@ -615,3 +615,27 @@ fn a_menu_of_a_view_breaks_no_word() {
         press(&mut window, Modifiers::NONE, Key::Escape);
     }
 }
+
+#[test]
+fn the_cloud_is_in_view_after_a_change_of_preset() {
+    use bathyscope::app::View;
+    use bathyscope::ui::Alone;
+    let picture = |first: Preset, then: Option<Preset>| {
+        let mut window = drawn_window([500.0, 400.0]);
+        window.state_mut().app.apply(Command::UsePreset(first));
+        window.state_mut().app.apply(Command::OpenDemo);
+        window.state_mut().show_alone(Alone::View(View::Cloud));
+        settle(&mut window);
+        if let Some(preset) = then {
+            window.state_mut().app.apply(Command::UsePreset(preset));
+            settle(&mut window);
+        }
+        window.render().expect("a picture")
+    };
+    // Mercator metres are longer, and the first point, from which places are counted, is another.
+    let opened = picture(Preset::Published, None);
+    let changed = picture(Preset::Recommended, Some(Preset::Published));
+    let both = opened.pixels().zip(changed.pixels());
+    let differing = both.filter(|(one, other)| one != other).count();
+    assert!(differing < 200, "{differing} pixels differ");
+}

@@ -45,7 +45,12 @@ pub struct CloudView {
     aim: Option<f32>,
     seen_plane: u64,
     seen_reveal: u64,
+    /// What the camera was placed about: the origin of the scene, and the corners of its box.
+    about: Option<Extent>,
 }
+
+/// Origin of a scene, metres east, north and up, and the corners of its box from there.
+type Extent = ([f64; 3], [glam::Vec3; 2]);
 
 impl CloudView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
@@ -166,6 +171,7 @@ impl CloudView {
         products: &Products,
         scene: &CloudScene,
     ) -> OrbitCamera {
+        self.follow(scene);
         let outgrown = self
             .fitted
             .is_some_and(|(fitted, size)| self.camera == Some(fitted) && size != rect.size());
@@ -178,9 +184,11 @@ impl CloudView {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
         let wish = self.wish.take();
+        let shown = (context.app.options.cloud.outlier_preview, rect);
+        let mut zoom = |factor| pointer::zoom(&mut camera, scene, shown, rect.center(), factor);
         match wish {
-            Some(ViewRequest::ZoomIn) => camera.zoom(1.4, glam::Vec2::ZERO, aspect(rect)),
-            Some(ViewRequest::ZoomOut) => camera.zoom(1.0 / 1.4, glam::Vec2::ZERO, aspect(rect)),
+            Some(ViewRequest::ZoomIn) => zoom(1.4),
+            Some(ViewRequest::ZoomOut) => zoom(1.0 / 1.4),
             Some(ViewRequest::Top) => camera.look_from(Direction::Top),
             Some(ViewRequest::Side) => camera.look_from(Direction::South),
             Some(ViewRequest::Fit) | None => {}
@@ -193,7 +201,7 @@ impl CloudView {
             camera.fit(scene.corners, aspect(rect), margin(rect));
             self.fitted = Some((camera, rect.size()));
         }
-        pointer::move_camera(ui, rect, response, &mut camera);
+        pointer::move_camera(ui, shown, response, scene, &mut camera);
         if let Some(reveal) = context.app.reveal
             && reveal.serial != self.seen_reveal
         {
@@ -203,6 +211,55 @@ impl CloudView {
         self.camera = Some(camera);
         camera
     }
+}
+
+impl CloudView {
+    /// Goes with the cloud when its points lie elsewhere or count from another origin than before: after a change of preset it
+    /// may be another size in another place. A camera that nobody has moved shows all of it again.
+    fn follow(&mut self, scene: &CloudScene) {
+        let now = (scene.origin_m, scene.corners);
+        let Some(before) = self.about.replace(now).filter(|before| *before != now) else {
+            return;
+        };
+        let is_fitted = self
+            .fitted
+            .is_some_and(|(fitted, _)| self.camera == Some(fitted));
+        let shift = shift(before.0, now.0);
+        let fitted = self.fitted.as_mut().map(|(one, _)| one);
+        for camera in self.camera.as_mut().into_iter().chain(fitted) {
+            camera.target += shift;
+        }
+        let was = before.1.map(|corner| corner + shift);
+        let target = self.camera.map(|camera| camera.target);
+        if has_moved(was, now.1, target.filter(|_| !is_fitted)) {
+            self.camera = None;
+        }
+    }
+}
+
+/// From places that count from one origin to places that count from another.
+fn shift(from_m: [f64; 3], to_m: [f64; 3]) -> glam::Vec3 {
+    let by = |axis: usize| (from_m[axis] - to_m[axis]) as f32;
+    glam::Vec3::new(by(0), by(1), by(2))
+}
+
+/// Whether a cloud has gone from where it was: its box is another by more than a twentieth, a fifth in depth; of a camera that the analyst
+/// has placed, whether its target is left outside of the cloud.
+fn has_moved(was: [glam::Vec3; 2], is: [glam::Vec3; 2], placed: Option<glam::Vec3>) -> bool {
+    if let Some(target) = placed {
+        let [low, high] = is;
+        let margin = 0.1 * (high - low).max(glam::Vec3::ONE);
+        let inside = target.cmpge(low - margin) & target.cmple(high + margin);
+        let was_inside = target.cmpge(was[0] - margin) & target.cmple(was[1] + margin);
+        return was_inside.all() && !inside.all();
+    }
+    let common = was[1].min(is[1]) - was[0].max(is[0]);
+    let larger = (was[1] - was[0])
+        .max(is[1] - is[0])
+        .max(glam::Vec3::splat(0.1));
+    common
+        .cmplt(glam::Vec3::new(0.95, 0.95, 0.8) * larger)
+        .any()
 }
 
 fn aspect(rect: Rect) -> f32 {
@@ -259,4 +316,31 @@ fn name(scene: &CloudScene) -> String {
         text::count(scene.outliers.removed),
         100.0 * scene.outliers.share()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_cloud_that_went_elsewhere_is_found_again_and_one_that_stayed_is_left() {
+        let was = [Vec3::new(0.0, 0.0, -6.0), Vec3::new(80.0, 60.0, -1.0)];
+        let nudged = was.map(|corner| corner + Vec3::new(1.0, -2.0, 0.2));
+        // Mercator metres at 37 degrees north.
+        let larger = was.map(|corner| corner * Vec3::new(1.25, 1.25, 1.0) + Vec3::X * 30.0);
+        assert!(!has_moved(was, nudged, None));
+        assert!(has_moved(was, larger, None));
+        let detail = Vec3::new(12.0, 8.0, -3.0);
+        assert!(
+            !has_moved(was, nudged, Some(detail)),
+            "a detail is still there"
+        );
+        assert!(has_moved(was, larger, Some(detail)));
+        assert!(!has_moved(was, larger, Some(Vec3::new(50.0, 30.0, -3.0))));
+        assert_eq!(
+            shift([10.0, 20.0, 0.0], [4.0, 25.0, 0.0]),
+            Vec3::new(6.0, -5.0, 0.0)
+        );
+    }
 }

@@ -11,6 +11,8 @@ use glam::Vec2;
 
 /// How near a point the pointer must be, points of the screen.
 const REACH: f32 = 9.0;
+/// How near a point must be for the place beside it to stay under the pointer in a zoom, points of the screen.
+const NEAR: f32 = 40.0;
 /// Beyond so many points only a click picks: a look at all of them would cost more than a frame.
 const MOST_ON_HOVER: usize = 2_000_000;
 
@@ -21,8 +23,61 @@ pub struct Pointer {
     looked: Option<(Pos2, OrbitCamera, Option<usize>)>,
 }
 
+/// Comes nearer or goes farther, about what lies nearest to `at` on the screen: a zoom about a place where nothing is would end in
+/// a picture of nothing. Where no point is in the picture it comes no nearer.
+pub fn zoom(
+    camera: &mut OrbitCamera,
+    scene: &CloudScene,
+    (shown, rect): (bool, Rect),
+    at: Pos2,
+    factor: f32,
+) {
+    let aspect = rect.width().max(1.0) / rect.height().max(1.0);
+    let ndc_of = |at: Pos2| {
+        let off = (at - rect.center()) / (0.5 * rect.size());
+        Vec2::new(off.x, -off.y)
+    };
+    let looks = scene.shown(shown) <= MOST_ON_HOVER;
+    if factor <= 1.0 || !looks {
+        camera.zoom(factor, ndc_of(at), aspect);
+        return camera.hold(scene.corners);
+    }
+    let (size, off) = (rect.size(), at - rect.min);
+    let (size, off) = (Vec2::new(size.x, size.y), Vec2::new(off.x, off.y));
+    let projection = camera.projection(aspect);
+    let is_in_picture = |place: &glam::Vec3| {
+        let ndc = projection.project(*place);
+        ndc.is_some_and(|ndc| ndc.truncate().abs().max_element() <= 1.0)
+    };
+    let places = scene
+        .places(shown)
+        .filter(|(_, place)| is_in_picture(place));
+    let nearest = projection.pick(places, off, size, [REACH, f32::INFINITY]);
+    let Some(place) = nearest.and_then(|point| scene.place_of(point)) else {
+        return;
+    };
+    let Some(point_ndc) = projection.project(place) else {
+        return;
+    };
+    let ndc = ndc_of(at);
+    let off_px = (0.5 * size * (point_ndc.truncate() - ndc)).length();
+    let after = ndc + (point_ndc.truncate() - ndc) * factor;
+    let stays = off_px <= NEAR && after.abs().max_element() < 0.95;
+    camera.look_at_depth_of(place);
+    // What is under the pointer stays there; where that would lose the nearest point, the point does.
+    let about = if stays { ndc } else { point_ndc.truncate() };
+    camera.zoom(factor, about, aspect);
+    camera.hold(scene.corners);
+}
+
 /// Left drag turns, right or middle drag moves, the wheel zooms at the pointer.
-pub fn move_camera(ui: &Ui, rect: Rect, response: &Response, camera: &mut OrbitCamera) {
+pub fn move_camera(
+    ui: &Ui,
+    (shown, rect): (bool, Rect),
+    response: &Response,
+    scene: &CloudScene,
+    camera: &mut OrbitCamera,
+) {
     let height = rect.height().max(1.0);
     let drag = response.drag_delta() / height;
     let drag = Vec2::new(drag.x, drag.y);
@@ -31,6 +86,7 @@ pub fn move_camera(ui: &Ui, rect: Rect, response: &Response, camera: &mut OrbitC
         || (response.dragged() && ui.input(|input| input.modifiers.shift));
     if moves {
         camera.pan(drag);
+        camera.hold(scene.corners);
     } else if response.dragged_by(PointerButton::Primary) {
         camera.orbit(drag);
     }
@@ -38,8 +94,7 @@ pub fn move_camera(ui: &Ui, rect: Rect, response: &Response, camera: &mut OrbitC
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         let factor = (scroll * 0.005).exp() * pinch;
         if factor != 1.0 {
-            let off = (at - rect.center()) / (0.5 * rect.size());
-            camera.zoom(factor, Vec2::new(off.x, -off.y), rect.width() / height);
+            zoom(camera, scene, (shown, rect), at, factor);
         }
     }
 }
@@ -156,5 +211,57 @@ fn paint_mark(
     let at = point.and_then(|point| axes.at(scene.place(point)));
     if let Some(at) = at {
         painter.circle_stroke(at, 8.0, stroke);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::ViewOptions;
+    use crate::cloud::{CloudPoint, PointCloud, PointSource};
+    use crate::progress::Progress;
+    use std::sync::Arc;
+
+    /// Two lines of points 40 m apart, and nothing between.
+    fn scene() -> CloudScene {
+        let point = |index: u32| CloudPoint {
+            source: PointSource::DownScan,
+            ping: index,
+            sounding: None,
+            sound: true,
+            canopy: false,
+            sample: 1.0,
+            east_m: f64::from(index % 2) * 40.0,
+            north_m: f64::from(index / 2),
+            z_m: -3.0,
+        };
+        let cloud = PointCloud {
+            points: (0..120).map(point).collect(),
+            zero_heading: 0,
+        };
+        let (kept, options) = (Arc::new(vec![true; 120]), ViewOptions::default());
+        let made = CloudScene::new(Arc::new(cloud), kept, &options, None, &Progress::new());
+        made.expect("a scene")
+    }
+
+    #[test]
+    fn the_wheel_never_ends_where_nothing_is() {
+        let scene = scene();
+        let rect = Rect::from_min_size(Pos2::ZERO, egui::vec2(600.0, 400.0));
+        for at in [[300.0, 200.0], [5.0, 5.0], [590.0, 380.0], [310.0, 395.0]] {
+            for factor in [1.3, 1.0 / 1.3] {
+                let mut camera = OrbitCamera::default();
+                camera.fit(scene.corners, 1.5, 1.2);
+                for _ in 0..100 {
+                    zoom(&mut camera, &scene, (false, rect), at.into(), factor);
+                }
+                let projection = camera.projection(1.5);
+                let in_picture = scene.places(false).filter(|(_, place)| {
+                    let ndc = projection.project(*place);
+                    ndc.is_some_and(|ndc| ndc.truncate().abs().max_element() <= 1.0)
+                });
+                assert!(in_picture.count() > 0, "{at:?} {factor} {camera:?}");
+            }
+        }
     }
 }

@@ -125,6 +125,11 @@ impl CloudScene {
         self.local(point.east_m, point.north_m, point.z_m)
     }
 
+    /// Place of a point by its index in the cloud.
+    pub fn place_of(&self, index: usize) -> Option<Vec3> {
+        self.cloud.points.get(index).map(|point| self.place(point))
+    }
+
     /// A place of the survey in the scene.
     pub fn local(&self, east_m: f64, north_m: f64, z_m: f64) -> Vec3 {
         let [east, north, up] = self.origin_m;
