@@ -5,6 +5,7 @@
 
 mod action;
 mod apply;
+mod available;
 mod base_map;
 mod bottom;
 mod command;

@@ -588,6 +588,31 @@ fn notices_lie_over_the_views_and_move_nothing() {
 }
 
 #[test]
+fn what_cannot_be_removed_is_not_offered() {
+    use egui_kittest::kittest::NodeT as _;
+    let mut window = demo_window();
+    window.get_by_label("File").click();
+    window.run();
+    let entry = |window: &Window, name: &str| {
+        let entry = window.get_by_label_contains(name);
+        entry.accesskit_node().is_disabled()
+    };
+    assert!(entry(&window, "Remove the base map"));
+    assert!(entry(&window, "Remove the water levels"));
+    assert!(!entry(&window, "Open base map"));
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    press(&mut window, Modifiers::COMMAND, Key::P);
+    window.get_by_label("Command").type_text("base map");
+    window.run();
+    assert!(window.query_by_label_contains("Open base map").is_some());
+    assert!(
+        window
+            .query_by_label_contains("Remove the base map")
+            .is_none()
+    );
+}
+
+#[test]
 fn a_menu_of_a_view_breaks_no_word() {
     let mut window = demo_window();
     let map = window.get_by_label_contains("Map, track of").rect();

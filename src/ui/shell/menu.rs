@@ -118,7 +118,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn entry(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
-    titled(ui, context, action, action.label(), true);
+    let enabled = context.app.has_what_it_takes(action);
+    titled(ui, context, action, action.label(), enabled);
 }
 
 fn titled(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, title: &str, enabled: bool) {
@@ -164,16 +165,9 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let settings = &context.app.settings;
-    let has_levels = settings.water_level.file.is_some();
-    let has_track = settings.track.file.is_some();
     let is_open = context.app.survey.is_some();
     for &action in EXTERNAL {
-        let enabled = match action {
-            Action::RemoveWaterLevels => has_levels,
-            Action::RemoveTrack => has_track,
-            _ => is_open,
-        };
+        let enabled = is_open && context.app.has_what_it_takes(action);
         titled(ui, context, action, action.label(), enabled);
     }
 }

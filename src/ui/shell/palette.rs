@@ -101,7 +101,9 @@ fn line(ui: &mut Ui, item: &Item, chosen: bool, moved: bool) -> bool {
 }
 
 fn items(context: &ViewContext<'_>) -> Vec<Item> {
-    let actions = Action::ALL.iter().map(|&action| Item {
+    let actions = Action::ALL.iter();
+    let actions = actions.filter(|action| context.app.has_what_it_takes(**action));
+    let actions = actions.map(|&action| Item {
         label: action.label().to_owned(),
         keys: action.keys().unwrap_or_default(),
         hint: action.hint().to_owned(),

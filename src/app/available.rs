@@ -1,0 +1,20 @@
+//! Which actions make sense now: menus grey the others, and the palette leaves them out.
+
+use super::{Action, App};
+
+impl App {
+    /// Whether there is what an action takes away or leaves. All other actions say themselves what they lack.
+    pub fn has_what_it_takes(&self, action: Action) -> bool {
+        match action {
+            Action::CloseBaseMap => self.base_map.is_some(),
+            Action::RemoveWaterLevels => self.settings.water_level.file.is_some(),
+            Action::RemoveTrack => self.settings.track.file.is_some(),
+            Action::CloseReference => self.comparing.reference.is_some(),
+            Action::ForgetTruth => self.reviewing.judging.source().is_some(),
+            Action::ForgetBottom => !self.settings.bottom.is_empty(),
+            Action::RemoveFigure => self.measuring.figure.is_some(),
+            Action::CalibrationReset => self.settings.calibration.pings.is_some(),
+            _ => true,
+        }
+    }
+}
