@@ -81,6 +81,8 @@ struct Field {
     purpose: Purpose,
     path: String,
     instead: bool,
+    /// It has been given the keyboard.
+    focused: bool,
 }
 
 impl Field {
@@ -91,6 +93,7 @@ impl Field {
             purpose,
             path: proposed.map_or_else(String::new, |path| path.display().to_string()),
             instead,
+            focused: false,
         })
     }
 }
@@ -163,6 +166,7 @@ impl Dialogs {
             return;
         };
         let (purpose, path) = (field.purpose, &mut field.path);
+        let is_new = !std::mem::replace(&mut field.focused, true);
         let (title, name, verb) = match purpose {
             Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
@@ -209,7 +213,7 @@ impl Dialogs {
             let line = egui::TextEdit::singleline(path).desired_width(f32::INFINITY);
             let line = ui.add(line).labelled_by(label.id);
             let enter = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if path.is_empty() && !enter {
+            if is_new || path.is_empty() && !enter {
                 line.request_focus();
             }
             ui.add_space(6.0);

@@ -440,3 +440,29 @@ fn the_plot_of_a_profile_moves_no_ground_under_the_pointer() {
         assert!((place.lon_deg - before.lon_deg).abs() < 1e-9, "{place:?}");
     }
 }
+
+#[test]
+fn a_file_that_is_to_be_named_has_the_keyboard() {
+    use egui_kittest::kittest::NodeT as _;
+    let mut window = map_window();
+    press(&mut window, Modifiers::NONE, Key::D);
+    click(&mut window, pos2(200.0, 400.0));
+    click(&mut window, pos2(300.0, 400.0));
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    let mut window = {
+        let figure = app(&window).measuring.figure.clone();
+        let mut whole = demo_window();
+        whole.state_mut().app.measuring.figure = figure;
+        whole
+    };
+    window.run();
+    by_palette(&mut window, "Save the measurement");
+    let field = window.get_by_role_and_label(Role::TextInput, "File to write, .geojson or .csv");
+    assert!(field.accesskit_node().is_focused(), "typing goes there");
+    assert!(
+        field
+            .accesskit_node()
+            .value()
+            .is_some_and(|path| path.ends_with(".geojson"))
+    );
+}
