@@ -4,12 +4,9 @@ use crate::app::{ColourMap, PIXEL_M};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, Raster, TILE_PX, level};
 use crate::survey::{Navigation, Survey};
-use crate::ui::theme;
 use crate::ui::views::background::Same;
-use crate::ui::views::waterfall::palette;
-use egui::{
-    ColorImage, Rect, Role, Sense, Stroke, StrokeKind, TextureHandle, Ui, WidgetInfo, pos2, vec2,
-};
+use crate::ui::views::waterfall::{outline, palette};
+use egui::{ColorImage, Rect, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
 
 /// Width over height.
 const ASPECT: f32 = 1.5;
@@ -87,12 +84,12 @@ impl Chip {
         let painter = ui.painter_at(area);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(self.texture.id(), area, whole, egui::Color32::WHITE);
-        let outline = Rect::from_min_max(
+        let frame = Rect::from_min_max(
             area.lerp_inside(self.share.min.to_vec2()),
             area.lerp_inside(self.share.max.to_vec2()),
         );
-        let stroke = Stroke::new(1.25, theme::box_colour(one.state));
-        painter.rect_stroke(outline, 0.0, stroke, StrokeKind::Outside);
+        // With the line of its state, as in the waterfall.
+        outline::draw(&painter, frame, outline::Style::of(one.state), false);
         let name = format!(
             "Picture of box {}, {}, {:.1} m high, range to the right",
             one.id.0,

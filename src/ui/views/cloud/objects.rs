@@ -36,6 +36,10 @@ pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) 
         if corners.iter().all(|at| at.distance(middle) < LEAST) {
             painter.circle_stroke(middle, LEAST, stroke);
         } else {
+            if one.state == State::Rejected {
+                painter.line_segment([corners[0], corners[2]], stroke);
+                painter.line_segment([corners[1], corners[3]], stroke);
+            }
             painter.add(Shape::closed_line(corners, stroke));
         }
         if is_selected {

@@ -41,7 +41,15 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
         let footprint = placed.corners.map(|corner| scene.at(corner));
         if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
             let stroke = Stroke::new(1.0, colour);
-            painter.add(Shape::closed_line(footprint.to_vec(), stroke));
+            match one.state {
+                State::Rejected => {
+                    let [a, b, c, d] = footprint;
+                    painter.extend(Shape::dashed_line(&[a, b, c, d, a], stroke, 4.0, 4.0));
+                }
+                _ => {
+                    painter.add(Shape::closed_line(footprint.to_vec(), stroke));
+                }
+            }
         }
         mark(painter, at, one.state, colour);
         if is_selected {

@@ -17,6 +17,8 @@ mod scales;
 mod tiles;
 mod words;
 
+pub use boxes::outline;
+
 use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
 use crate::render::colour_map;
 use crate::render::waterfall::{Look, WaterfallPicture};

@@ -3,7 +3,7 @@
 mod grab;
 mod hit;
 mod missed;
-mod outline;
+pub mod outline;
 
 pub(super) use grab::{Boxes, under};
 pub(super) use missed::Missed;

@@ -64,7 +64,13 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
         painter.rect_stroke(rect.expand(4.0), 3.0, halo, StrokeKind::Outside);
     }
     if rect.size().min_elem() < PLAIN {
-        painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+        match style.line {
+            // Without a frame around it: told from the others by its shape where there is no room for two lines.
+            Line::Crossed => cross(painter, rect.expand2(room(rect)), style.colour),
+            _ => {
+                painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
+            }
+        }
         return;
     }
     if style.line == Line::Corners {
@@ -84,15 +90,26 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
         }
         Line::Crossed => {
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
-            let [a, b, c, d, _] = outline(rect);
-            for diagonal in [[a, c], [b, d]] {
-                painter.line_segment(diagonal, Stroke::new(1.0, style.colour));
-            }
+            cross(painter, rect, style.colour);
         }
         Line::Solid | Line::Corners => {
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
         }
     }
+}
+
+/// Both diagonals, over the same dark rim as an outline.
+fn cross(painter: &Painter, rect: Rect, colour: Color32) {
+    let [a, b, c, d, _] = outline(rect);
+    for diagonal in [[a, c], [b, d]] {
+        painter.line_segment(diagonal, Stroke::new(3.0, Color32::from_black_alpha(120)));
+        painter.line_segment(diagonal, Stroke::new(1.0, colour));
+    }
+}
+
+/// What a small box lacks of the size at which a cross can be seen, at each of its edges.
+fn room(rect: Rect) -> egui::Vec2 {
+    (0.5 * (vec2(PLAIN, PLAIN) - rect.size())).max(egui::Vec2::ZERO)
 }
 
 /// Squares at the corners and on the middles of the edges.
@@ -145,4 +162,38 @@ fn corners(rect: Rect) -> [[Pos2; 3]; 4] {
             corner + vec2(0.0, arm * to.y),
         ]
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Context, LayerId, RawInput, pos2};
+
+    /// Strokes of a rectangle, and lines, that a box is drawn with.
+    fn drawn(state: State, size: f32) -> [usize; 2] {
+        let rect = Rect::from_min_size(pos2(100.0, 100.0), vec2(size, size));
+        let ctx = Context::default();
+        let output = ctx.run_ui(RawInput::default(), |ui| {
+            let painter = ui.ctx().layer_painter(LayerId::background());
+            draw(&painter, rect, Style::of(state), false);
+        });
+        let count = |is: fn(&Shape) -> bool| {
+            let shapes = output.shapes.iter().map(|clipped| &clipped.shape);
+            shapes.filter(|shape| is(shape)).count()
+        };
+        [
+            count(|shape| matches!(shape, Shape::Rect(_))),
+            count(|shape| matches!(shape, Shape::LineSegment { .. })),
+        ]
+    }
+
+    #[test]
+    fn a_rejected_box_is_crossed_out_however_small() {
+        for size in [3.0, 40.0] {
+            let [_, lines] = drawn(State::Rejected, size);
+            assert!(lines >= 2, "{size}: {lines} lines");
+            assert_eq!(drawn(State::Accepted, size)[1], 0, "{size}");
+        }
+        assert_eq!(drawn(State::Rejected, 3.0)[0], 0, "a frame would hide it");
+    }
 }
