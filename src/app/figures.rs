@@ -17,6 +17,8 @@ pub struct Figures {
     pub canopy: usize,
     /// Points of the cloud.
     pub points: usize,
+    /// Points of first returns that are less sure than the least confidence.
+    pub unsure: usize,
     /// Side-scan points, and those that the outlier filter removes.
     pub outliers: Outliers,
     /// Elevation of side-scan points minus that of the recorded depth at the same ping.
@@ -33,12 +35,14 @@ impl Figures {
         let found = |side| picks(&products.returns, side);
         let points = &products.cloud.points;
         progress.check()?;
+        let min_confidence = products.settings.first_return.min_confidence;
         Ok(Self {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
             canopy: canopy(&products.returns),
             points: points.len(),
-            outliers: products.cloud.outliers(&products.kept),
+            unsure: products.cloud.unsure(min_confidence),
+            outliers: products.cloud.outliers(&products.kept, min_confidence),
             residuals: residuals(
                 survey,
                 &products.cloud,

@@ -39,8 +39,11 @@ pub struct SurfaceSettings {
     pub down_scan_weight: f64,
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
-    /// Whether side-scan points flagged as canopy count: their depth is that of the weed or the fish.
+    /// Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.
     pub canopy: bool,
+    /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
+    /// metres: a field of boulders, no clump of weed, fish or object.
+    pub longest_canopy_m: f64,
 }
 
 impl Default for SurfaceSettings {
@@ -55,18 +58,26 @@ impl Default for SurfaceSettings {
             // soundings only, 3.4 at 0.3, 3.2 at 1 (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
             side_scan_weight: 1.0,
             canopy: false,
+            longest_canopy_m: 40.0,
         }
     }
 }
 
 impl SurfaceSettings {
-    /// What a point of the cloud counts; 0 when it is left out.
+    /// What a point of the cloud counts: a side-scan point by how sure it is; 0 when it is left out.
     pub fn weight(&self, point: &CloudPoint) -> f64 {
         match point.source {
             PointSource::DownScan => self.down_scan_weight,
-            _ if point.canopy && !self.canopy => 0.0,
-            PointSource::Port | PointSource::Starboard => self.side_scan_weight,
+            _ if self.leaves_out(point) => 0.0,
+            PointSource::Port | PointSource::Starboard => {
+                self.side_scan_weight * f64::from(point.confidence)
+            }
         }
+    }
+
+    /// Whether a point above the recorded depth is taken for weed, fish or an object.
+    pub fn leaves_out(&self, point: &CloudPoint) -> bool {
+        point.canopy && !self.canopy && f64::from(point.above_bottom_m) <= self.longest_canopy_m
     }
 }
 

@@ -1,5 +1,6 @@
 //! Picks and soundings to points in the survey's plane.
 
+use super::above_bottom::stretches_m;
 use super::geometry::{Foot, beside, fixed_foot};
 use super::specular::{Pair, Rise, specular_foot};
 use super::{
@@ -48,6 +49,7 @@ pub fn build(
         Geometry::Slope => rises(survey, &ranges),
         _ => Vec::new(),
     };
+    let above_bottom_m = stretches_m(survey, navigation, returns);
     progress.advance(1);
     progress.check()?;
     for (side, ranges_m) in Side::BOTH.into_iter().zip(&ranges) {
@@ -58,7 +60,14 @@ pub fn build(
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
-        points.extend(side_points(navigation, returns, side, ranges_m, foot, z_m));
+        let found = side_points(navigation, returns, side, ranges_m, foot, z_m);
+        points.extend(found.map(|point| CloudPoint {
+            above_bottom_m: match point.canopy {
+                true => above_bottom_m[point.ping as usize],
+                false => 0.0,
+            },
+            ..point
+        }));
     }
     progress.advance(1);
     Ok(PointCloud {
@@ -126,6 +135,8 @@ fn sounding_points(
             sounding: SoundingIndex::new(index),
             sound: sounding.locked || down_scan == DownScan::All,
             canopy: false,
+            above_bottom_m: 0.0,
+            confidence: f32::NAN,
             sample: f32::NAN,
             east_m: place.east_m,
             north_m: place.north_m,
@@ -163,6 +174,8 @@ fn side_points<'a>(
             sounding: None,
             sound: true,
             canopy: pick.canopy,
+            above_bottom_m: 0.0,
+            confidence: pick.confidence,
             sample: pick.sample,
             east_m,
             north_m,

@@ -4,11 +4,13 @@
 //! depths count from, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
 //! with recorded depths.
 
+mod above_bottom;
 mod build;
 pub mod correction;
 mod geometry;
 mod keep;
 pub mod outliers;
+mod ping_depth;
 mod reduction;
 mod residuals;
 mod specular;
@@ -17,6 +19,7 @@ pub use build::{build, slant_range_m};
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use geometry::{Foot, beside, fixed_foot};
 pub use keep::keep_points;
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals};
 
@@ -143,6 +146,11 @@ pub struct CloudPoint {
     pub sound: bool,
     /// Whether its pick is flagged as canopy or obstacle ([`crate::first_return::Pick::canopy`]).
     pub canopy: bool,
+    /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
+    /// it does not.
+    pub above_bottom_m: f32,
+    /// How sure the first return is ([`crate::first_return::Pick::confidence`]); NaN for a sounding.
+    pub confidence: f32,
     /// First return in u8 samples outward; NaN for a sounding.
     pub sample: f32,
     /// Metres east of the survey's origin.
@@ -173,13 +181,25 @@ impl PointCloud {
         })
     }
 
-    /// What the outlier filter removed of the side-scan points, which are all that it looks at; `kept` holds one flag per point.
-    pub fn outliers(&self, kept: &[bool]) -> Outliers {
+    /// Side-scan points that are less sure than the least confidence of a point that is kept.
+    pub fn unsure(&self, min_confidence: f32) -> usize {
+        let points = self.points.iter();
+        points
+            .filter(|point| point.is_unsure(min_confidence))
+            .count()
+    }
+
+    /// What the outlier filter removed of the side-scan points; `kept` holds one flag per point. Those that were not kept for their
+    /// confidence count among the points, not among the removed.
+    pub fn outliers(&self, kept: &[bool], min_confidence: f32) -> Outliers {
         let points = self.points.iter().zip(kept);
         let side_scan = points.filter(|(point, _)| point.source != PointSource::DownScan);
-        side_scan.fold(Outliers::default(), |sum, (_, kept)| Outliers {
-            removed: sum.removed + usize::from(!kept),
-            side_scan: sum.side_scan + 1,
+        side_scan.fold(Outliers::default(), |sum, (point, kept)| {
+            let is_removed = !kept && !point.is_unsure(min_confidence);
+            Outliers {
+                removed: sum.removed + usize::from(is_removed),
+                side_scan: sum.side_scan + 1,
+            }
         })
     }
 }
@@ -197,5 +217,12 @@ impl Outliers {
     /// Removed share of the side-scan points, 0 to 1.
     pub fn share(&self) -> f64 {
         self.removed as f64 / self.side_scan.max(1) as f64
+    }
+}
+
+impl CloudPoint {
+    /// Whether it is less sure than the least confidence of a point that is kept. Soundings have no confidence.
+    pub fn is_unsure(&self, min_confidence: f32) -> bool {
+        self.confidence < min_confidence
     }
 }

@@ -1,22 +1,26 @@
 //! The first sonar return: where, on each side of each ping, the bottom is first heard.
 //!
 //! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
-//! that follows the bottom as a whole line, `canopy` says which picks lie above the recorded depth,
+//! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
 //! `by_hand` holds what the analyst drew instead.
 
+mod above_bottom;
 mod by_hand;
-mod canopy;
+mod confidence;
 mod normalise;
 mod threshold;
 mod tracker;
 mod words;
 
 pub use by_hand::{BottomSettings, HandLine};
+pub use confidence::Evidence;
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
+use confidence::Found;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -62,6 +66,8 @@ pub struct FirstReturnSettings {
     /// A pick nearer than the recorded depth by more than this is flagged as canopy, metres; not where the recorder had lost
     /// the bottom.
     pub canopy_margin_m: f64,
+    /// Least confidence of a first return whose point is kept, 0 to 1.
+    pub min_confidence: f32,
 }
 
 impl Default for FirstReturnSettings {
@@ -71,7 +77,20 @@ impl Default for FirstReturnSettings {
             threshold: 0.3,
             dead_zone_m: 0.5,
             canopy_margin_m: 0.15,
+            // On ponds less than one in four threshold picks below it is right, weed counted; the tracker has hardly one there.
+            min_confidence: 0.2,
         }
+    }
+}
+
+impl FirstReturnSettings {
+    /// Whether both find the same picks: the least confidence only decides which of them are kept.
+    pub fn finds_the_same(&self, other: &Self) -> bool {
+        let min_confidence = other.min_confidence;
+        Self {
+            min_confidence,
+            ..self.clone()
+        } == *other
     }
 }
 
@@ -80,7 +99,8 @@ impl Default for FirstReturnSettings {
 pub struct Pick {
     /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no pick.
     pub sample: f32,
-    /// 0 (a guess) to 1 (certain); 0 when there is no pick.
+    /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated ponds ([`Evidence`]);
+    /// 0 when there is no pick.
     pub confidence: f32,
     /// Nearer than the recorded depth by more than the margin: canopy, fish or another obstacle.
     pub canopy: bool,
@@ -159,6 +179,51 @@ pub fn detect(
     }
 }
 
+/// What speaks for the picks that [`detect`] finds, port and starboard: what the law of their confidence is fitted to.
+pub fn evidence(
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    progress: &Progress,
+) -> Result<[Vec<Evidence>; 2], Cancelled> {
+    let Settled { found, depths_m } = match settings.method {
+        Method::Threshold => {
+            let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
+            index.found(settings.threshold)
+        }
+        Method::Tracker => {
+            let normalisation =
+                Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+            let pings = 0..survey.side_scan.len();
+            Settled {
+                found: tracker::track(survey, &normalisation, settings, pings.clone(), progress)?,
+                depths_m: locked_depths_m(survey, pings),
+            }
+        }
+    };
+    let gathering = confidence::Gathering {
+        survey,
+        first: 0,
+        found: &found,
+        depths_m: &depths_m,
+        margin_m: settings.canopy_margin_m,
+        dead_zone_m: settings.dead_zone_m,
+        method: settings.method,
+    };
+    Ok(gathering.evidence())
+}
+
+/// What a method found, with a depth a ping, NaN where there is none to believe.
+struct Settled {
+    found: [Vec<Found>; 2],
+    depths_m: Vec<f32>,
+}
+
+fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
+    let pings = pings.into_par_iter();
+    pings.map(|ping| survey.locked_depth_m(ping)).collect()
+}
+
 /// The tracker over some pings only; the same picks as over the whole survey.
 ///
 /// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture, kept by the caller
@@ -170,14 +235,23 @@ pub fn track_range(
     pings: Range<usize>,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
-    let mut sides = tracker::track(survey, normalisation, settings, pings.clone(), progress)?;
-    let depths_m: Vec<f32> = pings
-        .clone()
-        .map(|ping| survey.locked_depth_m(ping))
-        .collect();
-    for (side, picks) in Side::BOTH.into_iter().zip(&mut sides) {
-        let margin_m = settings.canopy_margin_m;
-        canopy::flag(survey, side, pings.start, &depths_m, picks, margin_m);
+    // What speaks for a pick lies around it.
+    let around = pings.start.saturating_sub(confidence::REACH)
+        ..survey.side_scan.len().min(pings.end + confidence::REACH);
+    let found = tracker::track(survey, normalisation, settings, around.clone(), progress)?;
+    let mut sides = confidence::Gathering {
+        survey,
+        first: around.start,
+        found: &found,
+        depths_m: &locked_depths_m(survey, around.clone()),
+        margin_m: settings.canopy_margin_m,
+        dead_zone_m: settings.dead_zone_m,
+        method: Method::Tracker,
+    }
+    .picks();
+    for picks in &mut sides {
+        picks.truncate(pings.end - around.start);
+        picks.drain(..pings.start - around.start);
     }
     let [port, starboard] = sides;
     Ok(FirstReturns {

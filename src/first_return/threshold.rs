@@ -3,8 +3,9 @@
 //! The first sample that reaches a level is always one that exceeds all samples before it. Those running maxima are few
 //! (six to ten of 1400 samples), so they are kept once per side of a ping, and any level is a search among them.
 
+use super::confidence::{Found, Gathering};
 use super::normalise::{BLOCK, dead_samples};
-use super::{FirstReturns, ImageSettings, Normalisation, Pick, SampleMode, canopy, words};
+use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, words};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -66,50 +67,49 @@ impl ThresholdIndex {
         &self.normalisation
     }
 
-    /// First sample of one side of one ping, outward, whose normalised intensity reaches `level`; no canopy flag.
-    ///
-    /// Confidence is 1 where the pick stays when the level is moved by a tenth either way, and falls to 0 where that
-    /// moves it by more than a twentieth of its distance.
-    pub fn pick(&self, ping: usize, side: Side, level: f32) -> Pick {
-        self.pick_at(ping, side, &Levels::new(&self.normalisation, level))
-    }
-
-    fn pick_at(&self, ping: usize, side: Side, levels: &Levels) -> Pick {
-        let place = 2 * ping + usize::from(side == Side::Starboard);
-        match &self.maxima {
-            Maxima::Bytes(steps) => levels.pick(steps.of(place)),
-            Maxima::Words(steps) => levels.pick(steps.of(place)),
+    /// The first sample of every side of every ping, outward, whose normalised intensity reaches `level`.
+    pub(super) fn found(&self, level: f32) -> Settled {
+        let levels = Levels::new(&self.normalisation, level);
+        let side = |side: usize| {
+            let pings = (0..self.depths_m.len()).into_par_iter();
+            let found = pings.with_min_len(BLOCK).map(|ping| {
+                let place = 2 * ping + side;
+                match &self.maxima {
+                    Maxima::Bytes(steps) => levels.find(steps.of(place)),
+                    Maxima::Words(steps) => levels.find(steps.of(place)),
+                }
+            });
+            found.collect()
+        };
+        Settled {
+            found: [side(0), side(1)],
+            depths_m: self.depths_m.clone(),
         }
     }
 
     /// The first returns of the whole survey at one threshold. `survey` is the one that the index was built from.
     pub fn detect(&self, survey: &Survey, threshold: f32, canopy_margin_m: f64) -> FirstReturns {
-        let levels = Levels::new(&self.normalisation, threshold);
-        let side = |side| -> Vec<Pick> {
-            let mut picks = vec![Pick::NONE; self.depths_m.len()];
-            picks
-                .par_chunks_mut(BLOCK)
-                .enumerate()
-                .for_each(|(block, picks)| {
-                    let first = block * BLOCK;
-                    for (ping, pick) in (first..).zip(picks.iter_mut()) {
-                        *pick = self.pick_at(ping, side, &levels);
-                    }
-                    let depths_m = &self.depths_m[first..][..picks.len()];
-                    canopy::flag(survey, side, first, depths_m, picks, canopy_margin_m);
-                });
-            picks
-        };
+        let Settled { found, depths_m } = self.found(threshold);
+        let [port, starboard] = Gathering {
+            survey,
+            first: 0,
+            found: &found,
+            depths_m: &depths_m,
+            margin_m: canopy_margin_m,
+            dead_zone_m: self.normalisation.dead_zone_m,
+            method: Method::Threshold,
+        }
+        .picks();
         FirstReturns {
-            port: side(Side::Port),
-            starboard: side(Side::Starboard),
+            port,
+            starboard,
             warnings: self.normalisation.warning().into_iter().collect(),
             drawn: Vec::new(),
         }
     }
 }
 
-/// A threshold as a value of the picture, with its two neighbours for the confidence.
+/// A threshold as a value of the picture, with a tenth less and more, for the confidence.
 struct Levels {
     level: i64,
     below: i64,
@@ -125,21 +125,22 @@ impl Levels {
         }
     }
 
-    fn pick<V: Copy + Into<i64>>(&self, (at, values): (&[u16], &[V])) -> Pick {
+    fn find<V: Copy + Into<i64>>(&self, (at, values): (&[u16], &[V])) -> Found {
         let first = |level: i64| values.partition_point(|&value| value.into() < level);
         let step = first(self.level);
         let Some(&sample) = at.get(step) else {
-            return Pick::NONE;
+            return Found::NONE;
         };
         let sample = f32::from(sample);
         let near = f32::from(at[first(self.below).min(step)]);
+        // Where no sample is as bright as that, the bottom lies nowhere.
         let far = at
             .get(first(self.above))
-            .map_or(f32::INFINITY, |&at| f32::from(at));
-        Pick {
+            .map_or(2.0 * sample, |&at| f32::from(at));
+        let share = |samples: f32| (samples / sample.max(1.0)).min(1.0);
+        Found {
             sample,
-            confidence: (1.0 - (far - near) / (0.05 * sample).max(1.0)).clamp(0.0, 1.0),
-            canopy: false,
+            signs: [share(sample - near), share(far - sample), 0.0],
         }
     }
 }

@@ -69,11 +69,53 @@ fn sentences(from: &Handover<'_>) -> String {
         )
         .ok();
     }
-    if counts.canopy > 0 && !from.products.settings.surface.canopy {
+    let track = &from.report.track;
+    if track.side_scan_only_pings > 0 {
         write!(
             told,
-            " {} first returns are nearer than the recorded depth (weed, fish or boulders); they are in the point cloud, but not in the depth map.",
-            count(counts.canopy)
+            " Over {} of the track ({:.0} %) depth rests on side-scan only.",
+            length(track.side_scan_only_m),
+            100.0 * track.side_scan_only(),
+        )
+        .ok();
+    }
+    if counts.low_confidence > 0 {
+        write!(
+            told,
+            " {} first returns are less sure than {:.2} and were set aside.",
+            count(counts.low_confidence),
+            from.products.settings.first_return.min_confidence,
+        )
+        .ok();
+    }
+    if counts.canopy > 0 {
+        told += &above_bottom(from);
+    }
+    told
+}
+
+/// What became of the first returns above the recorded depth.
+fn above_bottom(from: &Handover<'_>) -> String {
+    let counts = &from.report.counts;
+    let mut told = format!(
+        " {} first returns are nearer than the recorded depth (weed, fish or boulders).",
+        count(counts.canopy)
+    );
+    if counts.canopy_left_out > 0 {
+        write!(
+            told,
+            " {} of them are in the point cloud, but not in the depth map.",
+            count(counts.canopy_left_out)
+        )
+        .ok();
+    }
+    let in_map = counts.canopy.saturating_sub(counts.canopy_left_out);
+    if in_map > 0 && !from.products.settings.surface.canopy {
+        write!(
+            told,
+            " {} go on for more than {} m along the track and count as ground (surface.longest_canopy_m).",
+            count(in_map),
+            from.products.settings.surface.longest_canopy_m
         )
         .ok();
     }

@@ -50,7 +50,7 @@ impl Stage {
         if old.heading != new.heading || old.projection != new.projection || !same_track {
             Some(Stage::Navigation)
         } else if old.image != new.image
-            || old.first_return != new.first_return
+            || !old.first_return.finds_the_same(&new.first_return)
             || old.bottom != new.bottom
         {
             Some(Stage::FirstReturn)
@@ -58,7 +58,7 @@ impl Stage {
             Some(Stage::Calibration)
         } else if old.cloud != new.cloud || old.depth() != new.depth() {
             Some(Stage::Cloud)
-        } else if old.outliers != new.outliers {
+        } else if old.outliers != new.outliers || old.first_return != new.first_return {
             Some(Stage::Outliers)
         } else {
             None
@@ -85,7 +85,7 @@ pub struct Products {
     pub correction: Arc<Correction>,
     /// All points.
     pub cloud: Arc<PointCloud>,
-    /// One flag per point: kept by the outlier filter.
+    /// One flag per point: sure enough, and kept by the outlier filter.
     pub kept: Arc<Vec<bool>>,
 }
 
@@ -113,7 +113,11 @@ pub fn run(
     };
     // The first return depends on neither position nor heading: a change of heading source must not run the tracker again.
     let same_picks = |old: &&Products| {
-        old.settings.image == settings.image && old.settings.first_return == settings.first_return
+        old.settings.image == settings.image
+            && old
+                .settings
+                .first_return
+                .finds_the_same(&settings.first_return)
     };
     let reuse = |stage: Stage| match stage {
         // What was drawn by hand is laid over anew, and costs next to nothing.
@@ -182,7 +186,8 @@ pub fn run(
         Some(old) => old.kept.clone(),
         None => {
             begin(Stage::Outliers)?;
-            Arc::new(cloud::keep_points(&cloud, &settings.outliers, progress)?)
+            let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
+            Arc::new(cloud::keep_points(&cloud, least, how, progress)?)
         }
     };
     Ok(Products {

@@ -2,7 +2,7 @@
 
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
-use crate::cloud::{Residuals, residuals};
+use crate::cloud::{Residuals, TrackShare, ping_depths, residuals};
 use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey, Track};
@@ -40,6 +40,8 @@ pub struct Report {
     pub counts: Counts,
     /// Scales.
     pub calibration: CalibrationReport,
+    /// What the depths along the track come from.
+    pub track: TrackShare,
     /// Elevation of the kept side-scan points minus that of the recorded depth at the same ping: above 0 is shallower; absent
     /// without any.
     pub residuals: Option<Residuals>,
@@ -75,8 +77,12 @@ pub struct Counts {
     pub port_first_returns: usize,
     /// Pings with a starboard first return.
     pub starboard_first_returns: usize,
-    /// First returns flagged as canopy or obstacle.
+    /// First returns above the recorded depth: weed, fish or boulders.
     pub canopy: usize,
+    /// Of these, those that the depth map leaves out.
+    pub canopy_left_out: usize,
+    /// Side-scan points that are not kept because their first return is less sure than `first_return.min_confidence`.
+    pub low_confidence: usize,
     /// Pings at which the boat moves.
     pub moving: usize,
     /// Pings without a heading.
@@ -156,7 +162,10 @@ impl Report {
                 .filter(|pick| pick.is_some())
                 .count()
         };
-        let outliers = cloud.outliers(kept);
+        let min_confidence = settings.first_return.min_confidence;
+        let outliers = cloud.outliers(kept, min_confidence);
+        let points = cloud.points.iter();
+        let left_out = points.filter(|point| settings.surface.leaves_out(point));
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -172,6 +181,8 @@ impl Report {
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 canopy: flagged(Side::Port) + flagged(Side::Starboard),
+                canopy_left_out: left_out.count(),
+                low_confidence: cloud.unsure(min_confidence),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
                 points: cloud.points.len(),
@@ -180,6 +191,10 @@ impl Report {
                 outliers_removed_share: outliers.share(),
             },
             calibration: CalibrationReport::new(calibration),
+            track: TrackShare::of(
+                &ping_depths(survey, cloud, kept, correction),
+                &navigation.pings,
+            ),
             residuals: residuals(survey, cloud, correction, kept),
             statement: [
                 settings.bottom.statement(survey).as_str(),
@@ -212,27 +227,38 @@ impl Report {
         let Self {
             counts,
             calibration,
+            track,
             residuals,
             ..
         } = self;
         let mut lines = vec![
             format!(
-                "{} pings: first return port {}, starboard {}; {} flagged as canopy or obstacle",
+                "{} pings: first return port {}, starboard {}; {} above the recorded depth (weed, fish, boulders), {} of them not in the depth map",
                 counts.pings,
                 counts.port_first_returns,
                 counts.starboard_first_returns,
-                counts.canopy
+                counts.canopy,
+                counts.canopy_left_out
             ),
             format!(
-                "{} points, {} from side-scan, {} of them removed as outliers ({:.1} %); {} pings without heading",
+                "{} points, {} from side-scan, {} of them not kept for their confidence, {} removed as outliers ({:.1} %); {} pings without heading",
                 counts.points,
                 counts.side_scan_points,
+                counts.low_confidence,
                 counts.outliers_removed,
                 100.0 * counts.outliers_removed_share,
                 counts.zero_heading
             ),
         ];
         lines.extend(calibration.summary());
+        if track.side_scan_only_pings > 0 && counts.soundings > 0 {
+            lines.push(format!(
+                "depth rests on side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
+                track.side_scan_only_m,
+                track.track_m,
+                100.0 * track.side_scan_only()
+            ));
+        }
         if let Some(residuals) = residuals {
             lines.push(format!(
                 "side-scan minus recorded elevation at the same ping: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",

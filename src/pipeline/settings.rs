@@ -97,6 +97,7 @@ impl Settings {
                     threshold: 0.30,
                     // 24 of the published picture's pixels, at its 0.033977 m a pixel, on either side of the middle.
                     dead_zone_m: 0.815,
+                    min_confidence: 0.0,
                     ..FirstReturnSettings::default()
                 },
                 calibration: CalibrationSettings {
@@ -216,6 +217,10 @@ impl Settings {
                 "first_return.canopy_margin_m must lie between 0 and 10",
             ),
             (
+                (0.0..=1.0).contains(&self.first_return.min_confidence),
+                "first_return.min_confidence must lie between 0 and 1",
+            ),
+            (
                 (0.0..90.0).contains(&self.cloud.alpha2_deg),
                 "cloud.alpha2_deg must lie between 0 and 90",
             ),
@@ -256,6 +261,10 @@ impl Settings {
             (
                 (0.1..=10_000.0).contains(&self.surface.max_gap_m),
                 "surface.max_gap_m must lie between 0.1 and 10000",
+            ),
+            (
+                self.surface.longest_canopy_m >= 0.0,
+                "surface.longest_canopy_m must be 0 or more",
             ),
             (
                 (16..=32_768).contains(&self.surface.max_side),

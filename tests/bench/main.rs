@@ -4,6 +4,7 @@
 //! absolute times of one machine prove nothing on another.
 
 mod accuracy;
+mod confidence;
 mod decode;
 mod detector;
 mod first_return;
@@ -35,6 +36,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("waterfall", waterfall::run),
     ("map", map::run),
     ("accuracy", accuracy::run),
+    ("confidence", confidence::run),
 ];
 
 fn main() {

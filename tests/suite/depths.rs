@@ -201,7 +201,10 @@ fn the_share_of_outliers_is_one_number() {
         &["outliers.radius_m=0.25", "outliers.min_neighbors=4"],
     );
     let products = app(&window).products.clone().expect("a result");
-    let outliers = products.cloud.outliers(&products.kept);
+    let outliers = products.cloud.outliers(
+        &products.kept,
+        products.settings.first_return.min_confidence,
+    );
     assert!(outliers.removed > 20, "{outliers:?}");
     let percent = format!("({:.1} %", 100.0 * outliers.share());
     let panel = format!("{percent}; paper 10 %)");

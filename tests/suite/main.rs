@@ -39,6 +39,7 @@ mod shipped_model;
 mod simulation;
 mod space;
 mod support;
+mod trusted_depths;
 mod truth;
 mod waterfall;
 mod window;

@@ -92,6 +92,8 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
             sounding: SoundingIndex::new(ping).filter(|_| source == PointSource::DownScan),
             sound: true,
             canopy: false,
+            above_bottom_m: 0.0,
+            confidence: 1.0,
             sample: 100.0,
             east_m,
             north_m,

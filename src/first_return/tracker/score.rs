@@ -33,6 +33,8 @@ pub(super) struct Kernel {
     first: usize,
     /// Byte that a recorded cell within the far window must reach, on this ping or a neighbour; above 255 for none.
     level: u16,
+    /// How much brighter the water may grow from cell to cell, in fine values.
+    creep: f32,
 }
 
 impl Kernel {
@@ -54,6 +56,7 @@ impl Kernel {
                 .ceil()
                 .clamp(0.0, 1e9) as usize,
             level: level.ceil().clamp(0.0, 256.0) as u16,
+            creep: FINE * (TUNING.water_grows_per_m * cell_m).min(255.0) as f32,
         }
     }
 }
@@ -68,6 +71,7 @@ pub(super) struct Scores {
     sums: Vec<u32>,
     squares: Vec<u32>,
     before: Vec<f32>,
+    quiet: Vec<f32>,
 }
 
 impl Scores {
@@ -82,9 +86,14 @@ impl Scores {
             self.sum_up();
             self.find_loudest(rows, row, kernel.window);
             brightness_before(&mut self.before, &self.sums, kernel);
+            quiet_water(&mut self.quiet, &self.sums, kernel);
             let out = self.grid.row_mut(row);
             let sums = (&self.sums[..], &self.squares[..]);
-            step_scores(out, sums, &self.before, kernel, rows.recorded[row]);
+            let water = Water {
+                before: &self.before,
+                quiet: &self.quiet,
+            };
+            step_scores(out, sums, &water, kernel, rows.recorded[row]);
             close_below_level(out, &self.loudest, kernel.level);
         }
     }
@@ -180,11 +189,40 @@ fn brightness_before(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
     }
 }
 
-/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell.
+/// At every cell, how dark the water is before the window that ends there: the darkest window so far, which may brighten
+/// slowly with range. What lies unbroken between that water and a step is an echo already: the step is not the first.
+fn quiet_water(out: &mut Vec<f32>, sums: &[u32], kernel: &Kernel) {
+    let window = kernel.window;
+    let per = 1.0 / window as f32;
+    out.clear();
+    // Until there is a window before the window, nothing is known.
+    out.resize((kernel.first + 2 * window).min(sums.len()), f32::INFINITY);
+    let starts = sums.iter().skip(kernel.first);
+    let ends = sums.iter().skip(kernel.first + window);
+    let mut quiet = f32::INFINITY;
+    let last = sums.len() - out.len();
+    out.extend(starts.zip(ends).take(last).map(|(start, end)| {
+        let mean = end.wrapping_sub(*start) as i32 as f32 * per;
+        let crept = quiet + kernel.creep;
+        quiet = if mean < crept { mean } else { crept };
+        quiet
+    }));
+}
+
+/// How bright it is before every cell.
+struct Water<'a> {
+    /// See [`brightness_before`].
+    before: &'a [f32],
+    /// See [`quiet_water`].
+    quiet: &'a [f32],
+}
+
+/// `(mean after - mean before) / sqrt(variance after + variance before + floor)` at every cell, less where the cells before it
+/// are no quiet water.
 fn step_scores(
     out: &mut [f32],
     (sums, squares): (&[u32], &[u32]),
-    before: &[f32],
+    water: &Water<'_>,
     kernel: &Kernel,
     recorded: usize,
 ) {
@@ -193,11 +231,12 @@ fn step_scores(
     let full = (kernel.first + window).min(last);
     let per = 1.0 / window as f32;
     // Just beyond the dead zone the near window is cut short, so that the ring-down stays out of it.
-    for cell in kernel.first + window / 4..full {
+    let short = kernel.first + window / 4;
+    for (cell, out) in out.iter_mut().enumerate().take(full).skip(short) {
         let near = 1.0 / (cell - kernel.first) as f32;
         let near = Moments::between(sums, squares, kernel.first, cell, near);
         let far = Moments::between(sums, squares, cell, cell + window, per);
-        out[cell] = far.step_from(near, before[cell]);
+        *out = far.step_from(near, water.before[cell], water.quiet[cell]);
     }
     if full < kernel.first + window {
         return;
@@ -206,11 +245,12 @@ fn step_scores(
     let starts = [full - window, full, full + window];
     let [s0, s1, s2] = starts.map(|start| &sums[start..][..count]);
     let [q0, q1, q2] = starts.map(|start| &squares[start..][..count]);
-    let before = &before[full..][..count];
+    let before = &water.before[full..][..count];
+    let quiet = &water.quiet[full..][..count];
     for (cell, out) in out[full..last].iter_mut().enumerate() {
         let near = Moments::of(s0[cell], s1[cell], q0[cell], q1[cell], per);
         let far = Moments::of(s1[cell], s2[cell], q1[cell], q2[cell], per);
-        *out = far.step_from(near, before[cell]);
+        *out = far.step_from(near, before[cell], quiet[cell]);
     }
 }
 
@@ -238,15 +278,22 @@ impl Moments {
     }
 
     #[inline(always)]
-    fn step_from(&self, near: Self, before: f32) -> f32 {
-        let noise = near.variance + self.variance + FLOOR * FINE * FINE;
+    fn step_from(&self, near: Self, before: f32, quiet: f32) -> f32 {
+        let noise = (near.variance + self.variance + FLOOR * FINE * FINE).sqrt();
         let dark = if before > near.mean {
             before
         } else {
             near.mean
         };
-        let score = (self.mean - dark) / noise.sqrt();
-        if score < MOST { score } else { MOST }
+        let score = (self.mean - dark) / noise;
+        let score = if score < MOST { score } else { MOST };
+        let heard = (near.mean - quiet) / noise - TUNING.quiet;
+        let cost = if heard > 0.0 {
+            TUNING.loud_cost * heard
+        } else {
+            0.0
+        };
+        score - cost
     }
 }
 

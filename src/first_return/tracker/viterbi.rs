@@ -67,6 +67,26 @@ impl Paths {
     }
 }
 
+impl Paths {
+    /// How much less the best path gathers that goes more than `apart` cells nearer, or farther, than the line on a row; at
+    /// most [`MOST_MARGIN`]. Of the line that was found last.
+    pub fn margins(&self, line: &[usize], apart: usize) -> Vec<[f32; 2]> {
+        let rows = line.iter().enumerate();
+        rows.map(|(row, &at)| {
+            let through = self.through.row(row);
+            let beside = [
+                &through[..at.saturating_sub(apart)],
+                &through[through.len().min(at + apart + 1)..],
+            ];
+            beside.map(|others| (through[at] - maximum(others)).min(MOST_MARGIN))
+        })
+        .collect()
+    }
+}
+
+/// Beyond this a margin says no more: two leaps and the row's own step.
+const MOST_MARGIN: f32 = 20.0;
+
 /// `max over |k| <= limit of value[j + k] - cost |k|` by doubling, or the best of all less a leap.
 #[derive(Default)]
 struct Reach {

@@ -1,7 +1,7 @@
 //! The cloud in the metres of a map.
 
 use crate::bathymetry::DepthPoint;
-use crate::cloud::{CloudPoint, PointSource};
+use crate::cloud::CloudPoint;
 use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
@@ -43,9 +43,13 @@ impl<'a> Plane<'a> {
         self.map.to_lon_lat(place)
     }
 
-    /// Easting, northing and elevation of the kept points of some sources, metres.
-    pub fn points(&self, products: &Products, sources: &[PointSource]) -> Vec<[f64; 3]> {
-        let chosen = kept(products).filter(|point| sources.contains(&point.source));
+    /// Easting, northing and elevation of some of the kept points, metres.
+    pub fn points(
+        &self,
+        products: &Products,
+        chosen: impl Fn(&CloudPoint) -> bool,
+    ) -> Vec<[f64; 3]> {
+        let chosen = kept(products).filter(|point| chosen(point));
         chosen
             .map(|point| self.place(point))
             .filter(is_finite)

@@ -106,7 +106,7 @@ pub(super) fn comparisons(
     progress: &Progress,
 ) -> Result<Vec<NamedComparison>, Cancelled> {
     use PointSource::{DownScan, Port, Starboard};
-    let reference = plane.points(products, &[DownScan]);
+    let reference = plane.points(products, |point| point.source == DownScan);
     let max_gap_m = products.settings.surface.max_gap_m;
     let ways = [
         (
@@ -118,15 +118,24 @@ pub(super) fn comparisons(
             format!("nearest point within {RADIUS_M} m"),
         ),
     ];
-    let sides: [(&'static str, &[PointSource]); 3] = [
-        ("side-scan", &[Port, Starboard]),
-        ("port", &[Port]),
-        ("starboard", &[Starboard]),
+    // Where the recorder had lost the bottom, depth rests on these alone: what soundings there are nearby is held against them.
+    let is_lost = |point: &CloudPoint| plane.survey.locked_depth_m(point.ping as usize).is_nan();
+    let sides: [(&'static str, &[PointSource], bool); 4] = [
+        ("side-scan", &[Port, Starboard], false),
+        ("port", &[Port], false),
+        ("starboard", &[Starboard], false),
+        (
+            "side-scan where the bottom was lost",
+            &[Port, Starboard],
+            true,
+        ),
     ];
     let mut found = Vec::new();
     for (matching, how) in ways {
-        for (source, sources) in sides {
-            let points = plane.points(products, sources);
+        for (source, sources, only_lost) in sides {
+            let points = plane.points(products, |point| {
+                sources.contains(&point.source) && (!only_lost || is_lost(point))
+            });
             let matches = match_points(&points, &reference, matching, progress)?;
             if !matches.is_empty() {
                 found.push(NamedComparison {

@@ -86,6 +86,11 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
         ui.label(format!("{} canopy", text::count(figures.canopy)))
             .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. They are flagged, not hidden.");
     });
+    if figures.unsure > 0 {
+        let share = 100.0 * figures.unsure as f64 / figures.outliers.side_scan.max(1) as f64;
+        ui.label(format!("{} not kept for their confidence", text::count(figures.unsure)))
+            .on_hover_text(format!("First returns that are less sure than the least confidence, {share:.1} % of all: their points are neither in the cloud nor in the map."));
+    }
     for text in &products.returns.warnings {
         parts::warning(ui, context, text);
     }
@@ -202,5 +207,21 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
         |settings, value| {
             settings.first_return.canopy_margin_m = value;
         },
+    );
+    let confidence = Knob {
+        name: "Least confidence",
+        undo: "least confidence",
+        hint: "The point of a first return that is less sure than this is not kept. Confidence is the chance that a return lies within 25 cm of the nearest ground, as measured on simulated ponds.",
+        range: 0.0..=1.0,
+        step: 0.05,
+        decimals: 2,
+        suffix: "",
+    };
+    knob(
+        ui,
+        context,
+        confidence,
+        (f64::from(first_return.min_confidence) * 1e4).round() / 1e4,
+        |settings, value| settings.first_return.min_confidence = value as f32,
     );
 }

@@ -225,6 +225,47 @@ fn weed_is_flagged_and_open_ground_is_not() {
     assert!(share(flagged[1]) > 0.6, "weed: {flagged:?}");
 }
 
+/// Weed counts: its canopy is not within 25 cm of the ground. `cargo bench -- confidence` prints the shares over many ponds.
+#[test]
+fn a_sure_first_return_is_right_and_an_unsure_one_seldom() {
+    let ways = [
+        detector(Method::Tracker, SampleMode::Bytes, 0.30, 0.5),
+        // In half a metre the ring-down still reaches the threshold.
+        detector(Method::Threshold, SampleMode::Bytes, 0.30, 0.5),
+        detector(Method::Threshold, SampleMode::Words, 0.30, 0.815),
+    ];
+    // Picks and right ones, unsure and sure.
+    let mut counts = [[[0_usize; 2]; 2]; 3];
+    for (_, scene) in KINDS {
+        let pond = Pond::new(&scene(), 201);
+        for ((image, settings), counts) in ways.iter().zip(&mut counts) {
+            let returns = detect(&pond.survey, image, settings, &Progress::new());
+            let returns = returns.expect("not cancelled");
+            for side in Side::BOTH {
+                for (truth, pick) in pond.truth.iter().zip(returns.side(side)) {
+                    let range_m = f64::from(pick.sample) * truth.metres_per_sample;
+                    let off_m = (range_m - truth.side(side).first_return_m).abs();
+                    let level = match pick.confidence {
+                        confidence if confidence >= 0.9 => 1,
+                        confidence if confidence < 0.1 => 0,
+                        _ => continue,
+                    };
+                    if off_m.is_finite() {
+                        counts[level][0] += 1;
+                        counts[level][1] += usize::from(off_m <= 0.25);
+                    }
+                }
+            }
+        }
+    }
+    for [unsure, sure] in counts {
+        let share = |[picks, right]: [usize; 2]| right as f64 / picks.max(1) as f64;
+        assert!(sure[0] > 2000 && share(sure) >= 0.97, "{counts:?}");
+        assert!(unsure[0] < 20 || share(unsure) <= 0.6, "{counts:?}");
+    }
+    assert!(counts[1][0][0] > 2000, "no ring-down was met: {counts:?}");
+}
+
 #[test]
 fn the_slider_acts_on_the_tracker() {
     let pond = Pond::new(&Scene::gentle(), 2);

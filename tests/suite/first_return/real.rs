@@ -61,6 +61,32 @@ fn river_line_lies_on_the_bottom_edge_along_the_whole_log() {
     }
 }
 
+/// Where boulders lie before a brighter bottom, the line follows them. Looked at in the waterfall: their edges are plain to see.
+#[test]
+fn river_line_follows_faint_boulders() {
+    let Some((survey, returns)) = tracked("humminbird-glen-canyon/Rec00001.DAT") else {
+        return;
+    };
+    for (side, pings, edge_m) in [
+        (Side::Port, 1558..1577, 4.60),
+        (Side::Port, 1675..1705, 4.95),
+        (Side::Port, 659..668, 3.45),
+        (Side::Starboard, 812..828, 3.70),
+    ] {
+        let ranges = pings
+            .clone()
+            .filter_map(|ping| range_m(&survey, &returns, ping, side));
+        let mut ranges: Vec<f64> = ranges.collect();
+        ranges.sort_by(f64::total_cmp);
+        let median_m = ranges[ranges.len() / 2];
+        // Before, it ran along the ground behind them, 0.5 to 1.3 m farther.
+        assert!(
+            (median_m - edge_m).abs() < 0.20,
+            "{side:?} {pings:?}: {median_m:.2} m"
+        );
+    }
+}
+
 /// The transcoded log holds the same picture on another grid of samples: the line must be the same in metres.
 #[test]
 fn transcoded_river_gives_the_same_line() {

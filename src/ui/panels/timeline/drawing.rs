@@ -43,7 +43,9 @@ impl Frame {
             ui.painter().rect_filled(rect, 0.0, well);
         }
         let high = |columns: &Columns| span(columns).map(|[_, high]| high);
-        let deepest = high(&strips.depth).or_else(|| high(&strips.lost));
+        let known = [high(&strips.depth), high(&strips.side_scan)];
+        let deepest = known.into_iter().flatten().reduce(f32::max);
+        let deepest = deepest.or_else(|| high(&strips.lost));
         let fastest = high(&strips.speed);
         // Depth hangs from the surface, speed stands on its base line.
         let depth = Band {
@@ -60,6 +62,8 @@ impl Frame {
         depth.draw(ui, &strips.lost, Color32::TRANSPARENT, lost);
         let colour = theme::depth_strip_colour(look);
         depth.draw(ui, &strips.depth, colour.gamma_multiply(0.35), colour);
+        // A line without a body: depth by side-scan only.
+        depth.draw(ui, &strips.side_scan, colour.gamma_multiply(0.12), colour);
         let colour = theme::speed_strip_colour(look);
         speed.draw(ui, &strips.speed, colour.gamma_multiply(0.35), colour);
         let reach = |high: Option<f32>, unit: &str| match high {

@@ -15,8 +15,8 @@ use strips::Strips;
 /// Height of the panel, points.
 pub const HEIGHT: f32 = 104.0;
 
-/// Which survey, navigation and depth correction the strips belong to.
-type Key = (u64, usize, usize);
+/// Which survey and results the strips belong to.
+type Key = (u64, [usize; 3]);
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
@@ -40,20 +40,17 @@ impl TimeLine {
             return;
         };
         let products = app.products.clone();
-        let [navigation, correction] = products.as_ref().map_or([0; 2], |products| {
+        let address = |products: &Products| {
+            let kept = Arc::as_ptr(&products.kept) as usize;
             let correction = Arc::as_ptr(&products.correction) as usize;
-            [Arc::as_ptr(&products.navigation) as usize, correction]
-        });
-        let key = (app.survey_serial, navigation, correction);
+            [Arc::as_ptr(&products.navigation) as usize, kept, correction]
+        };
+        let key = (app.survey_serial, products.as_ref().map_or([0; 3], address));
         let known = self.shown.as_ref().map(|(known, _)| *known);
         let coming = self.task.as_ref().map(|(coming, _)| *coming);
         if known != Some(key) && coming != Some(key) {
             let survey = survey.clone();
-            let work = move |_: &_| {
-                let navigation = products.as_ref().map(|products| &*products.navigation);
-                let reduction = products.as_ref().map(Products::reduction);
-                Strips::of(&survey, navigation, reduction.unwrap_or_default())
-            };
+            let work = move |_: &_| Strips::of(&survey, products.as_ref());
             self.task = Some((key, Task::start(app.jobs(), work)));
         }
         if let Some((key, task)) = &self.task {

@@ -1,8 +1,9 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
 use super::columns::{Columns, columns, span};
-use crate::cloud::{DepthReference, Reduction};
-use crate::survey::{Navigation, Sounding, Survey};
+use crate::cloud::{DepthReference, DepthSource, ping_depths};
+use crate::pipeline::Products;
+use crate::survey::{Sounding, Survey};
 use egui::Rect;
 
 /// Columns that a log is reduced to; more than any screen is wide.
@@ -16,6 +17,8 @@ pub struct Strips {
     pub to_s: f64,
     /// Depths of the recorder's bottom lock as the map has them, metres.
     pub depth: Columns,
+    /// Depths by side-scan where it had lost the bottom or gives none, metres.
+    pub side_scan: Columns,
     /// Depths that it gave after it had lost the bottom, metres.
     pub lost: Columns,
     /// Speeds over ground, metres a second.
@@ -27,12 +30,8 @@ pub struct Strips {
 }
 
 impl Strips {
-    /// `reduction` makes depths of the recorded ones.
-    pub fn of(
-        survey: &Survey,
-        navigation: Option<&Navigation>,
-        reduction: Reduction<'_>,
-    ) -> Option<Self> {
+    pub fn of(survey: &Survey, products: Option<&Products>) -> Option<Self> {
+        let reduction = products.map(Products::reduction).unwrap_or_default();
         let pings = &survey.side_scan;
         let soundings = &survey.soundings;
         let starts = [
@@ -60,7 +59,8 @@ impl Strips {
         } else {
             pings.iter().map(|ping| ping.time_s).collect()
         };
-        let places = navigation.map_or(&[][..], |navigation| {
+        let places = products.map_or(&[][..], |products| {
+            let navigation = &products.navigation;
             if pings.is_empty() {
                 &navigation.soundings
             } else {
@@ -69,10 +69,24 @@ impl Strips {
         });
         let speeds = times.iter().zip(places);
         let speeds = speeds.map(|(time_s, here)| (*time_s, here.speed_mps as f32));
+        let by_side_scan = products.map_or_else(Vec::new, |products| {
+            let Products {
+                cloud,
+                kept,
+                correction,
+                ..
+            } = products;
+            ping_depths(survey, cloud, kept, correction)
+        });
+        let by_side_scan = pings.iter().zip(&by_side_scan);
+        let by_side_scan = by_side_scan
+            .filter(|(_, depth)| depth.source == DepthSource::SideScan)
+            .map(|(ping, depth)| (ping.time_s, depth.depth_m));
         Some(Self {
             from_s,
             to_s,
             depth: depths(true),
+            side_scan: columns(by_side_scan, from_s, to_s, column_count(pings.len())),
             lost: depths(false),
             speed: columns(speeds, from_s, to_s, column_count(times.len())),
             reference: reduction.reference(),

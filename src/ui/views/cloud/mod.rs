@@ -152,12 +152,22 @@ impl CloudView {
         let options = context.app.options.clone();
         let colours = (options.cloud.colour, options.theme, options.side_colours);
         let (cloud, kept) = (Same(products.cloud.clone()), Same(products.kept.clone()));
+        let min_confidence = products.settings.first_return.min_confidence;
         let key = (cloud.clone(), kept.clone(), colours);
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
         self.scene.ask(key, context.app.jobs(), move |progress| {
-            CloudScene::new(cloud.0, kept.0, &options, uploader.as_ref(), progress).map(Arc::new)
+            let uploader = uploader.as_ref();
+            CloudScene::new(
+                cloud.0,
+                kept.0,
+                min_confidence,
+                &options,
+                uploader,
+                progress,
+            )
+            .map(Arc::new)
         });
     }
 

@@ -230,6 +230,8 @@ mod tests {
             sounding: None,
             sound: true,
             canopy: false,
+            above_bottom_m: 0.0,
+            confidence: 1.0,
             sample: 1.0,
             east_m: f64::from(index % 2) * 40.0,
             north_m: f64::from(index / 2),
@@ -240,7 +242,7 @@ mod tests {
             zero_heading: 0,
         };
         let (kept, options) = (Arc::new(vec![true; 120]), ViewOptions::default());
-        let made = CloudScene::new(Arc::new(cloud), kept, &options, None, &Progress::new());
+        let made = CloudScene::new(Arc::new(cloud), kept, 0.0, &options, None, &Progress::new());
         made.expect("a scene")
     }
 

@@ -71,10 +71,11 @@ pub struct CloudScene {
 }
 
 impl CloudScene {
-    /// `None` when there is no point, or cancelled.
+    /// `None` when there is no point, or cancelled. Points below `min_confidence` are no outliers ([`PointCloud::outliers`]).
     pub fn new(
         cloud: Arc<PointCloud>,
         kept: Arc<Vec<bool>>,
+        min_confidence: f32,
         options: &ViewOptions,
         uploader: Option<&Uploader>,
         progress: &Progress,
@@ -89,7 +90,7 @@ impl CloudScene {
             buffers: None,
             corners: [Vec3::ZERO; 2],
             counts,
-            outliers: cloud.outliers(&kept),
+            outliers: cloud.outliers(&kept, min_confidence),
             range_m,
             cloud,
             kept,
@@ -249,6 +250,8 @@ mod tests {
             sounding: None,
             sound: true,
             canopy: false,
+            above_bottom_m: 0.0,
+            confidence: 1.0,
             sample: 100.0,
             east_m: f64::from(ping),
             north_m: 2.0,
@@ -271,7 +274,7 @@ mod tests {
         let options = ViewOptions::default();
         let progress = Progress::new();
         let kept = Arc::new(kept.to_vec());
-        let scene = CloudScene::new(Arc::new(cloud), kept, &options, None, &progress).unwrap();
+        let scene = CloudScene::new(Arc::new(cloud), kept, 0.0, &options, None, &progress).unwrap();
         let order = |preview| scene.places(preview).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);

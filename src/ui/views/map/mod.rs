@@ -30,7 +30,7 @@ mod warp;
 use super::background::{Background, Same};
 use super::empty;
 use crate::app::{App, Command, MapLayer};
-use crate::cloud::Correction;
+use crate::cloud::{Correction, PointCloud};
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::{Navigation, Survey};
@@ -42,7 +42,13 @@ use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
 
 /// What a track is made of.
-type Key = (Same<Survey>, Same<Navigation>, Arc<Correction>);
+type Key = (
+    Same<Survey>,
+    Same<Navigation>,
+    Same<PointCloud>,
+    Same<Vec<bool>>,
+    Arc<Correction>,
+);
 
 /// State of the map view: where it looks, and what was made for it.
 #[derive(Default)]
@@ -215,12 +221,14 @@ impl MapView {
         let key = (
             Same(survey.clone()),
             Same(products.navigation.clone()),
+            Same(products.cloud.clone()),
+            Same(products.kept.clone()),
             products.correction.clone(),
         );
-        let (Same(survey_now), Same(navigation), correction) = key.clone();
+        let (survey_now, products_now) = (survey.clone(), products.clone());
         self.track.ask(key, context.app.jobs(), move |progress| {
             let uploader = uploader.as_ref();
-            let track = TrackLayer::new(&survey_now, navigation, &correction, uploader, progress);
+            let track = TrackLayer::new(&survey_now, &products_now, uploader, progress);
             track.map(Arc::new)
         });
         self.layers.ask(context, survey, products);

@@ -58,6 +58,7 @@ fn grey_track(scene: &Scene<'_>) -> Option<&'static str> {
     match scene.track.range_m {
         _ if !scene.shows(MapLayer::Track) => None,
         None => Some("grey track:\nno depth"),
+        Some(_) if scene.track.side_scan_only => Some("grey dashes: depth\nby side-scan only"),
         Some(_) if scene.lost_soundings > 0 => Some("grey track:\nbottom lost"),
         Some(_) => None,
     }

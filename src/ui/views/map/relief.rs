@@ -4,7 +4,7 @@ use super::relief_tiles::{DepthTiles, ShadeTiles};
 use super::tiles::TileSource;
 use super::transform::GroundBounds;
 use crate::bathymetry::{self, Light, SurfaceSettings, hill_shade};
-use crate::cloud::{Correction, PointCloud};
+use crate::cloud::{PointCloud, ping_depths};
 use crate::geo::CrsChoice;
 use crate::pipeline::{DepthChart, Products};
 use crate::progress::{Cancelled, Progress};
@@ -38,13 +38,22 @@ impl ReliefKey {
 }
 
 /// Ends of the colour scale of depth: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
-/// corrected. The others would stretch the colours.
-pub fn colour_range_m(survey: &Survey, correction: &Correction) -> Option<[f32; 2]> {
+/// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives.
+pub fn colour_range_m(survey: &Survey, products: &Products) -> Option<[f32; 2]> {
+    let Products {
+        cloud,
+        kept,
+        correction,
+        ..
+    } = products;
     let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
     let depth_m = |sounding: &Sounding| {
         correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
     };
-    bathymetry::depth_range(locked.map(depth_m))
+    bathymetry::depth_range(locked.map(depth_m)).or_else(|| {
+        let depths = ping_depths(survey, cloud, kept, correction);
+        bathymetry::depth_range(depths.iter().map(|depth| depth.depth_m))
+    })
 }
 
 /// The depth map of the last results.
@@ -110,7 +119,7 @@ impl Made {
             return Ok(None);
         };
         let surface = &chart.surface;
-        let range_m = colour_range_m(survey, &products.correction)
+        let range_m = colour_range_m(survey, products)
             .or_else(|| bathymetry::depth_range(surface.depth_m.iter().copied()));
         let Some(range_m) = range_m else {
             return Ok(None);

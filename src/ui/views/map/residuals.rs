@@ -107,6 +107,8 @@ mod tests {
             sounding: None,
             sound: true,
             canopy: false,
+            above_bottom_m: 0.0,
+            confidence: 1.0,
             sample: 0.0,
             east_m: 10.0 * index as f64,
             north_m: 5.0,

@@ -1,0 +1,155 @@
+//! Which depths count: side-scan where the recorder lost the bottom, first returns by their confidence, and what lies above the
+//! recorded depth.
+
+use crate::truth::KnownSurvey;
+use bathyscope::bathymetry::SurfaceSettings;
+use bathyscope::cloud::{DepthSource, PointSource, TrackShare, ping_depths};
+use bathyscope::first_return::Method;
+use bathyscope::pipeline::{self, Preset, Products, Report, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::Scene;
+use std::sync::Arc;
+
+fn processed(pond: &KnownSurvey, settings: &Settings) -> Products {
+    pipeline::run(&pond.survey, settings, None, &Progress::new(), |_| ()).expect("not cancelled")
+}
+
+/// A pond whose recorder loses the bottom in the last quarter.
+fn pond_with_lost_bottom() -> KnownSurvey {
+    let mut pond = KnownSurvey::new(&Scene::gentle(), 7);
+    let pings = Arc::make_mut(&mut pond.survey.side_scan);
+    let from = 3 * pings.len() / 4;
+    let from_s = pings[from].time_s;
+    for ping in &mut pings[from..] {
+        ping.depth_locked = false;
+        ping.depth_m *= 2.3;
+    }
+    for sounding in &mut pond.survey.soundings {
+        sounding.locked = sounding.time_s < from_s;
+    }
+    pond
+}
+
+#[test]
+fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
+    let pond = pond_with_lost_bottom();
+    let products = processed(&pond, &Settings::default());
+    let depths = ping_depths(
+        &pond.survey,
+        &products.cloud,
+        &products.kept,
+        &products.correction,
+    );
+    let from = 3 * depths.len() / 4;
+    let of = |source| depths.iter().filter(|depth| depth.source == source).count();
+    assert_eq!(of(DepthSource::Sounding), from);
+    assert!(of(DepthSource::SideScan) > 95 * (depths.len() - from) / 100);
+    let mut off_m: Vec<f64> = depths[from..]
+        .iter()
+        .zip(&pond.truth.pings[from..])
+        .map(|(depth, truth)| (f64::from(depth.depth_m) - truth.depth_m).abs())
+        .filter(|off_m| off_m.is_finite())
+        .collect();
+    off_m.sort_by(f64::total_cmp);
+    // Weed and an object are in it.
+    assert!(off_m[off_m.len() / 2] < 0.06, "{}", off_m[off_m.len() / 2]);
+    assert!(off_m[9 * off_m.len() / 10] < 0.45);
+
+    let share = TrackShare::of(&depths, &products.navigation.pings);
+    assert_eq!(share.sounding_pings, from);
+    assert!(share.track_m > 150.0, "{share:?}");
+    assert!((0.2..0.3).contains(&share.side_scan_only()), "{share:?}");
+    let report = Report::new(&pond.survey, &products, &Progress::new()).expect("not cancelled");
+    assert_eq!(report.track, share);
+    assert!(
+        report.summary().contains("rests on side-scan only over"),
+        "{}",
+        report.summary()
+    );
+}
+
+#[test]
+fn points_of_unsure_first_returns_are_not_kept_and_counted() {
+    let pond = KnownSurvey::new(&Scene::gentle(), 7);
+    let mut settings = Settings::default();
+    settings.first_return.method = Method::Threshold;
+    let some = processed(&pond, &settings);
+    let floor = settings.first_return.min_confidence;
+    assert!(floor > 0.0);
+    let unsure = some.cloud.points.iter().zip(some.kept.iter());
+    let unsure = unsure.filter(|(point, _)| point.confidence < floor);
+    assert!(unsure.clone().count() > 100, "no ring-down in half a metre");
+    assert!(unsure.clone().all(|(_, kept)| !kept));
+    let report = Report::new(&pond.survey, &some, &Progress::new()).expect("not cancelled");
+    assert_eq!(report.counts.low_confidence, unsure.count());
+    let gone = some.kept.iter().filter(|kept| !**kept).count();
+    assert_eq!(
+        report.counts.low_confidence + report.counts.outliers_removed,
+        gone
+    );
+
+    // Another floor finds nothing anew.
+    settings.first_return.min_confidence = 0.0;
+    let all = pipeline::run(
+        &pond.survey,
+        &settings,
+        Some(&some),
+        &Progress::new(),
+        |_| (),
+    );
+    let all = all.expect("not cancelled");
+    assert!(Arc::ptr_eq(&all.cloud, &some.cloud));
+    assert_eq!(all.cloud.unsure(0.0), 0);
+    assert!(
+        all.kept.iter().filter(|kept| **kept).count()
+            > some.kept.iter().filter(|kept| **kept).count()
+    );
+    assert_eq!(
+        Settings::preset(Preset::Published)
+            .first_return
+            .min_confidence,
+        0.0
+    );
+}
+
+#[test]
+fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() {
+    let mut scene = Scene::gentle();
+    scene.track.lines = 1;
+    scene.track.cross_lines = 0;
+    scene.track.length_m = 90.0;
+    scene.artefacts.weed_m = 0.0;
+    scene.scattered_objects = 0;
+    let mut pond = KnownSurvey::new(&scene, 9);
+    let (long, short) = (60..400, 520..560);
+    // The recorder sees the gaps between boulders that the side-scan hears first.
+    let pings = Arc::make_mut(&mut pond.survey.side_scan);
+    for ping in long.clone().chain(short.clone()) {
+        pings[ping].depth_m += 0.5;
+    }
+    let products = processed(&pond, &Settings::default());
+    let surface = SurfaceSettings::default();
+    let counted = |pings: std::ops::Range<usize>, surface: &SurfaceSettings| {
+        let points = products.cloud.points.iter();
+        let of = points.filter(|point| {
+            point.source != PointSource::DownScan && pings.contains(&(point.ping as usize))
+        });
+        let (count, counted) = of.fold((0, 0), |(all, counted), point| {
+            assert!(point.canopy);
+            (all + 1, counted + usize::from(surface.weight(point) > 0.0))
+        });
+        counted as f64 / count as f64
+    };
+    assert!(counted(80..380, &surface) > 0.95);
+    assert_eq!(counted(short.clone(), &surface), 0.0);
+    let none = SurfaceSettings {
+        longest_canopy_m: 500.0,
+        ..surface.clone()
+    };
+    assert_eq!(counted(80..380, &none), 0.0);
+    let all = SurfaceSettings {
+        canopy: true,
+        ..surface
+    };
+    assert_eq!(counted(short, &all), 1.0);
+}
