@@ -47,7 +47,12 @@ pub fn calibrate(
     let (offset_m, offset_note) = match (mode, settings.offset, survey.range_source) {
         (ScaleMode::FlatSpot, ..) => (0.0, Some("the flat spot's scale holds it")),
         (_, OffsetMode::None, _) => (0.0, Some("switched off")),
-        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => (0.0, Some("survey-grade ranges")),
+        (_, OffsetMode::Auto, RangeSource::SurveyRecorder) => {
+            let sample_m = header.map(|header| 1.0 / header.px_per_m);
+            let excess = measured_offset.zip(sample_m);
+            warnings.extend(excess.and_then(|(found, sample_m)| found.excess(sample_m)));
+            (0.0, Some("survey-grade ranges"))
+        }
         _ => match (measured_offset, header) {
             (Some(measured), Some(header)) => match measured.objection(1.0 / header.px_per_m) {
                 Some(objection) => {

@@ -93,12 +93,22 @@ impl RangeOffset {
         })
     }
 
+    /// Says that the offset is larger than any instrument makes it, in a sentence; `sample_m` is the range of one sample.
+    pub(super) fn excess(&self, sample_m: f64) -> Option<String> {
+        let most_m = MOST_M + MOST_SAMPLES * sample_m;
+        let enough = self.blocks >= MIN_BLOCKS && self.offset_m.abs() > most_m;
+        enough.then(|| format!(
+            "The first returns lie {:.2} m {} the recorded depths, more than a pulse, a filter or a draft cause ({most_m:.2} m here): the ranges stay as recorded, for these depths seem to be those of something else.",
+            self.offset_m.abs(),
+            if self.offset_m > 0.0 { "beyond" } else { "short of" },
+        ))
+    }
+
     /// Why the offset must not be taken off the ranges, in a sentence; `sample_m` is the range of one sample. `None` when it may.
     pub(super) fn objection(&self, sample_m: f64) -> Option<String> {
         let Self {
             offset_m, blocks, ..
         } = *self;
-        let most_m = MOST_M + MOST_SAMPLES * sample_m;
         let drift_m = ((self.k - 1.0) * self.depth_m).abs();
         let drift_uncertainty_m = self.k_uncertainty * self.depth_m;
         // False where the depths do not vary: then neither is a number that compares.
@@ -109,12 +119,8 @@ impl RangeOffset {
             Some(format!(
                 "The offset of {offset_m:+.2} m between first returns and recorded depths rests on too few pings: it is not taken off the ranges."
             ))
-        } else if offset_m.abs() > most_m {
-            Some(format!(
-                "The first returns lie {:.2} m {} the recorded depths, more than a pulse, a filter or a draft cause ({most_m:.2} m here): the ranges stay as recorded, for these depths seem to be those of something else.",
-                offset_m.abs(),
-                if offset_m > 0.0 { "beyond" } else { "short of" },
-            ))
+        } else if let Some(excess) = self.excess(sample_m) {
+            Some(excess)
         } else if drift_m > TOLERANCE_M + drift_uncertainty_m {
             Some(format!(
                 "The first returns follow the recorded depths by a factor of {:.3} and not one to one: the offset of {offset_m:+.2} m is no constant and is not taken off the ranges.",

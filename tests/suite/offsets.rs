@@ -268,4 +268,13 @@ fn ranges_of_a_survey_recorder_are_trusted_unless_asked_not_to() {
         .expect("a setting");
     let (_, fitted) = calibrated(&survey, &asked);
     assert_eq!(fitted.offset_m, fish_finder.offset_m);
+    assert!(trusted.warnings.is_empty(), "{:?}", trusted.warnings);
+    // Depths of something else are told there too.
+    let wrong = self::pond(1.0 / 1.37, 0.0);
+    let mut survey = wrong.survey.clone();
+    survey.range_source = RangeSource::SurveyRecorder;
+    let (_, trusted) = calibrated(&survey, &Settings::default());
+    assert_eq!(trusted.offset_m, 0.0);
+    let said = trusted.warnings.join(" ");
+    assert!(said.contains("something else"), "{said}");
 }
