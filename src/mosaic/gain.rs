@@ -287,3 +287,35 @@ fn between(curve: &[f32], place: f64) -> f32 {
     let share = (place - low as f64) as f32;
     curve[low] + (curve[low + 1] - curve[low]) * share
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean level of a range and an angle.
+    fn level(range: usize, angle: usize) -> f64 {
+        100.0 * (1.0 - 0.01 * range as f64) * (1.0 + 0.02 * angle as f64)
+    }
+
+    #[test]
+    fn a_bin_with_few_samples_takes_what_its_range_and_its_angle_say() {
+        let mut sums = Sums::none();
+        for range in 0..RANGE_BINS {
+            // Each range is seen at some angles, in a band, and none at all at a few ranges.
+            for angle in (range / 2)..(range / 2 + 12).min(ANGLE_BINS) {
+                if !(20..23).contains(&range) {
+                    let bin = &mut sums.0[range * ANGLE_BINS + angle];
+                    *bin = [20_000.0 * level(range, angle), 20_000.0];
+                }
+            }
+        }
+        // A boulder in a few pings that are deeper than all others.
+        sums.0[30 * ANGLE_BINS + 8] = [100.0 * 3.0 * level(30, 8), 100.0];
+        let curves = Curves::fitted(&sums, 100.0);
+        let factor = |range: usize, angle: usize| curves.by_range[range] * curves.by_angle[angle];
+        for (range, angle) in [(30, 8), (30, 20), (5, 6), (40, 30), (21, 15)] {
+            let evened = f64::from(factor(range, angle)) * level(range, angle);
+            assert!((evened - 100.0).abs() < 5.0, "{range} {angle}: {evened}");
+        }
+    }
+}
