@@ -12,7 +12,7 @@ pub(super) struct LasWriter(Option<Writer<BufWriter<File>>>);
 impl LasWriter {
     /// Writes the header.
     pub(super) fn new(file: File, header: Header) -> io::Result<Self> {
-        let writer = Writer::new(BufWriter::new(file), header).map_err(io::Error::other)?;
+        let writer = Writer::new(BufWriter::new(file), header).map_err(failed)?;
         Ok(Self(Some(writer)))
     }
 
@@ -24,21 +24,21 @@ impl LasWriter {
     /// Writes a point.
     pub(super) fn point(&mut self, point: Point) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
-        writer.write_point(point).map_err(io::Error::other)
+        writer.write_point(point).map_err(failed)
     }
 
     /// Writes points as another file stored them.
     pub(super) fn points(&mut self, points: &PointData) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
-        writer.write_points(points).map_err(io::Error::other)
+        writer.write_points(points).map_err(failed)
     }
 
     /// Writes what is left, and the header with the points' count and bounds.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;
-        writer.close().map_err(io::Error::other)?;
+        writer.close().map_err(failed)?;
         let writer = self.0.take().ok_or_else(closed)?;
-        let file = writer.into_inner().map_err(io::Error::other)?;
+        let file = writer.into_inner().map_err(failed)?;
         file.into_inner()
             .map_err(|error| error.into_error())?
             .flush()
@@ -50,6 +50,14 @@ impl Drop for LasWriter {
         let left = self.0.take();
         // The error that matters was returned before.
         contained(|| drop(left));
+    }
+}
+
+/// What the system said, where the crate only passes it on.
+fn failed(error: las::Error) -> io::Error {
+    match error {
+        las::Error::Io(error) => error,
+        error => io::Error::other(error),
     }
 }
 
@@ -126,7 +134,8 @@ fn transform([low, high]: [f64; 2], near: f64, finest: f64) -> Option<Transform>
 /// A number in few letters, whatever its size.
 fn short(value: f64) -> String {
     match value.abs() {
-        1e-3..1e9 => format!("{value:.3}"),
+        1e-3..1e5 => format!("{value:.3}"),
+        1e5..1e12 => format!("{value:.0}"),
         _ => format!("{value:e}"),
     }
 }

@@ -12,8 +12,16 @@ const EXTENDED_LENGTH: u64 = 20;
 /// Bit of the point format byte that marks LAZ.
 const COMPRESSED: u8 = 0x80;
 
-/// Refuses a file whose header claims an extended record, or a table of LAZ chunks, larger than the file: both are
-/// allocated before they are read.
+/// User and number of the record that says how LAZ points are packed.
+const PACKING_USER: &[u8] = b"laszip encoded";
+const PACKING_RECORD: u16 = 22_204;
+/// Bytes before the data of a record.
+const RECORD_HEADER: u64 = 54;
+/// Compressors that pack a chunk in layers, one for each kind of number in a point.
+const LAYERED: u16 = 3;
+
+/// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such a chunk, larger than the file: all
+/// are allocated before they are read.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let mut file = File::open(path)?;
     let len = file.metadata()?.len();
@@ -34,9 +42,8 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
             // The writer could not seek back: the place is told at the end.
             table = at(len.saturating_sub(8))?.i64();
         }
-        let chunks = u64::try_from(table)
-            .ok()
-            .and_then(|table| table.checked_add(4));
+        let table = u64::try_from(table).unwrap_or(len).min(len);
+        let chunks = table.checked_add(4);
         if let Some(chunks) = chunks.filter(|&chunks| chunks < len)
             && u64::from(at(chunks)?.u32()) > len
         {
@@ -44,6 +51,71 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
                 "its table claims more chunks than it has bytes",
             ));
         }
+        if let Some(layers) = layers(&mut at)? {
+            let record = u64::from(at(105)?.u16());
+            check_layers(&mut at, points + 8, table, record, layers)?;
+        }
+    }
+    Ok(())
+}
+
+/// Layers that every chunk is packed in, as the record for that says; `None` where points are packed one after the other.
+fn layers(at: &mut impl FnMut(u64) -> io::Result<Field>) -> io::Result<Option<u64>> {
+    let mut record = u64::from(at(94)?.u16());
+    let count = at(100)?.u32();
+    // A header that claims more records than any file has ends where the zeros begin.
+    for _ in 0..count.min(10_000) {
+        let mut user = Vec::new();
+        for part in [2, 10] {
+            user.extend(at(record + part)?.0);
+        }
+        let (number, length) = (at(record + 18)?.u16(), at(record + 20)?.u16());
+        let data = record + RECORD_HEADER;
+        if user.starts_with(PACKING_USER) && number == PACKING_RECORD {
+            if at(data)?.u16() != LAYERED {
+                return Ok(None);
+            }
+            let mut layers = 0;
+            for item in 0..u64::from(at(data + 32)?.u16()) {
+                let (kind, size) = (
+                    at(data + 34 + 6 * item)?.u16(),
+                    at(data + 36 + 6 * item)?.u16(),
+                );
+                layers += match kind {
+                    10 => 9,
+                    12 => 2,
+                    // Extra bytes have a layer each.
+                    14 => u64::from(size),
+                    _ => 1,
+                };
+            }
+            return Ok(Some(layers));
+        }
+        record = data + u64::from(length);
+    }
+    Ok(None)
+}
+
+/// Walks over the chunks from one to the next: a point as it is, the count of points, the size of every layer, the layers.
+fn check_layers(
+    at: &mut impl FnMut(u64) -> io::Result<Field>,
+    mut chunk: u64,
+    table: u64,
+    record: u64,
+    layers: u64,
+) -> io::Result<()> {
+    while chunk < table {
+        let sizes = chunk + record + 4;
+        let mut next = sizes + 4 * layers;
+        for layer in 0..layers {
+            next += u64::from(at(sizes + 4 * layer)?.u32());
+            if next > table {
+                return Err(io::Error::other(
+                    "a chunk of its points reaches beyond their end",
+                ));
+            }
+        }
+        chunk = next;
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Points in lines of text: xyz, csv, txt.
 
+use crate::printable::one_line;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
@@ -97,9 +98,9 @@ impl TextFile {
     /// What had to be guessed.
     pub(super) fn note(&self) -> Option<String> {
         let [x, y, z] = self.guessed.as_ref()?;
-        Some(format!(
+        Some(one_line(&format!(
             "the header names no x, y and z, so the columns `{x}`, `{y}` and `{z}` are taken; write FILE:x,y,z to name others"
-        ))
+        )))
     }
 
     pub(super) fn write_kept(&self, file: File, kept: &[bool]) -> io::Result<()> {
