@@ -22,6 +22,7 @@ mod formats;
 mod garbled;
 mod golden;
 mod handmade;
+mod hostile;
 mod large_boxes;
 mod map_layers;
 mod map_tools;
