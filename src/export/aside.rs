@@ -1,8 +1,14 @@
 //! A file is complete or it is not there.
 
+use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// How a file on its way is named at the end, after its own name and the writer's number.
+const PASSING: &str = ".bathyscope-part";
 
 /// A file that could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -34,9 +40,11 @@ pub fn write_aside<T>(
     let Some(name) = path.file_name() else {
         return Err(fail(io::Error::other("the path names no file")));
     };
-    let mut passing = name.to_os_string();
-    passing.push(format!(".{}.part", std::process::id()));
+    let mut passing = OsString::from(".");
+    passing.push(name);
+    passing.push(format!(".{}{PASSING}", std::process::id()));
     let passing = path.with_file_name(passing);
+    passing.parent().into_iter().for_each(tidy);
     let _leftover = Leftover(&passing);
     let mut open = File::options();
     open.read(true).write(true).create(true).truncate(true);
@@ -82,15 +90,27 @@ pub fn keep_aside(path: &Path) -> Result<PathBuf, ExportError> {
     Ok(aside)
 }
 
-/// Removes what [`write_aside`] left in a folder when the program was killed: `NAME.PID.part` of a process that is no more. Best
-/// effort: what cannot be removed stays.
-pub fn remove_leftovers(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+/// Removes what a killed program left in a folder, when the first file is written there: files on their way of processes that are no
+/// more. Best effort: what cannot be removed stays.
+fn tidy(folder: &Path) {
+    static TIDIED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let mut tidied = TIDIED.lock().unwrap_or_else(PoisonError::into_inner);
+    if tidied.insert(folder.to_path_buf()) {
+        remove_leftovers(folder, |name| name.strip_prefix('.')?.strip_suffix(PASSING));
+    }
+}
+
+/// Removes files of processes that are no more; `passing` gives what of a name stands before the passing name's end, `NAME.PID`, of a
+/// file that may go.
+pub(super) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&str>) {
+    let here = match folder.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => folder,
+    };
+    for entry in fs::read_dir(here).into_iter().flatten().flatten() {
         let name = entry.file_name();
-        let writer = name.to_str().and_then(|name| {
-            let (_, writer) = name.strip_suffix(".part")?.rsplit_once('.')?;
-            writer.parse::<u32>().ok()
-        });
+        let written_by = |name: &str| passing(name)?.rsplit_once('.')?.1.parse::<u32>().ok();
+        let writer = name.to_str().and_then(written_by);
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         if is_file && writer.is_some_and(|writer| is_dead(writer, &entry.path())) {
             fs::remove_file(entry.path()).ok();
@@ -161,23 +181,25 @@ mod tests {
     #[test]
     fn what_a_killed_program_left_is_removed_and_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
-        let own = format!("cloud.csv.{}.part", std::process::id());
+        let own = format!(".cloud.csv.{}.bathyscope-part", std::process::id());
         // No process has this number: it is above the most that Linux gives.
         let names = [
-            "cloud.csv.4294967294.part",
+            ".cloud.csv.4294967294.bathyscope-part",
             &own,
-            "film.part",
-            "film.7x.part",
+            "film.4294967294.part",
+            ".notes.x.bathyscope-part",
         ];
         for name in names {
             fs::write(folder.path().join(name), b"ha").unwrap();
         }
-        remove_leftovers(folder.path());
+        let path = folder.path().join("cloud.csv");
+        write_aside(&path, |mut file| file.write_all(b"whole")).unwrap();
         let left = |name: &&str| folder.path().join(name).exists();
         let left: Vec<&str> = names.into_iter().filter(left).collect();
+        // The one of this process was on its way, and has arrived.
         let expected = match cfg!(target_os = "linux") {
-            true => &names[1..],
-            false => &names[..],
+            true => vec![names[2], names[3]],
+            false => vec![names[0], names[2], names[3]],
         };
         assert_eq!(left, expected);
     }

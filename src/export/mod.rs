@@ -36,7 +36,7 @@ mod track;
 mod vector;
 
 use aside::scratch_beside;
-pub use aside::{ExportError, is_same_file, keep_aside, remove_leftovers, write_aside};
+pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
 pub use chip_folder::ChipFolder;
 pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
@@ -55,7 +55,7 @@ pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_
 pub use picture_boxes::picture_boxes_csv;
 pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::qgis_style;
-pub use run_folder::RunFolder;
+pub use run_folder::{RunFolder, STEMS};
 pub use summary::Summary;
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};

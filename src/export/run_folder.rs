@@ -11,13 +11,32 @@
 mod earlier;
 mod journal;
 
-use super::{Fingerprint, aside, chip_folder};
+use super::{Fingerprint, chip_folder};
 use crate::progress::Progress;
 use journal::Journal;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+/// Names of the files of a run without their endings.
+pub const STEMS: [&str; 16] = [
+    "cloud",
+    "comparison",
+    "depth",
+    "depth_areas",
+    "detections",
+    "distance",
+    "first_returns",
+    "footprint",
+    "isobaths",
+    "merged",
+    "mosaic",
+    "report",
+    "residuals",
+    "storage",
+    "track",
+    "uncertainty",
+];
 /// The side folder. One name for all runs: whoever comes next finds what the one before left.
 const SIDE: &str = ".bathyscope-run";
 /// In it: the files on their way.
@@ -70,7 +89,7 @@ impl RunFolder {
         }
         // A journal that is not for this folder is not followed.
         empty(&side).map_err(fail)?;
-        aside::remove_leftovers(folder);
+        earlier::remove_parts(folder);
         chip_folder::remove_passing(folder);
         fs::create_dir(run.path()).map_err(fail)?;
         Ok(run)
@@ -105,8 +124,7 @@ impl RunFolder {
     /// # Errors
     /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
     pub fn commit(self, manifest: &str) -> Result<Vec<String>, String> {
-        let earlier = earlier::files(&self.folder);
-        self.swap(Some(manifest), earlier)
+        self.swap(Some(manifest), |_| true)
     }
 
     /// Puts files in place that belong to no run, in a folder that may hold a run: the manifest there no longer names them. `group`
@@ -116,15 +134,13 @@ impl RunFolder {
     /// As [`RunFolder::commit`].
     pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Vec<String>, String> {
         let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
-        let mut earlier = earlier::files(&self.folder);
-        earlier.retain(|name| group(name));
-        self.swap(manifest, earlier)
+        self.swap(manifest, group)
     }
 
     fn swap(
         mut self,
         manifest: Option<&str>,
-        mut remove: Vec<String>,
+        is_of_ours: impl Fn(&str) -> bool,
     ) -> Result<Vec<String>, String> {
         let new = self.path();
         let fail = |error: io::Error| {
@@ -134,6 +150,8 @@ impl RunFolder {
             )
         };
         let mut files = names_in(&new).map_err(fail)?;
+        let goes = |name: &str| is_of_ours(name) && !files.iter().any(|file| file == name);
+        let mut remove = earlier::files(&self.folder, goes);
         remove.extend(chip_folder::earlier_chips(&self.folder, &new, &remove));
         remove.retain(|name| !files.contains(name));
         remove.sort_unstable();

@@ -1,29 +1,9 @@
 //! No file is written over one that it is made from.
 
-use crate::export::is_same_file;
+use crate::export::{STEMS, is_same_file};
 use crate::pipeline::Products;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
-
-/// Names of the files of a run without their endings.
-const STEMS: [&str; 16] = [
-    "cloud",
-    "comparison",
-    "depth",
-    "depth_areas",
-    "detections",
-    "distance",
-    "first_returns",
-    "footprint",
-    "isobaths",
-    "merged",
-    "mosaic",
-    "report",
-    "residuals",
-    "storage",
-    "track",
-    "uncertainty",
-];
 
 /// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
 /// survey is compared with.

