@@ -114,8 +114,9 @@ impl Surface {
 }
 
 /// Samples the soundings on a grid: no value outside their hull, farther than the gap from one, or in triangles between
-/// soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a winding track. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no
-/// surface (fewer than three places, or all on one line).
+/// soundings too far apart ([`Tin::with_max_gap`]), so that the hull follows a winding track; a cell that holds a sounding has a
+/// value. Soundings of one cell are merged first ([`merge_repeated`]). `None` when there is no surface (fewer than three places, or
+/// all on one line).
 ///
 /// The points are given away, since a log has millions: they are gone before the triangles are made.
 pub fn surface(
@@ -233,7 +234,26 @@ impl Field {
                 progress.advance(1);
                 Ok(())
             })?;
+        self.fill_measured(&mut made);
         Ok(made)
+    }
+
+    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track spans hardly a triangle, and its map
+    /// is the cells that were measured.
+    fn fill_measured(&self, made: &mut Surface) {
+        for node in self.tin.nodes() {
+            let Some(index) = made.grid.index_at(node.east_m, node.north_m) else {
+                continue;
+            };
+            if made.depth_m.get(index).is_some_and(|depth| depth.is_nan()) {
+                let columns = made.grid.columns;
+                let [east_m, north_m] = made.grid.centre(index / columns, index % columns);
+                let distance_m = (node.east_m - east_m).hypot(node.north_m - north_m);
+                made.depth_m[index] = node.depth_m as f32;
+                made.spread_m[index] = node.spread_m as f32;
+                made.distance_m[index] = distance_m as f32;
+            }
+        }
     }
 
     fn sampler(&self) -> Sampler<'_> {

@@ -112,6 +112,36 @@ fn a_bend_is_not_bridged_by_a_lens_beside_the_track() {
     assert!(farthest_m < 0.7, "{farthest_m} m from any depth");
 }
 
+/// Delaunay's triangles over one winding line are long and thin, and none of them counts.
+#[test]
+fn every_sounding_of_a_single_winding_track_has_its_cell() {
+    let points: Vec<_> = (0..2000)
+        .map(|i| {
+            let (sin, cos) = (0.05 * f64::from(i)).to_radians().sin_cos();
+            DepthPoint {
+                east_m: 120.0 * cos,
+                north_m: 120.0 * sin,
+                depth_m: 2.0 + 0.001 * f64::from(i),
+                weight: 1.0,
+            }
+        })
+        .collect();
+    let map = surface(points.clone(), &settings(20.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    for point in &points {
+        let (depth_m, distance_m) = map.at(point.east_m, point.north_m).expect("a cell");
+        assert!(
+            (f64::from(depth_m) - point.depth_m).abs() < 0.02,
+            "{depth_m}"
+        );
+        assert!(f64::from(distance_m) < map.grid.cell_m, "{distance_m}");
+    }
+    let known = map.distance_m.iter().filter(|distance| !distance.is_nan());
+    let farthest_m = known.copied().fold(0.0, f32::max);
+    assert!(f64::from(farthest_m) < map.grid.cell_m, "{farthest_m}");
+}
+
 #[test]
 fn one_straight_line_is_no_surface() {
     let points: Vec<_> = line(0.0, 2.0).collect();
