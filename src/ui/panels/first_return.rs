@@ -209,7 +209,7 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
         },
     );
     let confidence = Knob {
-        name: "Least confidence",
+        name: "Least conf.",
         undo: "least confidence",
         hint: "The point of a first return that is less sure than this is not kept. Confidence is the chance that a return lies within 25 cm of the nearest ground, as measured on simulated ponds.",
         range: 0.0..=1.0,
