@@ -103,11 +103,14 @@ fn unusable_point_files_are_refused_in_a_sentence() {
     let path = |name: &str| folder.path().join(name);
     let text = refusal(&path("a.csv"), b"x,y,z\n1,2,3\n1,two,3\n");
     assert!(
-        text.starts_with("line 3: `two` in column `y` is not a number: "),
+        text.starts_with("line 3: `two` in column `y` is not a number; mend it"),
         "{text}"
     );
     let text = refusal(&path("b.xyz"), b"1 2 3\n4 5\n");
-    assert!(text.starts_with("line 2: there is no column `3`"), "{text}");
+    assert!(
+        text.starts_with("line 2: there are 2 fields, and a point is x, y and z"),
+        "{text}"
+    );
     let text = refusal(&path("c.ply"), b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
     assert!(
         text.starts_with("the PLY file ends after 0 of 4000000000 vertices"),
@@ -124,7 +127,9 @@ fn unusable_point_files_are_refused_in_a_sentence() {
     let unnamed = points::read(&path("a.csv"), Some(&["e", "n", "h"].map(str::to_owned)));
     let unnamed = unnamed.expect_err("a refusal").to_string();
     assert!(
-        unnamed.starts_with("there are no columns `e`, `n` and `h`, only x, y, z"),
+        unnamed.starts_with(
+            "there are no columns `e`, `n` and `h`; write FILE:x,y,z with three of x, y, z"
+        ),
         "{unnamed}"
     );
 }

