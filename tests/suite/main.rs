@@ -45,3 +45,4 @@ mod truth;
 mod waterfall;
 mod window;
 mod window_job;
+mod window_layout;
