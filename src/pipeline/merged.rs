@@ -300,6 +300,7 @@ fn shared_by_all(products: &Products) -> Products {
         }),
         cloud: Arc::default(),
         kept: Arc::default(),
+        depths: Arc::default(),
         ..products.clone()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Settings;
 use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{self, Correction, PointCloud, Reduction};
+use crate::cloud::{self, Correction, PingDepth, PointCloud, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey, navigate};
@@ -87,6 +87,8 @@ pub struct Products {
     pub cloud: Arc<PointCloud>,
     /// One flag per point: sure enough, and kept by the outlier filter.
     pub kept: Arc<Vec<bool>>,
+    /// The depth under the boat at every side-scan ping.
+    pub depths: Arc<Vec<PingDepth>>,
 }
 
 impl Products {
@@ -182,12 +184,14 @@ pub fn run(
             Arc::new(made)
         }
     };
-    let kept = match reuse(Stage::Outliers) {
-        Some(old) => old.kept.clone(),
+    let (kept, depths) = match reuse(Stage::Outliers) {
+        Some(old) => (old.kept.clone(), old.depths.clone()),
         None => {
             begin(Stage::Outliers)?;
             let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
-            Arc::new(cloud::keep_points(&cloud, least, how, progress)?)
+            let kept = cloud::keep_points(&cloud, least, how, progress)?;
+            let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
+            (Arc::new(kept), Arc::new(depths))
         }
     };
     Ok(Products {
@@ -200,6 +204,7 @@ pub fn run(
         correction,
         cloud,
         kept,
+        depths,
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
-use crate::cloud::{Residuals, TrackShare, ping_depths, residuals};
+use crate::cloud::{Residuals, TrackShare, residuals};
 use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey, Track};
@@ -191,10 +191,7 @@ impl Report {
                 outliers_removed_share: outliers.share(),
             },
             calibration: CalibrationReport::new(calibration),
-            track: TrackShare::of(
-                &ping_depths(survey, cloud, kept, correction),
-                &navigation.pings,
-            ),
+            track: TrackShare::of(&products.depths, &navigation.pings),
             residuals: residuals(survey, cloud, correction, kept),
             statement: [
                 settings.bottom.statement(survey).as_str(),

@@ -3,7 +3,7 @@
 use crate::resources::processor_s;
 use bathyscope::app::{App, Jobs, MapLayer};
 use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
-use bathyscope::cloud::PointCloud;
+use bathyscope::cloud::{Correction, PointCloud, ping_depths};
 use bathyscope::first_return::{self, FirstReturns};
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings};
@@ -134,18 +134,21 @@ fn app(count: usize) -> App {
         locked: true,
     });
     let mut app = App::new(Jobs::Inline);
-    app.survey_serial = 1;
-    app.survey = Some(Arc::new(Survey {
+    let survey = Arc::new(Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         soundings: soundings.collect(),
         ..Survey::default()
-    }));
-    app.products = Some(products(nav));
+    });
+    app.survey_serial = 1;
+    app.survey = Some(survey.clone());
+    app.products = Some(products(&survey, nav));
     app
 }
 
-fn products(nav: Vec<PingNav>) -> Products {
+fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
+    let (cloud, correction) = (PointCloud::default(), Correction::default());
+    let depths = ping_depths(survey, &cloud, &[], &correction);
     Products {
         settings: Settings::default(),
         navigation: Arc::new(Navigation {
@@ -169,9 +172,10 @@ fn products(nav: Vec<PingNav>) -> Products {
             offset_note: None,
             warnings: Vec::new(),
         }),
-        correction: Arc::default(),
-        cloud: Arc::new(PointCloud::default()),
+        correction: Arc::new(correction),
+        cloud: Arc::new(cloud),
         kept: Arc::new(Vec::new()),
+        depths: Arc::new(depths),
     }
 }
 

@@ -4,7 +4,9 @@ use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::bathymetry::{SurfaceSettings, depth_points, surface};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
-use bathyscope::cloud::{CloudPoint, PointCloud, PointSource, SoundingIndex};
+use bathyscope::cloud::{
+    CloudPoint, Correction, PointCloud, PointSource, SoundingIndex, ping_depths,
+};
 use bathyscope::first_return::FirstReturns;
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
@@ -78,7 +80,8 @@ fn pond() -> (Survey, Products) {
         ..Survey::default()
     };
     let (cloud, kept) = cloud(&nav);
-    (survey, products(nav, cloud, kept))
+    let products = products(&survey, nav, cloud, kept);
+    (survey, products)
 }
 
 fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
@@ -127,7 +130,9 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
     )
 }
 
-fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
+fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
+    let correction = Correction::default();
+    let depths = ping_depths(survey, &cloud, &kept, &correction);
     let spot = |start: usize, depth_m| FlatSpot {
         pings: start..start + 41,
         depth_m,
@@ -162,9 +167,10 @@ fn products(nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
             warnings: Vec::new(),
         }),
         flat_spots: Arc::new(spots),
-        correction: Arc::default(),
+        correction: Arc::new(correction),
         cloud: Arc::new(cloud),
         kept: Arc::new(kept),
+        depths: Arc::new(depths),
     }
 }
 

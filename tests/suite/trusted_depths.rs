@@ -3,7 +3,7 @@
 
 use crate::truth::KnownSurvey;
 use bathyscope::bathymetry::SurfaceSettings;
-use bathyscope::cloud::{DepthSource, PointSource, TrackShare, ping_depths};
+use bathyscope::cloud::{DepthSource, PointSource, TrackShare};
 use bathyscope::first_return::Method;
 use bathyscope::pipeline::{self, Preset, Products, Report, Settings};
 use bathyscope::progress::Progress;
@@ -34,12 +34,7 @@ fn pond_with_lost_bottom() -> KnownSurvey {
 fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
     let pond = pond_with_lost_bottom();
     let products = processed(&pond, &Settings::default());
-    let depths = ping_depths(
-        &pond.survey,
-        &products.cloud,
-        &products.kept,
-        &products.correction,
-    );
+    let depths = &products.depths;
     let from = 3 * depths.len() / 4;
     let of = |source| depths.iter().filter(|depth| depth.source == source).count();
     assert_eq!(of(DepthSource::Sounding), from);
@@ -55,7 +50,7 @@ fn depth_comes_from_side_scan_where_the_recorder_lost_the_bottom() {
     assert!(off_m[off_m.len() / 2] < 0.06, "{}", off_m[off_m.len() / 2]);
     assert!(off_m[9 * off_m.len() / 10] < 0.45);
 
-    let share = TrackShare::of(&depths, &products.navigation.pings);
+    let share = TrackShare::of(depths, &products.navigation.pings);
     assert_eq!(share.sounding_pings, from);
     assert!(share.track_m > 150.0, "{share:?}");
     assert!((0.2..0.3).contains(&share.side_scan_only()), "{share:?}");

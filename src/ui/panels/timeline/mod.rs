@@ -4,8 +4,11 @@ mod columns;
 mod drawing;
 mod strips;
 
-use crate::app::{Command, Outcome, Task};
+use crate::app::Command;
+use crate::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
+use crate::survey::{Navigation, Survey};
+use crate::ui::views::background::{Background, Same};
 use crate::ui::{ViewContext, theme};
 use drawing::Frame;
 use egui::{Sense, Ui};
@@ -15,14 +18,33 @@ use strips::Strips;
 /// Height of the panel, points.
 pub const HEIGHT: f32 = 104.0;
 
-/// Which survey and results the strips belong to.
-type Key = (u64, [usize; 3]);
+/// The survey and the results that the strips are of.
+#[derive(PartialEq)]
+struct Key {
+    survey: Same<Survey>,
+    results: Option<(Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>)>,
+}
+
+impl Key {
+    fn of(survey: &Arc<Survey>, products: Option<&Products>) -> Self {
+        let results = |products: &Products| {
+            let correction = Same(products.correction.clone());
+            let depths = Same(products.depths.clone());
+            (Same(products.navigation.clone()), depths, correction)
+        };
+        Self {
+            survey: Same(survey.clone()),
+            results: products.map(results),
+        }
+    }
+}
 
 /// State of the time line: the strips of the open survey.
 #[derive(Default)]
 pub struct TimeLine {
-    shown: Option<(Key, Option<Strips>)>,
-    task: Option<(Key, Task<Option<Strips>>)>,
+    /// `None` inside where the log has no times.
+    strips: Background<Key, Option<Strips>>,
+    seen_survey: u64,
     /// The pointer was over the panel in the last frame.
     was_over: bool,
 }
@@ -30,7 +52,7 @@ pub struct TimeLine {
 impl TimeLine {
     /// Whether the strips shown are those of the survey and its last result.
     pub fn is_settled(&self) -> bool {
-        self.task.is_none()
+        !self.strips.is_running()
     }
 
     fn refresh(&mut self, context: &ViewContext<'_>) {
@@ -39,30 +61,15 @@ impl TimeLine {
             *self = Self::default();
             return;
         };
-        let products = app.products.clone();
-        let address = |products: &Products| {
-            let kept = Arc::as_ptr(&products.kept) as usize;
-            let correction = Arc::as_ptr(&products.correction) as usize;
-            [Arc::as_ptr(&products.navigation) as usize, kept, correction]
-        };
-        let key = (app.survey_serial, products.as_ref().map_or([0; 3], address));
-        let known = self.shown.as_ref().map(|(known, _)| *known);
-        let coming = self.task.as_ref().map(|(coming, _)| *coming);
-        if known != Some(key) && coming != Some(key) {
-            let survey = survey.clone();
-            let work = move |_: &_| Strips::of(&survey, products.as_ref());
-            self.task = Some((key, Task::start(app.jobs(), work)));
+        if self.seen_survey != app.survey_serial {
+            // Strips of another log would be drawn until those of this one are there.
+            self.seen_survey = app.survey_serial;
+            self.strips = Background::default();
         }
-        if let Some((key, task)) = &self.task {
-            match task.poll() {
-                Outcome::Pending => {}
-                Outcome::Done(strips) => {
-                    self.shown = Some((*key, strips));
-                    self.task = None;
-                }
-                Outcome::Failed => self.task = None,
-            }
-        }
+        let key = Key::of(survey, app.products.as_ref());
+        let (survey, products) = (survey.clone(), app.products.clone());
+        let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
+        self.strips.ask(key, app.jobs(), work);
     }
 
     /// Draws the panel.
@@ -77,15 +84,13 @@ impl TimeLine {
             .map_or(0, |survey| survey.side_scan.len());
         let ping = context.app.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
-            let depth = self
-                .shown
-                .as_ref()
-                .and_then(|(_, strips)| strips.as_ref()?.deepest());
+            let strips = self.strips.result().and_then(Option::as_ref);
+            let depth = strips.and_then(Strips::deepest);
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
             let name = format!("Time line, ping {ping} of {count}{depth}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });
-        let Some((_, Some(strips))) = &self.shown else {
+        let Some(Some(strips)) = self.strips.result() else {
             let empty = "Time line: depth and speed over the log appear here.";
             let font = egui::FontId::proportional(theme::SMALL);
             let weak = ui.visuals().weak_text_color();

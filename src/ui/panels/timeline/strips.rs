@@ -1,7 +1,7 @@
 //! What the time line shows, reduced on a worker to a few columns.
 
 use super::columns::{Columns, columns, span};
-use crate::cloud::{DepthReference, DepthSource, ping_depths};
+use crate::cloud::{DepthReference, DepthSource};
 use crate::pipeline::Products;
 use crate::survey::{Sounding, Survey};
 use egui::Rect;
@@ -69,16 +69,8 @@ impl Strips {
         });
         let speeds = times.iter().zip(places);
         let speeds = speeds.map(|(time_s, here)| (*time_s, here.speed_mps as f32));
-        let by_side_scan = products.map_or_else(Vec::new, |products| {
-            let Products {
-                cloud,
-                kept,
-                correction,
-                ..
-            } = products;
-            ping_depths(survey, cloud, kept, correction)
-        });
-        let by_side_scan = pings.iter().zip(&by_side_scan);
+        let ping_depths = products.map_or(&[][..], |products| &products.depths[..]);
+        let by_side_scan = pings.iter().zip(ping_depths);
         let by_side_scan = by_side_scan
             .filter(|(_, depth)| depth.source == DepthSource::SideScan)
             .map(|(ping, depth)| (ping.time_s, depth.depth_m));

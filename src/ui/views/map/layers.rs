@@ -4,7 +4,7 @@ use super::lines::Line;
 use super::ping_boxes::PingBoxes;
 use super::relief::colour_range_m;
 use super::transform::GroundBounds;
-use crate::cloud::{DepthSource, ping_depths};
+use crate::cloud::DepthSource;
 use crate::pipeline::Products;
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex, depth_colour, depth_share};
@@ -88,8 +88,8 @@ fn records<'a>(survey: &Survey, products: &'a Products) -> Vec<Record<'a>> {
         };
         return soundings.map(record).collect();
     }
-    let depths = ping_depths(survey, &products.cloud, &products.kept, correction);
-    let pings = survey.side_scan.iter().zip(&navigation.pings).zip(depths);
+    let pings = survey.side_scan.iter().zip(&navigation.pings);
+    let pings = pings.zip(products.depths.iter());
     let records = pings.map(|((ping, place), depth)| Record {
         time_s: ping.time_s,
         place,

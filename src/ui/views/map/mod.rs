@@ -30,7 +30,7 @@ mod warp;
 use super::background::{Background, Same};
 use super::empty;
 use crate::app::{App, Command, MapLayer};
-use crate::cloud::{Correction, PointCloud};
+use crate::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::{Navigation, Survey};
@@ -45,8 +45,7 @@ use transform::{GroundBounds, MapTransform};
 type Key = (
     Same<Survey>,
     Same<Navigation>,
-    Same<PointCloud>,
-    Same<Vec<bool>>,
+    Same<Vec<PingDepth>>,
     Arc<Correction>,
 );
 
@@ -221,8 +220,7 @@ impl MapView {
         let key = (
             Same(survey.clone()),
             Same(products.navigation.clone()),
-            Same(products.cloud.clone()),
-            Same(products.kept.clone()),
+            Same(products.depths.clone()),
             products.correction.clone(),
         );
         let (survey_now, products_now) = (survey.clone(), products.clone());

@@ -4,7 +4,7 @@ use super::relief_tiles::{DepthTiles, ShadeTiles};
 use super::tiles::TileSource;
 use super::transform::GroundBounds;
 use crate::bathymetry::{self, Light, SurfaceSettings, hill_shade};
-use crate::cloud::{PointCloud, ping_depths};
+use crate::cloud::PointCloud;
 use crate::geo::CrsChoice;
 use crate::pipeline::{DepthChart, Products};
 use crate::progress::{Cancelled, Progress};
@@ -40,19 +40,14 @@ impl ReliefKey {
 /// Ends of the colour scale of depth: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
 /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives.
 pub fn colour_range_m(survey: &Survey, products: &Products) -> Option<[f32; 2]> {
-    let Products {
-        cloud,
-        kept,
-        correction,
-        ..
-    } = products;
+    let correction = &products.correction;
     let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
     let depth_m = |sounding: &Sounding| {
         correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
     };
     bathymetry::depth_range(locked.map(depth_m)).or_else(|| {
-        let depths = ping_depths(survey, cloud, kept, correction);
-        bathymetry::depth_range(depths.iter().map(|depth| depth.depth_m))
+        let depths = products.depths.iter();
+        bathymetry::depth_range(depths.map(|depth| depth.depth_m))
     })
 }
 
