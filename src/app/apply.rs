@@ -11,6 +11,7 @@ use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::{Preset, Settings};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 impl App {
     /// Carries out a command. Those that only the window can do are left to it.
@@ -31,8 +32,8 @@ impl App {
             Command::Hover(mark) => self.hover = mark,
             Command::Select(mark) => {
                 self.selection = mark;
-                self.reviewing.selected = None;
-                self.reviewing.judging.look_away();
+                self.log.reviewing.selected = None;
+                self.log.reviewing.judging.look_away();
             }
             Command::Reveal(mark) => self.reveal(mark),
             Command::Visible(pings) => self.visible = pings,
@@ -102,6 +103,7 @@ impl App {
             return;
         }
         let before = self.step_now();
+        let settings = Arc::new(settings);
         let after = Step {
             settings: settings.clone(),
             ..before.clone()
@@ -110,18 +112,18 @@ impl App {
         self.set(settings, live);
     }
 
-    pub(super) fn set(&mut self, settings: Settings, live: bool) {
-        let changed = settings != self.settings;
+    pub(super) fn set(&mut self, settings: Arc<Settings>, live: bool) {
+        let changed = settings != self.log.settings;
         if let Err(text) = self.follow_track(&settings.track) {
             return self.tell(text, true);
         }
-        self.settings = settings;
+        self.log.settings = settings;
         if !live {
             self.keep_bottom();
         }
-        let same_returns = self.products.as_ref().is_some_and(|products| {
-            products.settings.first_return == self.settings.first_return
-                && products.settings.image == self.settings.image
+        let same_returns = self.log.products.as_ref().is_some_and(|products| {
+            products.settings.first_return == self.log.settings.first_return
+                && products.settings.image == self.log.settings.image
         });
         if !same_returns && changed {
             self.preview_returns();
@@ -133,12 +135,12 @@ impl App {
     }
 
     fn use_preset(&mut self, preset: Preset) {
-        let settings = Settings::preset(preset).with_survey_of(&self.settings);
+        let settings = Settings::preset(preset).with_survey_of(&self.log.settings);
         self.change(settings, "preset", false);
     }
 
     fn calibrate_at(&mut self, pings: PingRange) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.calibration.pings = Some(pings);
         self.change(settings, "flat spot", false);
     }
@@ -210,7 +212,7 @@ impl App {
             Action::CoordinatesUtm => self.options.coordinates = CoordinateFormat::Utm,
             Action::CalibrateHere => self.calibrate_here(),
             Action::CalibrationReset => {
-                let mut settings = self.settings.clone();
+                let mut settings = Settings::clone(&self.log.settings);
                 settings.calibration.pings = None;
                 self.change(settings, "flat spot", false);
             }
@@ -250,7 +252,7 @@ impl App {
             }
             Action::ForgetBottom => self.forget_bottom(),
             Action::LeaveTool if self.leave_measuring() => {}
-            Action::LeaveTool if self.reviewing.is_in_use() => self.leave_tool(),
+            Action::LeaveTool if self.log.reviewing.is_in_use() => self.leave_tool(),
             Action::LeaveTool => self.remove_figure(),
             Action::MeasureDistance => self.take_measuring_tool(FigureKind::Distance),
             Action::MeasureArea => self.take_measuring_tool(FigureKind::Area),
@@ -269,13 +271,14 @@ impl App {
 
     fn update(&mut self) {
         self.tabulating.resume();
-        if self.products.is_none() || self.stale().is_some() {
+        if self.log.products.is_none() || self.stale().is_some() {
             self.process();
         }
     }
 
     fn step(&mut self, pings: isize) {
         let Some(last) = self
+            .log
             .survey
             .as_ref()
             .and_then(|survey| survey.side_scan.len().checked_sub(1))
@@ -291,7 +294,7 @@ impl App {
     }
 
     fn nudge_threshold(&mut self, by: f32) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         let threshold = settings.first_return.threshold + by;
         // Steps of a hundredth stay hundredths.
         settings.first_return.threshold = ((threshold * 100.0).round() / 100.0).clamp(0.0, 1.0);
@@ -300,7 +303,7 @@ impl App {
 
     /// The stretch of pings that a click calibrates on: 50 to either side, as far as the survey goes.
     pub fn stretch_around(&self, ping: usize) -> Option<PingRange> {
-        let count = self.survey.as_ref()?.side_scan.len();
+        let count = self.log.survey.as_ref()?.side_scan.len();
         let range = PingRange {
             start: ping.saturating_sub(50),
             end: (ping + 51).min(count),

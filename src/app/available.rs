@@ -7,13 +7,13 @@ impl App {
     pub fn has_what_it_takes(&self, action: Action) -> bool {
         match action {
             Action::CloseBaseMap => self.base_map.is_some(),
-            Action::RemoveWaterLevels => self.settings.water_level.file.is_some(),
-            Action::RemoveTrack => self.settings.track.file.is_some(),
+            Action::RemoveWaterLevels => self.log.settings.water_level.file.is_some(),
+            Action::RemoveTrack => self.log.settings.track.file.is_some(),
             Action::CloseReference => self.comparing.reference.is_some(),
-            Action::ForgetTruth => self.reviewing.judging.source().is_some(),
-            Action::ForgetBottom => !self.settings.bottom.is_empty(),
+            Action::ForgetTruth => self.log.reviewing.judging.source().is_some(),
+            Action::ForgetBottom => !self.log.settings.bottom.is_empty(),
             Action::RemoveFigure => self.measuring.figure.is_some(),
-            Action::CalibrationReset => self.settings.calibration.pings.is_some(),
+            Action::CalibrationReset => self.log.settings.calibration.pings.is_some(),
             _ => true,
         }
     }

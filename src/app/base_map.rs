@@ -84,6 +84,7 @@ impl App {
             map.place.crs
         );
         let start = self
+            .log
             .survey
             .as_ref()
             .map(|survey| survey.track.frame.origin());

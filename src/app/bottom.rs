@@ -4,11 +4,13 @@
 use super::{App, Mark};
 use crate::export;
 use crate::first_return::{BottomSettings, HandLine};
+use crate::pipeline::Settings;
 use crate::survey::{Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A longer file was not written by this program.
 const LONGEST: u64 = 64 << 20;
@@ -56,7 +58,7 @@ pub(super) struct BottomFile {
 impl App {
     /// Takes a stroke over; with both sides asked for, on the other side at the same ranges too.
     pub(super) fn draw_bottom(&mut self, stroke: &BottomStroke) {
-        let Some(survey) = &self.survey else {
+        let Some(survey) = &self.log.survey else {
             return;
         };
         let count = survey.side_scan.len();
@@ -85,7 +87,7 @@ impl App {
 
     /// Moves the bottom at the selected ping outward by samples; where none is heard, it begins at the recorded depth.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
-        let (Some(survey), Some(mark)) = (self.survey.clone(), self.selection) else {
+        let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
             return self.tell(text.to_owned(), true);
         };
@@ -113,7 +115,7 @@ impl App {
 
     /// What was drawn on the open log; of a drawing of another one that the settings may hold, nothing.
     fn bottom_of(&self, survey: &Survey) -> BottomSettings {
-        let bottom = &self.settings.bottom;
+        let bottom = &self.log.settings.bottom;
         match bottom.belongs_to(survey) {
             Ok(()) => bottom.clone(),
             Err(_) => BottomSettings::of(survey),
@@ -122,7 +124,7 @@ impl App {
 
     /// Where the bottom is now, metres: as drawn, as found, or as recorded.
     fn bottom_at(&self, survey: &Survey, mark: Mark, side: Side) -> Option<f64> {
-        let line = self.settings.bottom.line_at(side, mark.ping);
+        let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));
         let span = survey.span(mark.ping, side)?;
         let pick = self.returns().and_then(|all| all.side(side).get(mark.ping));
@@ -141,7 +143,7 @@ impl App {
     }
 
     fn set_bottom(&mut self, bottom: BottomSettings) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.bottom = bottom;
         self.change(settings, LABEL, false);
     }
@@ -149,7 +151,7 @@ impl App {
     /// Takes up what was drawn on the log that is opened, `read` off the window's thread.
     pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
         let path = log.map(|log| log.with_extension(BottomSettings::BESIDE));
-        self.bottom_file = BottomFile {
+        self.log.bottom_file = BottomFile {
             path,
             ..BottomFile::default()
         };
@@ -157,14 +159,15 @@ impl App {
             None => return,
             Some(Ok(kept)) => kept,
             Some(Err(text)) => {
-                self.bottom_file.refused = true;
+                self.log.bottom_file.refused = true;
                 return self.tell(text, true);
             }
         };
         let pings = kept.ping_count();
-        self.bottom_file.written = kept.clone();
-        self.settings.bottom = kept;
+        self.log.bottom_file.written = kept.clone();
+        Arc::make_mut(&mut self.log.settings).bottom = kept;
         let name = self
+            .log
             .bottom_file
             .path
             .as_deref()
@@ -178,32 +181,32 @@ impl App {
 
     /// Writes what was drawn, when it is not what the file holds. An empty drawing takes the file away.
     pub(super) fn keep_bottom(&mut self) {
-        let bottom = &self.settings.bottom;
-        let Some(path) = self.bottom_file.path.clone() else {
+        let bottom = &self.log.settings.bottom;
+        let Some(path) = self.log.bottom_file.path.clone() else {
             return;
         };
-        if *bottom == self.bottom_file.written {
+        if *bottom == self.log.bottom_file.written {
             return;
         }
-        if self.bottom_file.refused {
+        if self.log.bottom_file.refused {
             match export::keep_aside(&path) {
                 Ok(aside) => {
-                    self.bottom_file.refused = false;
+                    self.log.bottom_file.refused = false;
                     let text = "What could not be used of the bottom drawn by hand is kept as";
                     self.tell(format!("{text} {}", aside.display()), false);
                 }
                 Err(error) => {
-                    self.bottom_file.path = None;
+                    self.log.bottom_file.path = None;
                     let text = format!("the bottom drawn by hand cannot be kept: {error}");
                     return self.tell(text, true);
                 }
             }
         }
-        let bottom = &self.settings.bottom;
+        let bottom = &self.log.settings.bottom;
         match write(&path, bottom) {
-            Ok(()) => self.bottom_file.written = bottom.clone(),
+            Ok(()) => self.log.bottom_file.written = bottom.clone(),
             Err(text) => {
-                self.bottom_file.path = None;
+                self.log.bottom_file.path = None;
                 let text = format!("the bottom drawn by hand cannot be kept: {text}");
                 self.tell(text, true);
             }

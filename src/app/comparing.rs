@@ -103,7 +103,7 @@ impl Comparing {
 impl App {
     /// Starts opening a reference; one that is still being opened is dropped.
     pub(super) fn compare_with(&mut self, path: PathBuf) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             let text = "open a log first, then what it is to be compared with";
             self.tell(format!("{text}: {}", path.display()), true);
             return;
@@ -111,7 +111,7 @@ impl App {
         let matching = self.comparing.matching(&products.settings);
         let (survey, mut products) = (survey.clone(), products.clone());
         // No stage depends on it: the results are as good for any system.
-        products.settings.crs = self.settings.crs;
+        products.settings.crs = self.log.settings.crs;
         self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
             open(&path, &survey, &products, matching, progress)
         }));

@@ -41,19 +41,19 @@ impl App {
     /// Writes the products that are wanted, the comparison with the reference among them, and the report with the boxes as they
     /// are decided, into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
         };
         let (survey, mut products) = (survey.clone(), products.clone());
         // No stage depends on it: the results are as good for any system.
-        products.settings.crs = self.settings.crs;
+        products.settings.crs = self.log.settings.crs;
         let left_out = &self.options.left_out;
         let wanted = Product::ALL.into_iter();
         let wanted: Vec<Product> = wanted.filter(|one| !left_out.contains(one)).collect();
         let against = self.comparing.against(&products);
         let against = against.filter(|_| wanted.contains(&Product::Residuals));
-        let boxes = (self.reviewing.has_boxes()).then_some(&self.reviewing.review);
-        let boxes = boxes.cloned().zip(self.reviewing.raster().cloned());
+        let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
+        let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| reference.path());
             refuse_overwrite(reference.into_iter(), &folder)?;

@@ -7,6 +7,7 @@ use super::{App, Outcome, Task};
 use crate::cloud::Correction;
 use crate::cloud::correction::{Gauge, WaterLevelSettings};
 use crate::formats::TrackFile;
+use crate::pipeline::Settings;
 use crate::progress::Progress;
 use crate::survey::{Survey, TrackSettings, TracksApart};
 use std::fs::File;
@@ -83,7 +84,7 @@ impl External {
 impl App {
     /// Starts reading a file of an instrument, or of the one that its columns tell.
     pub(super) fn read_external(&mut self, path: PathBuf, instrument: Option<Instrument>) {
-        if self.survey.is_none() {
+        if self.log.survey.is_none() {
             let text = "open the log first, then the water levels or the track that belong to it";
             return self.tell(text.to_owned(), true);
         }
@@ -92,17 +93,17 @@ impl App {
             Some(Instrument::Receiver) => TrackFile::read(&path).map(Read::Track),
             None => Ok(Read::Points(path)),
         };
-        self.external.reading = Some(Task::start(&self.jobs, work));
+        self.log.external.reading = Some(Task::start(&self.jobs, work));
     }
 
     /// Collects a file that was read, and takes it into the settings.
     pub(super) fn poll_external(&mut self) {
-        let read = match self.external.reading.as_ref().map(Task::poll) {
+        let read = match self.log.external.reading.as_ref().map(Task::poll) {
             None | Some(Outcome::Pending) => return,
             Some(Outcome::Done(read)) => read,
             Some(Outcome::Failed) => Err("reading the table failed unexpectedly".to_owned()),
         };
-        self.external.reading = None;
+        self.log.external.reading = None;
         match read {
             Ok(Read::Levels(gauge)) => self.take_levels(gauge),
             Ok(Read::Track(track)) => self.take_track(track),
@@ -112,10 +113,10 @@ impl App {
     }
 
     fn take_levels(&mut self, gauge: Gauge) {
-        let Some(survey) = &self.survey else {
+        let Some(survey) = &self.log.survey else {
             return;
         };
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.water_level = WaterLevelSettings {
             file: Some(gauge.path.clone()),
             gauge: Some(Arc::new(gauge)),
@@ -127,33 +128,33 @@ impl App {
     }
 
     fn take_track(&mut self, track: TrackFile) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.track.file = Some(track.path().to_owned());
         // The same file may have been written anew meanwhile.
-        if settings.track == self.settings.track {
+        if settings.track == self.log.settings.track {
             self.remove_track();
         }
-        self.external.keep(track);
+        self.log.external.keep(track);
         self.change(settings, "external track", false);
     }
 
     /// Leaves the readings of the water's height.
     pub(super) fn remove_water_levels(&mut self) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.water_level = WaterLevelSettings::default();
         self.change(settings, "water levels", false);
     }
 
     /// Takes the boat's places from the recorder again.
     pub(super) fn remove_track(&mut self) {
-        let mut settings = self.settings.clone();
+        let mut settings = Settings::clone(&self.log.settings);
         settings.track = TrackSettings::default();
         self.change(settings, "external track", false);
     }
 
     /// Makes the open survey one with the wanted track. The error is a sentence; the survey is as it was then.
     pub(super) fn follow_track(&mut self, wanted: &TrackSettings) -> Result<(), String> {
-        let Some(survey) = self.survey.clone() else {
+        let Some(survey) = self.log.survey.clone() else {
             return Ok(());
         };
         let laid = survey.track.external.as_ref();
@@ -162,21 +163,24 @@ impl App {
         if laid == wish {
             return Ok(());
         }
-        let recorded = self.external.recorded.clone().unwrap_or(survey.clone());
+        let recorded = self.log.external.recorded.clone().unwrap_or(survey.clone());
         let now = match wish {
             None => recorded.clone(),
             Some((path, offset_s)) => {
                 let mut now = Survey::clone(&recorded);
-                self.external.track(path)?.lay_over(&mut now, offset_s)?;
+                self.log
+                    .external
+                    .track(path)?
+                    .lay_over(&mut now, offset_s)?;
                 Arc::new(now)
             }
         };
-        self.external.apart = Arc::new(apart(&recorded, &now));
-        self.external.recorded = wish.map(|_| recorded);
+        self.log.external.apart = Arc::new(apart(&recorded, &now));
+        self.log.external.recorded = wish.map(|_| recorded);
         if now.track.frame.origin() != survey.track.frame.origin() {
             self.plane_serial += 1;
         }
-        self.survey = Some(now);
+        self.log.survey = Some(now);
         Ok(())
     }
 }

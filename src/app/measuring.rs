@@ -127,8 +127,8 @@ impl App {
     pub(super) fn take_measuring_tool(&mut self, kind: FigureKind) {
         let again = self.measuring.tool == Some(kind);
         self.end_figure();
-        self.measuring.tool = (!again && self.survey.is_some()).then_some(kind);
-        self.reviewing.tool = Tool::Look;
+        self.measuring.tool = (!again && self.log.survey.is_some()).then_some(kind);
+        self.log.reviewing.tool = Tool::Look;
     }
 
     /// Lays the tool down; whether there was one in hand.
@@ -213,7 +213,7 @@ impl App {
 
     /// The depth profile as a table; `None` while there is none.
     pub fn profile_csv(&self) -> Option<String> {
-        let (survey, products) = self.survey.as_ref().zip(self.products.as_ref())?;
+        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let stations = &self.measuring.stations;
         let drawn = self.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))

@@ -17,6 +17,7 @@ mod history;
 mod loader;
 mod map_layers;
 mod measuring;
+mod open_log;
 mod options;
 mod preview;
 mod print;
@@ -37,6 +38,7 @@ pub use history::History;
 pub use loader::{LoadStatus, Origin};
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, FigureKind, Measure, Measuring};
+pub use open_log::{LogId, OpenLog};
 pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,

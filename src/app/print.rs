@@ -116,22 +116,14 @@ impl App {
     pub fn for_picture(&self) -> App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.is_picture = true;
-        copy.survey = self.survey.clone();
-        copy.depth_span_m = self.depth_span_m;
-        copy.lost_soundings = self.lost_soundings;
+        copy.log = self.log.for_picture();
         copy.survey_serial = self.survey_serial;
         copy.plane_serial = self.plane_serial;
-        copy.settings = self.settings.clone();
-        copy.products = self.products.clone();
-        copy.preview = self.preview.clone();
         copy.options = self.options.clone();
-        copy.figures = self.figures.clone();
         copy.base_map = self.base_map.clone();
         copy.comparing = self.comparing.for_picture();
         copy.tabulating = self.tabulating.for_picture();
-        copy.external = self.external.for_picture();
         copy.measuring = self.measuring.for_picture();
-        copy.reviewing = self.reviewing.for_picture();
         copy
     }
 }

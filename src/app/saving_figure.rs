@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 impl App {
     /// What is measured on the map, once there is something between its corners.
     pub fn measured(&self) -> Option<MeasuredFigure> {
-        let (survey, products) = self.survey.as_ref().zip(self.products.as_ref())?;
+        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = self.measuring.figure.as_deref()?;
         if !figure.is_measurable() {
             return None;

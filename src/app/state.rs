@@ -1,20 +1,18 @@
 //! The state behind the window, to read. Commands change it in `apply`, finished workers in `work`.
 
 use super::base_map::OpeningBaseMap;
-use super::bottom::BottomFile;
 use super::comparing::Comparing;
 use super::exporting::Exporting;
-use super::external::External;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Previewer;
-use super::reviewing::{Reviewing, Step};
+use super::reviewing::Step;
 use super::tabulating::Tabulating;
-use super::{Action, Figures, History, LoadStatus, Task, ViewOptions};
+use super::{Action, History, LoadStatus, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Engine, EngineStatus, Products, Settings, Stage};
-use crate::survey::{Side, Survey};
+use crate::pipeline::{Engine, EngineStatus, Stage};
+use crate::survey::Side;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -78,22 +76,12 @@ pub enum Jobs {
 
 /// Everything that the window shows.
 pub struct App {
-    /// The open survey.
-    pub survey: Option<Arc<Survey>>,
-    /// Shallowest and deepest sounding of the open survey that the recorder had the bottom for, metres.
-    pub depth_span_m: Option<[f32; 2]>,
-    /// Soundings of the open survey after the recorder had lost the bottom.
-    pub lost_soundings: usize,
-    /// Grows with each survey opened; views drop what they cached when it changes.
+    /// The log that waterfall, profile and panels show: the one under the selection.
+    pub log: OpenLog,
+    /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track laid over it.
     pub plane_serial: u64,
-    /// The settings that the analyst wants.
-    pub settings: Settings,
-    /// The last results; those of other settings while the engine works.
-    pub products: Option<Products>,
-    /// First returns of the settings under the slider, ahead of `products`.
-    pub preview: Option<Arc<FirstReturns>>,
     /// What is selected.
     pub selection: Option<Mark>,
     /// What the pointer is over.
@@ -108,29 +96,21 @@ pub struct App {
     pub recent: Vec<PathBuf>,
     /// What to tell.
     pub notices: Vec<Notice>,
-    /// Counts and residuals of `products`; those of the last products until the new ones are counted.
-    pub figures: Option<Figures>,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are held against.
     pub comparing: Comparing,
-    /// Water levels and tracks that other instruments recorded.
-    pub external: External,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
-    /// The boxes and what is decided about them.
-    pub reviewing: Reviewing,
     /// Only a picture is drawn of it: views leave their buttons out.
     pub is_picture: bool,
     pub(super) history: History<Step>,
     pub(super) engine: Engine,
     pub(super) previewer: Previewer,
     pub(super) loading: Option<Loading>,
-    pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) tabulating: Tabulating,
     pub(super) exporting: Option<Exporting>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
-    pub(super) bottom_file: BottomFile,
     pub(super) jobs: Jobs,
 }
 
@@ -142,14 +122,9 @@ impl App {
             Jobs::Inline => Engine::inline(),
         };
         Self {
-            survey: None,
-            depth_span_m: None,
-            lost_soundings: 0,
+            log: OpenLog::default(),
             survey_serial: 0,
             plane_serial: 0,
-            settings: Settings::default(),
-            products: None,
-            preview: None,
             selection: None,
             hover: None,
             reveal: None,
@@ -157,43 +132,34 @@ impl App {
             options: ViewOptions::default(),
             recent: Vec::new(),
             notices: Vec::new(),
-            figures: None,
             base_map: None,
             comparing: Comparing::default(),
-            external: External::default(),
             measuring: Measuring::default(),
-            reviewing: Reviewing::default(),
             is_picture: false,
             history: History::default(),
             engine,
             previewer: Previewer::default(),
             loading: None,
-            counting: None,
             tabulating: Tabulating::default(),
             exporting: None,
             opening_base_map: None,
-            bottom_file: BottomFile::default(),
             jobs,
         }
     }
 
     /// The first returns to draw: those under the slider if there are any, else those of the last result.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
-        self.preview
-            .as_ref()
-            .or_else(|| self.products.as_ref().map(|products| &products.returns))
+        self.log.returns()
     }
 
     /// The first stage whose result is older than its settings.
     pub fn stale(&self) -> Option<Stage> {
-        let products = self.products.as_ref()?;
-        Stage::first_stale(&products.settings, &self.settings)
+        self.log.stale()
     }
 
     /// Whether results are missing or older than their settings and nothing is under way to change that.
     pub fn is_stopped(&self) -> bool {
-        let behind = self.products.is_none() || self.stale().is_some();
-        self.survey.is_some() && behind && self.engine_status() == EngineStatus::Idle
+        self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
     /// Name of the change that undo would take back.
@@ -231,12 +197,12 @@ impl App {
         self.loading.is_none()
             && self.engine_status() == EngineStatus::Idle
             && !self.previewer.is_busy()
-            && self.counting.is_none()
+            && self.log.counting.is_none()
             && !self.tabulating.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
-            && !self.external.is_reading()
-            && !self.reviewing.is_busy()
+            && !self.log.external.is_reading()
+            && !self.log.reviewing.is_busy()
     }
 }

@@ -120,7 +120,7 @@ impl App {
 
     /// Starts comparing the result in force, unless that is done or under way.
     pub(super) fn tabulate(&mut self) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
         };
         let of = Of::new(products, self.comparing.against(products));

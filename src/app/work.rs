@@ -1,13 +1,12 @@
 //! What runs off the window's thread: started here, collected here.
 
 use super::bottom::ReadBottom;
-use super::external::External;
 use super::figures::Figures;
 use super::loader::Loading;
 use super::measuring::Measuring;
 use super::preview::Request;
 use super::tabulating::Tabulating;
-use super::{Action, App, History, Notice, Origin, Outcome, Task};
+use super::{Action, App, History, LogId, Notice, OpenLog, Origin, Outcome, Task};
 use crate::export::is_same_file;
 use crate::pipeline::{Products, Settings};
 use crate::printable::one_line;
@@ -29,17 +28,17 @@ impl App {
             None => {}
         }
         if let Some(preview) = self.previewer.poll(&self.jobs)
-            && preview.is_for(&self.settings)
+            && preview.is_for(&self.log.settings)
             && self.stale().is_some()
         {
-            self.preview = Some(preview.returns);
+            self.log.preview = Some(preview.returns);
         }
-        match self.counting.as_ref().map(Task::poll) {
+        match self.log.counting.as_ref().map(Task::poll) {
             Some(Outcome::Done(figures)) => {
-                self.figures = figures;
-                self.counting = None;
+                self.log.figures = figures;
+                self.log.counting = None;
             }
-            Some(Outcome::Failed) => self.counting = None,
+            Some(Outcome::Failed) => self.log.counting = None,
             Some(Outcome::Pending) | None => {}
         }
         self.poll_comparing();
@@ -73,30 +72,23 @@ impl App {
         if let Some(path) = &path {
             self.remember(path.clone());
         }
-        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
-        self.lost_soundings = survey.soundings.len() - locked().count();
-        self.depth_span_m = locked()
-            .map(|sounding| [sounding.depth_m, sounding.depth_m])
-            .reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
         self.keep_decisions();
         self.withdraw(Action::TakeUpUnsaved);
-        self.reviewing.start(&survey);
-        self.survey = Some(Arc::new(survey));
+        let mut reviewing = std::mem::take(&mut self.log.reviewing);
+        reviewing.start(&survey);
+        // A flat spot belongs to the survey that it was picked in.
+        let settings = self.log.settings.with_survey_of(&Settings::default());
+        self.log = OpenLog::new(LogId::default(), survey, Arc::new(settings));
+        self.log.reviewing = reviewing;
         self.survey_serial += 1;
         self.plane_serial += 1;
-        self.external = External::default();
-        self.products = None;
-        self.preview = None;
-        self.figures = None;
-        self.counting = None;
         self.tabulating = Tabulating::default();
         self.comparing.leave();
         self.selection = None;
         self.hover = None;
         self.visible = 0..0;
-        // A flat spot belongs to the survey that it was picked in.
-        self.settings = self.settings.with_survey_of(&Settings::default());
         let log = self
+            .log
             .survey
             .as_ref()
             .and_then(|survey| survey.source.files.first().cloned());
@@ -121,15 +113,15 @@ impl App {
     }
 
     fn take_products(&mut self, products: Products) {
-        self.preview = None;
-        if let Some(survey) = &self.survey {
-            self.reviewing.follow(survey, &products.navigation);
+        self.log.preview = None;
+        if let Some(survey) = &self.log.survey {
+            self.log.reviewing.follow(survey, &products.navigation);
             let (survey, counted) = (survey.clone(), products.clone());
-            self.counting = Some(Task::start(&self.jobs, move |progress| {
+            self.log.counting = Some(Task::start(&self.jobs, move |progress| {
                 Figures::of(&survey, &counted, progress).ok()
             }));
         }
-        self.products = Some(products);
+        self.log.products = Some(products);
         if let Some(request) = self.preview_request() {
             self.previewer.warm_up(request, &self.jobs);
         }
@@ -137,9 +129,12 @@ impl App {
 
     /// Starts the pipeline with the settings in force.
     pub(super) fn process(&mut self) {
-        if let Some(survey) = &self.survey {
-            self.engine
-                .request(survey.clone(), self.settings.clone(), self.products.clone());
+        if let Some(survey) = &self.log.survey {
+            self.engine.request(
+                survey.clone(),
+                Settings::clone(&self.log.settings),
+                self.log.products.clone(),
+            );
         }
     }
 
@@ -152,16 +147,17 @@ impl App {
 
     fn preview_request(&self) -> Option<Request> {
         let survey = self
+            .log
             .survey
             .as_ref()
             .filter(|survey| survey.has_side_scan())?;
         Some(Request {
             survey: survey.clone(),
-            image: self.settings.image.clone(),
-            first_return: self.settings.first_return.clone(),
-            bottom: self.settings.bottom.clone(),
+            image: self.log.settings.image.clone(),
+            first_return: self.log.settings.first_return.clone(),
+            bottom: self.log.settings.bottom.clone(),
             visible: self.visible.clone(),
-            base: self.products.as_ref()?.returns.clone(),
+            base: self.log.products.as_ref()?.returns.clone(),
         })
     }
 
@@ -170,13 +166,13 @@ impl App {
         self.engine.cancel();
         self.stop_detecting();
         self.previewer.forget();
-        self.preview = None;
+        self.log.preview = None;
         self.loading = None;
         self.exporting = None;
         self.opening_base_map = None;
         self.comparing.stop();
         self.tabulating.stop();
-        self.external.stop_reading();
+        self.log.external.stop_reading();
     }
 
     /// Tells the analyst a sentence.
@@ -191,8 +187,8 @@ impl App {
     /// Whether a file that is to be written is one of the open log's, which nothing is written over; says so.
     pub(super) fn refuses_log(&mut self, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
-        let is_log =
-            (self.survey.as_ref()).is_some_and(|survey| survey.source.files.iter().any(is_this));
+        let is_log = (self.log.survey.as_ref())
+            .is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
             self.tell(

@@ -14,6 +14,7 @@ use crate::ui::{
     offscreen::{Studio, write_picture},
 };
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
 #[derive(Debug, clap::Args)]
@@ -121,7 +122,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         ));
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
-    app.settings = settings.clone();
+    app.log.settings = Arc::new(settings.clone());
     show_as(&mut app.options, &args);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     take_over(&mut app, settings)?;
@@ -232,10 +233,10 @@ fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
 /// Takes over what the settings say of this survey only: its flat spot, its water, its track. A freshly opened log has
 /// forgotten it: in the window, it belonged to the log before.
 fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
-    if settings == app.settings {
+    if settings == *app.log.settings {
         return Ok(());
     }
-    if let Some(survey) = &app.survey {
+    if let Some(survey) = &app.log.survey {
         check_against(survey, &settings)?;
     }
     app.apply(Command::Change {
@@ -260,6 +261,7 @@ fn wait(app: &mut App) -> Result<(), String> {
 /// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
     let count = app
+        .log
         .survey
         .as_ref()
         .map_or(0, |survey| survey.side_scan.len());

@@ -10,13 +10,13 @@ use crate::ui::text;
 
 /// What samples and recorded depths are in metres by the last results; as recorded while there are none.
 pub fn reduction(app: &App) -> Reduction<'_> {
-    let products = app.products.as_ref();
+    let products = app.log.products.as_ref();
     products.map_or_else(Reduction::default, Products::reduction)
 }
 
 /// Slant range of a mark, metres.
 pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
-    let survey = app.survey.as_ref()?;
+    let survey = app.log.survey.as_ref()?;
     let range_m = reduction(app).range_at_m(survey, mark.ping, mark.side?, mark.sample?);
     range_m.is_finite().then_some(range_m)
 }
@@ -24,7 +24,7 @@ pub fn range_m(app: &App, mark: Mark) -> Option<f64> {
 /// Slant ranges of the near and the far edge of a box, metres.
 pub fn ranges_m(app: &App, mark: &detection::Mark) -> [f64; 2] {
     let middle = usize::midpoint(mark.pings.start, mark.pings.end);
-    let survey = app.survey.as_ref();
+    let survey = app.log.survey.as_ref();
     let span = survey.and_then(|survey| survey.span(middle, mark.side));
     let reduction = reduction(app);
     [mark.near_m, mark.far_m].map(|recorded_m| {
@@ -51,6 +51,7 @@ pub fn depth(app: &App, ping: &SidePing) -> String {
 /// A position as the analyst wants to read it; UTM in the zone of the survey's first fix, as in the products.
 pub fn written(app: &App, at: LonLat) -> String {
     let start = app
+        .log
         .survey
         .as_ref()
         .map(|survey| survey.track.frame.origin());
@@ -60,15 +61,15 @@ pub fn written(app: &App, at: LonLat) -> String {
 
 /// WGS84 position of a mark.
 pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
-    let track = &app.survey.as_ref()?.track;
-    let navigation = &app.products.as_ref()?.navigation;
+    let track = &app.log.survey.as_ref()?.track;
+    let navigation = &app.log.products.as_ref()?.navigation;
     let [east_m, north_m] = east_north(app, mark)?;
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
 /// Metres east and north of a mark: of the point, of the place beside the track on a flat bottom, or of the boat.
 pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
-    let products = app.products.as_ref()?;
+    let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
     if let Some(point) = mark.point.and_then(|point| points.get(point)) {
         return Some([point.east_m, point.north_m]);
@@ -93,7 +94,7 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
 /// Distance from the track on a flat bottom at the recorded depth, metres.
 fn ground_range_m(app: &App, mark: Mark) -> Option<f64> {
     let slant_m = range_m(app, mark)?;
-    let recorded_m = f64::from(app.survey.as_ref()?.side_scan.get(mark.ping)?.depth_m);
+    let recorded_m = f64::from(app.log.survey.as_ref()?.side_scan.get(mark.ping)?.depth_m);
     let altitude_m = reduction(app).altitude_m(recorded_m);
     let altitude_m = if altitude_m.is_finite() {
         altitude_m

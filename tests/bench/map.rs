@@ -43,8 +43,8 @@ pub fn run() {
     let windows = [false, true].map(|every_layer| {
         let mut app = App::new(Jobs::Inline);
         app.survey_serial = 1;
-        app.survey = Some(survey.clone());
-        app.products = Some(products.clone());
+        app.log.survey = Some(survey.clone());
+        app.log.products = Some(products.clone());
         for layer in MapLayer::ALL {
             let shown = every_layer || layer == MapLayer::Track;
             app.options.map.layers.set_visible(layer, shown);
@@ -141,8 +141,8 @@ fn app(count: usize) -> App {
         ..Survey::default()
     });
     app.survey_serial = 1;
-    app.survey = Some(survey.clone());
-    app.products = Some(products(&survey, nav));
+    app.log.survey = Some(survey.clone());
+    app.log.products = Some(products(&survey, nav));
     app
 }
 

@@ -37,6 +37,7 @@ pub fn run() {
     app.apply(Command::Open(path));
     measured("processed", before_mb, || settle(&mut app));
     let pings = app
+        .log
         .survey
         .as_ref()
         .map_or(0, |survey| survey.side_scan.len());

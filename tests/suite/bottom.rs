@@ -16,9 +16,9 @@ use std::sync::Arc;
 
 /// Slant range of the first return in force, metres by the recorder's scale.
 fn range_m(app: &App, side: Side, ping: usize) -> Option<f64> {
-    let products = app.products.as_ref().expect("a result");
+    let products = app.log.products.as_ref().expect("a result");
     let pick: Pick = products.returns.side(side)[ping];
-    let survey = app.survey.as_ref().expect("a survey");
+    let survey = app.log.survey.as_ref().expect("a survey");
     let span = survey.span(ping, side).expect("a recorded side");
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
@@ -41,6 +41,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     press(&mut window, Modifiers::NONE, Key::F);
     let found = |window: &Window| {
         app(window)
+            .log
             .products
             .as_ref()
             .expect("a result")
@@ -61,7 +62,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
         Arc::ptr_eq(&search, &found(&window)),
         "the search ran again"
     );
-    let products = app(&window).products.as_ref().expect("a result");
+    let products = app(&window).log.products.as_ref().expect("a result");
     assert_eq!(products.returns.port[350].confidence, 1.0);
     window.get_by_label_contains("pings by hand");
 
@@ -86,7 +87,7 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
             "{now:?} {wanted:?}"
         );
     }
-    assert!(app(&window).settings.bottom.is_empty());
+    assert!(app(&window).log.settings.bottom.is_empty());
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window
@@ -97,12 +98,12 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     // Without the pen a drag moves the picture.
     press(&mut window, Modifiers::NONE, Key::Escape);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-    assert!(app(&window).settings.bottom.is_empty());
+    assert!(app(&window).log.settings.bottom.is_empty());
 }
 
 fn starboard(returns: &bathyscope::first_return::FirstReturns, window: &Window) -> Option<f64> {
     let pick = returns.starboard[350];
-    let survey = app(window).survey.as_ref().expect("a survey");
+    let survey = app(window).log.survey.as_ref().expect("a survey");
     let span = survey.span(350, Side::Starboard).expect("a side");
     pick.is_some().then(|| span.range_m(f64::from(pick.sample)))
 }
@@ -130,7 +131,7 @@ fn both_sides_are_drawn_at_once_and_keys_move_the_selected_ping() {
     ] {
         press(&mut window, held, key);
     }
-    let survey = app(&window).survey.clone().expect("a survey");
+    let survey = app(&window).log.survey.clone().expect("a survey");
     for (side, before_m) in Side::BOTH.into_iter().zip(before) {
         let step_m = survey.span(0, side).expect("a side").metres_per_sample();
         let now_m = range_m(app(&window), side, 0).expect("a return");
@@ -175,12 +176,12 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
     press(&mut window, Modifiers::NONE, Key::F);
     press(&mut window, Modifiers::NONE, Key::M);
     draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-    let drawn = app(&window).settings.bottom.clone();
+    let drawn = app(&window).log.settings.bottom.clone();
     assert!(kept.is_file());
     drop(window);
 
     let mut window = opened(&log);
-    assert_eq!(app(&window).settings.bottom, drawn);
+    assert_eq!(app(&window).log.settings.bottom, drawn);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
     window.get_by_label_contains("was drawn by hand when this log was last open");
 
@@ -192,7 +193,7 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
         .nth(8)
         .and_then(|field| field.parse().ok())
         .expect("a sample");
-    let products = app(&window).products.as_ref().expect("a result");
+    let products = app(&window).log.products.as_ref().expect("a result");
     assert!(
         (sample - f64::from(products.returns.port[350].sample)).abs() < 0.01,
         "{row}"
@@ -259,6 +260,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     window.run();
     assert!(
         app(&window)
+            .log
             .survey
             .as_ref()
             .expect("a survey")
@@ -293,7 +295,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     assert_ne!(earlier, text);
     fs::write(&kept, &earlier).expect("a file");
     let window = opened(&log);
-    assert_eq!(app(&window).settings.bottom.lines.len(), 2);
+    assert_eq!(app(&window).log.settings.bottom.lines.len(), 2);
     run(
         folder.path(),
         &[&PROCESS[..], &["--track", "rtk.csv"]].concat(),
@@ -347,19 +349,19 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
     ] {
         fs::write(&kept, &text).expect("a file");
         let mut window = opened(&log);
-        assert!(app(&window).settings.bottom.is_empty());
+        assert!(app(&window).log.settings.bottom.is_empty());
         window.get_by_label_contains(words);
         press(&mut window, Modifiers::NONE, Key::F);
         press(&mut window, Modifiers::NONE, Key::M);
         draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
-        assert!(!app(&window).settings.bottom.is_empty());
+        assert!(!app(&window).log.settings.bottom.is_empty());
         // Kept under another name; the place beside the log is for what was drawn now.
         let aside = folder.path().join("pond.bottom-older.toml");
         assert_eq!(fs::read_to_string(&aside).expect("kept aside"), text);
         window.get_by_label_contains("is kept as");
         assert_eq!(
-            app(&opened(&log)).settings.bottom,
-            app(&window).settings.bottom
+            app(&opened(&log)).log.settings.bottom,
+            app(&window).log.settings.bottom
         );
         fs::remove_file(aside).expect("the file");
     }

@@ -7,12 +7,13 @@ use bathyscope::app::{Command, Mark};
 use bathyscope::bathymetry::depth_range;
 use bathyscope::cloud::PointSource;
 use bathyscope::pipeline::Products;
+use bathyscope::pipeline::Settings;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use serde_json::Value;
 use std::path::Path;
 
 fn change(window: &mut Window, assignments: &[&str]) {
-    let mut settings = app(window).settings.clone();
+    let mut settings = Settings::clone(&app(window).log.settings);
     for assignment in assignments {
         settings = settings.with_assignment(assignment).expect("a setting");
     }
@@ -55,7 +56,7 @@ fn draft_and_sound_speed_reach_map_status_bar_selection_and_time_line_alike() {
         ),
     ] {
         change(&mut window, &assignments);
-        let products = app(&window).products.clone().expect("a result");
+        let products = app(&window).log.products.clone().expect("a result");
         let depths = soundings(&products);
         let (ping, depth_m) = depths[depths.len() / 3];
         let mark = Mark::ping(ping);
@@ -105,7 +106,7 @@ fn the_speed_of_sound_scales_the_range_of_a_sample_as_it_does_the_cloud() {
         &mut window,
         &["sound_speed.m_s=1440", "cloud.geometry=nadir"],
     );
-    let products = app(&window).products.clone().expect("a result");
+    let products = app(&window).log.products.clone().expect("a result");
     let points = products.cloud.points.iter();
     let point = points
         .filter(|point| point.source == PointSource::Port)
@@ -168,7 +169,7 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
 
     let mut window = demo_window();
     change(&mut window, &["calibration.offset=none"]);
-    let figures = app(&window).figures.clone().expect("figures");
+    let figures = app(&window).log.figures.clone().expect("figures");
     let found = figures.residuals.expect("residuals");
     assert_eq!(found.median_m, median_m);
     let same_ping = format!(
@@ -200,7 +201,7 @@ fn the_share_of_outliers_is_one_number() {
         &mut window,
         &["outliers.radius_m=0.25", "outliers.min_neighbors=4"],
     );
-    let products = app(&window).products.clone().expect("a result");
+    let products = app(&window).log.products.clone().expect("a result");
     let outliers = products.cloud.outliers(
         &products.kept,
         products.settings.first_return.min_confidence,
@@ -293,7 +294,7 @@ fn info_and_process_state_one_scale() {
 #[test]
 fn the_offset_in_use_stands_in_panel_picture_report_and_page() {
     let window = demo_window();
-    let products = app(&window).products.clone().expect("a result");
+    let products = app(&window).log.products.clone().expect("a result");
     let added_m = -products.calibration.offset_m;
     assert!(added_m > 0.02, "the demo has an offset: {added_m}");
     let added = format!("{added_m:+.2} m");

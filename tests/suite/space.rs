@@ -188,9 +188,9 @@ impl Room {
         let mut app = App::new(Jobs::Inline);
         if filled {
             let (survey, products) = pond();
-            app.survey = Some(Arc::new(survey));
+            app.log.survey = Some(Arc::new(survey));
             app.survey_serial = 1;
-            app.products = Some(products);
+            app.log.products = Some(products);
         }
         Self {
             app,
@@ -430,7 +430,7 @@ fn a_click_on_a_point_leads_to_its_ping_and_sample() {
         .app
         .selection
         .expect("a point near the middle");
-    let products = window.state().app.products.clone().unwrap();
+    let products = window.state().app.log.products.clone().unwrap();
     let point = products.cloud.points[mark.point.unwrap()];
     assert_eq!(mark.ping, point.ping as usize);
     // From above the middle of the picture is the middle of the pond; a point lies there or a few pixels beside.

@@ -98,7 +98,7 @@ fn name(window: &Harness<'_, Window>) -> String {
 
 fn app_with(survey: Survey) -> App {
     let mut app = App::new(Jobs::Inline);
-    app.survey = Some(Arc::new(survey));
+    app.log.survey = Some(Arc::new(survey));
     app.survey_serial = 1;
     app
 }
@@ -107,7 +107,7 @@ fn pond_app() -> App {
     let survey = pond();
     let returns = pond_returns(&survey);
     let mut app = app_with(survey);
-    app.preview = Some(Arc::new(returns));
+    app.log.preview = Some(Arc::new(returns));
     app
 }
 
@@ -382,7 +382,7 @@ fn the_line_follows_new_picks_in_the_next_frame() {
     for pick in moved.port.iter_mut().chain(&mut moved.starboard) {
         pick.sample += 100.0;
     }
-    window.state_mut().app.preview = Some(Arc::new(moved));
+    window.state_mut().app.log.preview = Some(Arc::new(moved));
     window.run_steps(1);
     let picture = window.render().expect("a picture");
     let y = 150.0 + (bed_m(330) + 5.0) / 20.0 * 150.0 - 0.5;

@@ -4,6 +4,7 @@ use crate::support::{demo_log, snapshot_options};
 use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::geo::CrsChoice;
 use bathyscope::pipeline::Preset;
+use bathyscope::pipeline::Settings;
 use bathyscope::ui::Shell;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -37,7 +38,7 @@ pub(crate) fn app(window: &Window) -> &App {
 }
 
 pub(crate) fn threshold(window: &Window) -> f32 {
-    app(window).settings.first_return.threshold
+    app(window).log.settings.first_return.threshold
 }
 
 pub(crate) fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
@@ -67,8 +68,8 @@ pub(crate) fn drop_file(window: &mut Window, path: PathBuf) {
 #[test]
 fn the_demo_is_one_click_away_and_its_summary_is_told() {
     let window = demo_window();
-    let survey = app(&window).survey.as_ref().expect("the demo is open");
-    assert!(app(&window).products.is_some());
+    let survey = app(&window).log.survey.as_ref().expect("the demo is open");
+    assert!(app(&window).log.products.is_some());
     let pings = survey.side_scan.len();
     assert!(pings > 1000);
     assert!(window.query_by_label_contains("pings · 1:5").is_some());
@@ -79,7 +80,7 @@ fn the_demo_is_one_click_away_and_its_summary_is_told() {
 fn a_dropped_log_opens_and_is_remembered() {
     let mut window = empty_window();
     drop_file(&mut window, demo_log());
-    assert!(app(&window).survey.is_some());
+    assert!(app(&window).log.survey.is_some());
     assert_eq!(app(&window).recent, [demo_log()]);
 }
 
@@ -103,6 +104,7 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
         let before = app(&window)
+            .log
             .products
             .as_ref()
             .map(|products| products.returns.clone());
@@ -120,6 +122,7 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         let dragged = threshold(&window);
         assert!((0.5..0.7).contains(&dragged), "{dragged}");
         let preview = app(&window)
+            .log
             .preview
             .clone()
             .expect("a preview while dragging");
@@ -130,9 +133,9 @@ fn the_first_return_follows_the_threshold_while_it_is_dragged_and_the_drag_is_on
         );
         window.drop_at(at(0.60));
         window.run();
-        let products = app(&window).products.as_ref().expect("results");
+        let products = app(&window).log.products.as_ref().expect("results");
         assert_eq!(products.settings.first_return.threshold, dragged);
-        assert!(app(&window).preview.is_none());
+        assert!(app(&window).log.preview.is_none());
         let seen = app(&window).visible.clone();
         assert!(seen.len() > 100);
         // As text: no pick is a NaN, which is not equal to itself.
@@ -157,20 +160,20 @@ fn presets_are_one_click_back_and_can_be_undone() {
     window.get_by_label("Preset published").click();
     window.run();
     assert_eq!(
-        app(&window).settings.matching_preset(),
+        app(&window).log.settings.matching_preset(),
         Some(Preset::Published)
     );
     assert!(app(&window).stale().is_none(), "the results follow");
     window.get_by_label("Preset recommended").click();
     window.run();
     assert_eq!(
-        app(&window).settings.matching_preset(),
+        app(&window).log.settings.matching_preset(),
         Some(Preset::Recommended)
     );
     window.get_by_label("Undo button").click();
     window.run();
     assert_eq!(
-        app(&window).settings.matching_preset(),
+        app(&window).log.settings.matching_preset(),
         Some(Preset::Published)
     );
 }
@@ -178,7 +181,7 @@ fn presets_are_one_click_back_and_can_be_undone() {
 #[test]
 fn a_flat_stretch_is_accepted_from_the_list_and_forgotten_again() {
     let mut window = demo_window();
-    let products = app(&window).products.as_ref().expect("results");
+    let products = app(&window).log.products.as_ref().expect("results");
     let count = products.flat_spots.len();
     let second = products.flat_spots[1].clone();
     window
@@ -191,7 +194,7 @@ fn a_flat_stretch_is_accepted_from_the_list_and_forgotten_again() {
     );
     window.get_by_label_contains(&name).click();
     window.run();
-    let products = app(&window).products.as_ref().expect("results");
+    let products = app(&window).log.products.as_ref().expect("results");
     let used = products
         .calibration
         .flat_spot
@@ -202,7 +205,7 @@ fn a_flat_stretch_is_accepted_from_the_list_and_forgotten_again() {
         .get_by_label("Calibrate at the flattest stretch")
         .click();
     window.run();
-    assert_eq!(app(&window).settings.calibration.pings, None);
+    assert_eq!(app(&window).log.settings.calibration.pings, None);
 }
 
 #[test]
@@ -214,6 +217,7 @@ fn the_ping_under_the_selection_becomes_the_flat_spot_by_key() {
         .apply(Command::Select(Some(Mark::ping(400))));
     press(&mut window, Modifiers::NONE, Key::C);
     let pings = app(&window)
+        .log
         .settings
         .calibration
         .pings
@@ -246,6 +250,7 @@ fn the_time_line_and_the_keys_move_along_the_survey() {
     window.run();
     let ping = app(&window).selection.expect("a selection").ping;
     let pings = app(&window)
+        .log
         .survey
         .as_ref()
         .map_or(0, |survey| survey.side_scan.len());
@@ -373,7 +378,7 @@ fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
         tick.click_accesskit();
         window.run();
     }
-    let mut settings = window.state().app.settings.clone();
+    let mut settings = Settings::clone(&window.state().app.log.settings);
     settings.crs = CrsChoice::Wgs84;
     window.state_mut().app.apply(Command::Change {
         settings: Box::new(settings),
@@ -434,8 +439,8 @@ fn settings_options_and_arrangement_come_back_but_no_flat_spot() {
     let mut next = Shell::new(App::new(Jobs::Inline));
     next.restore(&store);
     assert_eq!(next.app.options.theme, ThemeChoice::Light);
-    assert_eq!(next.app.settings.first_return.threshold, 0.31);
-    assert_eq!(next.app.settings.calibration.pings, None);
+    assert_eq!(next.app.log.settings.first_return.threshold, 0.31);
+    assert_eq!(next.app.log.settings.calibration.pings, None);
 
     for text in store.0.values_mut() {
         text.truncate(text.len() / 2);

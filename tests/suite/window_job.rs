@@ -31,14 +31,14 @@ fn half_of_the_demo(folder: &Path) -> PathBuf {
 fn the_main_job_is_done_by_keys_alone() {
     let mut window = empty_window();
     run_by_palette(&mut window, "demo");
-    assert!(app(&window).products.is_some());
+    assert!(app(&window).log.products.is_some());
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
     press(&mut window, Modifiers::NONE, Key::End);
     press(&mut window, Modifiers::SHIFT, Key::ArrowLeft);
     press(&mut window, Modifiers::NONE, Key::C);
     press(&mut window, Modifiers::NONE, Key::O);
     assert!(app(&window).options.cloud.outlier_preview);
-    assert!(app(&window).settings.calibration.pings.is_some());
+    assert!(app(&window).log.settings.calibration.pings.is_some());
     let folder = tempfile::tempdir().expect("a temporary folder");
     let into = folder.path().join("out");
     type_export_folder(&mut window, &into);
@@ -76,11 +76,13 @@ fn of_several_logs_the_others_wait_among_the_recent_ones() {
             .is_some()
     );
     let pings = app(&window)
+        .log
         .survey
         .as_ref()
         .map(|survey| survey.side_scan.len());
     run_by_palette(&mut window, "half.sl2");
     let now = app(&window)
+        .log
         .survey
         .as_ref()
         .map(|survey| survey.side_scan.len());
@@ -110,9 +112,9 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     window.run_steps(4);
     drop_file(&mut window, half);
     assert_eq!(app(&window).selection, None, "it plays no more");
-    assert_eq!(app(&window).settings.calibration.pings, None);
+    assert_eq!(app(&window).log.settings.calibration.pings, None);
     assert_eq!(app(&window).undo_label(), None);
-    assert_eq!(app(&window).figures, app(&fresh).figures);
+    assert_eq!(app(&window).log.figures, app(&fresh).log.figures);
     for preset in [Preset::Published, Preset::Recommended] {
         for each in [&mut window, &mut fresh] {
             each.state_mut().app.apply(Command::UsePreset(preset));
@@ -121,7 +123,7 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
             press(each, Modifiers::NONE, Key::CloseBracket);
         }
         let returns = |window: &Window| {
-            let products = app(window).products.as_ref().expect("results");
+            let products = app(window).log.products.as_ref().expect("results");
             // As text: no pick is a NaN, which is not equal to itself.
             format!("{:?}", products.returns)
         };
@@ -140,7 +142,7 @@ fn each_drag_of_a_slider_is_one_step_back() {
         let mut window = demo_window();
         window.state_mut().app.apply(Command::UsePreset(preset));
         window.run();
-        let before = app(&window).settings.clone();
+        let before = app(&window).log.settings.clone();
         for name in [
             "Threshold",
             "Dead zone",
@@ -163,10 +165,10 @@ fn each_drag_of_a_slider_is_one_step_back() {
             }
             window.drop_at(at(0.8));
             window.run();
-            assert_ne!(app(&window).settings, before, "{name}");
+            assert_ne!(app(&window).log.settings, before, "{name}");
             assert_eq!(app(&window).stale(), None, "{name}: results follow");
             press(&mut window, Modifiers::COMMAND, Key::Z);
-            assert_eq!(app(&window).settings, before, "{name}");
+            assert_eq!(app(&window).log.settings, before, "{name}");
             assert_eq!(app(&window).stale(), None, "{name}: and come back");
         }
     }
@@ -228,7 +230,7 @@ fn logs_with_something_missing_say_what() {
             .apply(Command::Select(Some(Mark::ping(1000))));
         drop_file(&mut window, data.join(log));
         assert!(app(&window).notices.is_empty(), "{log}");
-        assert!(app(&window).products.is_some(), "{log}");
+        assert!(app(&window).log.products.is_some(), "{log}");
         assert!(
             window.query_all_by_label_contains(said).next().is_some(),
             "{log}"
@@ -243,7 +245,7 @@ fn logs_with_something_missing_say_what() {
         ] {
             press_some(&mut window, key);
         }
-        assert!(app(&window).products.is_some(), "{log}");
+        assert!(app(&window).log.products.is_some(), "{log}");
     }
 }
 

@@ -103,20 +103,20 @@ impl Parked {
 impl App {
     /// Whether closing now would lose decisions: they are in no file.
     pub fn is_at_risk(&self) -> bool {
-        let reviewing = &self.reviewing;
+        let reviewing = &self.log.reviewing;
         let here = reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review);
         here || reviewing.parked.iter().any(Parked::is_at_risk)
     }
 
     /// Time until decisions are due to be written; `None` when there is nothing to write.
     pub fn autosave_due(&self) -> Option<Duration> {
-        let autosave = &self.reviewing.autosave;
+        let autosave = &self.log.reviewing.autosave;
         let is_due = autosave.writing.is_none() && self.wants_autosave();
         is_due.then(|| autosave.wait())
     }
 
     fn wants_autosave(&self) -> bool {
-        let reviewing = &self.reviewing;
+        let reviewing = &self.log.reviewing;
         let autosave = &reviewing.autosave;
         let is_possible = autosave.log.is_some() && !autosave.failed && !autosave.is_looking();
         is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
@@ -125,17 +125,17 @@ impl App {
     /// Writes decisions when they are due, and tells of those that an earlier run left.
     pub(in crate::app) fn poll_autosave(&mut self) {
         self.poll_left();
-        if let Some(writing) = self.reviewing.autosave.writing.take() {
+        if let Some(writing) = self.log.reviewing.autosave.writing.take() {
             match writing.task.poll() {
-                Outcome::Pending => self.reviewing.autosave.writing = Some(writing),
-                Outcome::Done(Ok(())) => self.reviewing.autosave.written = Some(writing.review),
+                Outcome::Pending => self.log.reviewing.autosave.writing = Some(writing),
+                Outcome::Done(Ok(())) => self.log.reviewing.autosave.written = Some(writing.review),
                 Outcome::Done(Err(text)) => self.cannot_keep(&text),
                 Outcome::Failed => self.cannot_keep("the writing failed unexpectedly"),
             }
         }
         if self.autosave_due() == Some(Duration::ZERO) {
-            let review = self.reviewing.review.clone();
-            let autosave = &mut self.reviewing.autosave;
+            let review = self.log.reviewing.review.clone();
+            let autosave = &mut self.log.reviewing.autosave;
             if let Some(write) = autosave.next() {
                 let wanted = review.clone();
                 let task = Task::start(&self.jobs, move |_| write(&wanted));
@@ -148,33 +148,39 @@ impl App {
     /// Writes what is not in the file yet, now: another log is opened, or the window closes.
     pub fn keep_decisions(&mut self) {
         // A write under way ends before this one, so that the newest stays.
-        while self.reviewing.autosave.writing.is_some() {
+        while self.log.reviewing.autosave.writing.is_some() {
             self.poll_autosave();
             std::thread::sleep(Duration::from_millis(1));
         }
         if !self.wants_autosave() {
             return;
         }
-        let review = self.reviewing.review.clone();
-        match self.reviewing.autosave.next().map(|write| write(&review)) {
-            Some(Ok(())) => self.reviewing.autosave.written = Some(review),
+        let review = self.log.reviewing.review.clone();
+        match self
+            .log
+            .reviewing
+            .autosave
+            .next()
+            .map(|write| write(&review))
+        {
+            Some(Ok(())) => self.log.reviewing.autosave.written = Some(review),
             Some(Err(text)) => self.cannot_keep(&text),
             None => {}
         }
     }
 
     fn cannot_keep(&mut self, why: &str) {
-        self.reviewing.autosave.failed = true;
+        self.log.reviewing.autosave.failed = true;
         let text = format!("decisions cannot be kept as you go, save them with Ctrl+S: {why}");
         self.tell(text, true);
     }
 
     /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
     pub(in crate::app) fn look_for_unsaved(&mut self) {
-        let Some(survey) = &self.survey else {
+        let Some(survey) = &self.log.survey else {
             return;
         };
-        let autosave = &mut self.reviewing.autosave;
+        let autosave = &mut self.log.reviewing.autosave;
         autosave.log = survey.source.files.first().cloned();
         let Some(path) = autosave.path().filter(|path| path.is_file()) else {
             return;
@@ -187,17 +193,17 @@ impl App {
 
     fn poll_left(&mut self) {
         // The saved review comes first: what was left is compared with it.
-        if self.reviewing.opening.is_some() {
+        if self.log.reviewing.opening.is_some() {
             return;
         }
-        let autosave = &mut self.reviewing.autosave;
+        let autosave = &mut self.log.reviewing.autosave;
         let left = match autosave.looking.as_ref().map(Task::poll) {
             Some(Outcome::Done(left)) => left,
             Some(Outcome::Failed) => Err("reading them failed unexpectedly".to_owned()),
             Some(Outcome::Pending) | None => return,
         };
         autosave.looking = None;
-        let now = &self.reviewing.review;
+        let now = &self.log.reviewing.review;
         match left {
             // This run wrote it.
             Ok(left) if left.shared() == now.shared() => autosave.written = Some(now.clone()),
@@ -219,11 +225,11 @@ impl App {
 
     /// Takes up what an earlier run left, as one undo step.
     pub(in crate::app) fn take_up_unsaved(&mut self) {
-        let Some(left) = self.reviewing.autosave.left.take() else {
+        let Some(left) = self.log.reviewing.autosave.left.take() else {
             let text = "there are no unsaved decisions of an earlier run about this log";
             return self.tell(text.to_owned(), true);
         };
-        self.reviewing.autosave.written = Some(left.clone());
+        self.log.reviewing.autosave.written = Some(left.clone());
         self.take_review(left, "take up decisions", false);
         self.withdraw(Action::TakeUpUnsaved);
     }

@@ -22,17 +22,17 @@ impl App {
     /// What undo would come back to.
     pub(in crate::app) fn step_now(&self) -> Step {
         Step {
-            settings: self.settings.clone(),
-            review: self.reviewing.review.clone(),
+            settings: self.log.settings.clone(),
+            review: self.log.reviewing.review.clone(),
             figure: self.measuring.figure.clone(),
         }
     }
 
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
-        if !Arc::ptr_eq(&step.review, &self.reviewing.review) {
-            let changed = first_difference(&self.reviewing.review, &step.review);
-            self.reviewing.set(step.review);
+        if !Arc::ptr_eq(&step.review, &self.log.reviewing.review) {
+            let changed = first_difference(&self.log.reviewing.review, &step.review);
+            self.log.reviewing.set(step.review);
             if let Some(id) = changed {
                 self.select_box(Some(id));
             }
@@ -54,12 +54,12 @@ impl App {
             ..before.clone()
         };
         self.history.record(&before, &after, label, live);
-        self.reviewing.set(review);
+        self.log.reviewing.set(review);
     }
 
     /// Carries out an edit. A drag passes many places, all but the last `live`.
     pub(in crate::app) fn edit(&mut self, edit: &Edit, live: bool) {
-        let now = &self.reviewing.review;
+        let now = &self.log.reviewing.review;
         let next_id = now.next_id();
         let after = now.apply(edit);
         let is_new = matches!(edit, Edit::Add { .. }) && after.is_some();
@@ -67,9 +67,9 @@ impl App {
         let after = after.map_or_else(|| now.clone(), Arc::new);
         self.take_review(after, edit.label(), live);
         match edit {
-            Edit::Relabel(_, class) => self.reviewing.class = *class,
+            Edit::Relabel(_, class) => self.log.reviewing.class = *class,
             Edit::Add { .. } if is_new => {
-                self.reviewing.tool = Tool::Look;
+                self.log.reviewing.tool = Tool::Look;
                 self.select_box(Some(next_id));
             }
             _ => {}
@@ -78,12 +78,17 @@ impl App {
 
     /// Selects a box and brings it into all views, or selects none.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
-        self.reviewing.selected = id;
-        self.reviewing.judging.look_away();
-        let Some((survey, one)) = self.survey.as_ref().zip(self.reviewing.selected_box()) else {
-            self.reviewing.selected = None;
-            if self.reviewing.tool == Tool::Edit {
-                self.reviewing.tool = Tool::Look;
+        self.log.reviewing.selected = id;
+        self.log.reviewing.judging.look_away();
+        let Some((survey, one)) = self
+            .log
+            .survey
+            .as_ref()
+            .zip(self.log.reviewing.selected_box())
+        else {
+            self.log.reviewing.selected = None;
+            if self.log.reviewing.tool == Tool::Edit {
+                self.log.reviewing.tool = Tool::Look;
             }
             return;
         };
@@ -93,8 +98,8 @@ impl App {
 
     /// The next box in line, or the one before; at the ends it stays.
     pub(in crate::app) fn step_box(&mut self, by: isize) {
-        let line = self.reviewing.line();
-        let here = self.reviewing.selected;
+        let line = self.log.reviewing.line();
+        let here = self.log.reviewing.selected;
         let here = here.and_then(|id| line.iter().position(|one| *one == id));
         let last = line.len().saturating_sub(1);
         let next = match here {
@@ -110,19 +115,19 @@ impl App {
     /// Decides about the selected box and moves on to the next undecided one. Without a selected box it only moves on: nobody
     /// decides about a box unseen.
     pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
-        let line = self.reviewing.line().to_vec();
-        let here = self.reviewing.selected;
+        let line = self.log.reviewing.line().to_vec();
+        let here = self.log.reviewing.selected;
         if let Some(id) = here {
             self.edit(&edit(id), false);
         }
-        if let Some(next) = self.reviewing.next_open(&line, here) {
+        if let Some(next) = self.log.reviewing.next_open(&line, here) {
             self.select_box(Some(next));
         }
     }
 
     /// Edits the selected box, if there is one.
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
-        match self.reviewing.selected {
+        match self.log.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
             None => self.tell("select a box first, with Tab or a click".to_owned(), true),
         }
@@ -131,6 +136,7 @@ impl App {
     /// Removes a box drawn by hand; rejects one that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
         let by_hand = self
+            .log
             .reviewing
             .selected_box()
             .filter(|one| one.model.is_none());
@@ -142,36 +148,36 @@ impl App {
 
     /// Takes a tool, or lays it down when it is in hand.
     pub(in crate::app) fn take_tool(&mut self, tool: Tool) {
-        if self.survey.is_none() {
+        if self.log.survey.is_none() {
             return;
         }
-        if tool == Tool::Edit && self.reviewing.selected.is_none() {
+        if tool == Tool::Edit && self.log.reviewing.selected.is_none() {
             self.tell("select a box first, with Tab or a click".to_owned(), true);
             return;
         }
         self.leave_measuring();
-        let in_hand = self.reviewing.tool == tool;
-        self.reviewing.tool = if in_hand { Tool::Look } else { tool };
+        let in_hand = self.log.reviewing.tool == tool;
+        self.log.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }
 
     /// Lays the tool down; without a tool in hand, deselects the box.
     pub(in crate::app) fn leave_tool(&mut self) {
-        if self.reviewing.tool == Tool::Look {
+        if self.log.reviewing.tool == Tool::Look {
             self.select_box(None);
         }
-        self.reviewing.tool = Tool::Look;
+        self.log.reviewing.tool = Tool::Look;
     }
 
     /// Sorts and filters.
     pub(in crate::app) fn set_queue(&mut self, queue: Queue) {
-        self.reviewing.queue = queue;
-        self.reviewing.line_up();
-        self.reviewing.count_mistakes();
+        self.log.reviewing.queue = queue;
+        self.log.reviewing.line_up();
+        self.log.reviewing.count_mistakes();
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.
     pub(in crate::app) fn nudge_box(&mut self, nudge: Nudge) {
-        let Some(one) = self.reviewing.selected_box() else {
+        let Some(one) = self.log.reviewing.selected_box() else {
             return;
         };
         let (along, across) = match self.options.waterfall.orientation {

@@ -38,30 +38,30 @@ pub(super) struct Detecting {
 impl App {
     /// Name of the model that is or will be asked.
     pub fn model_name(&self) -> String {
-        let path = self.reviewing.model_path.as_deref();
+        let path = self.log.reviewing.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
     /// What the model's file was taken for, once it has been loaded.
     pub fn model_description(&self) -> Option<&str> {
-        let detector = self.reviewing.detector.as_ref()?;
+        let detector = self.log.reviewing.detector.as_ref()?;
         Some(detector.model.description())
     }
 
     /// Done share of the search under way, 0 to 1.
     pub fn detect_fraction(&self) -> Option<f32> {
-        let detecting = self.reviewing.detecting.as_ref()?;
+        let detecting = self.log.reviewing.detecting.as_ref()?;
         Some(detecting.task.fraction())
     }
 
     /// Takes another model for the next search; `None` for the one that comes with the program.
     pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
-        self.reviewing.model_path = path;
+        self.log.reviewing.model_path = path;
     }
 
     /// Starts a search for objects; one that runs is replaced.
     pub(in crate::app) fn detect(&mut self) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             let text = "open a log first; its objects can be found once its track is placed";
             return self.tell(text.to_owned(), true);
         };
@@ -70,8 +70,8 @@ impl App {
             return self.tell(text.to_owned(), true);
         }
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
-        let path = self.reviewing.model_path.clone();
-        let known = self.reviewing.detector.clone();
+        let path = self.log.reviewing.model_path.clone();
+        let known = self.log.reviewing.detector.clone();
         let known = known.filter(|detector| detector.path == path);
         let (sender, heard) = mpsc::channel();
         let task = Task::start(&self.jobs, move |progress| {
@@ -92,7 +92,7 @@ impl App {
             find(&survey, &navigation, &model, &settings, progress, hear)
                 .map_err(|error| error.to_string())
         });
-        self.reviewing.detecting = Some(Detecting {
+        self.log.reviewing.detecting = Some(Detecting {
             heard,
             pings: 0,
             task,
@@ -101,14 +101,14 @@ impl App {
 
     /// Pings from the log's start on that the search under way has come over; `None` while none runs.
     pub fn searched_so_far(&self) -> Option<usize> {
-        let detecting = self.reviewing.detecting.as_ref()?;
+        let detecting = self.log.reviewing.detecting.as_ref()?;
         Some(detecting.pings)
     }
 
     /// What of the log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
     /// been searched from end to end, and where nothing is known of a search.
     pub fn search_note(&self) -> Option<String> {
-        let review = &self.reviewing.review;
+        let review = &self.log.reviewing.review;
         match self.searched_so_far() {
             Some(0) => Some("The search has begun.".to_owned()),
             Some(pings) => Some(format!(
@@ -124,7 +124,7 @@ impl App {
 
     /// Ends a search; what it found so far stays, with the pings that it has come over.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        if let Some(detecting) = self.reviewing.detecting.take() {
+        if let Some(detecting) = self.log.reviewing.detecting.take() {
             let last = self.hear(&detecting);
             self.end_search(last);
         }
@@ -134,7 +134,7 @@ impl App {
     fn end_search(&mut self, last: Option<SoFar>) {
         match last {
             Some(so_far) => self.adopt(&so_far.boxes, so_far.pings, false),
-            None => self.take_review(self.reviewing.review.clone(), LABEL, false),
+            None => self.take_review(self.log.reviewing.review.clone(), LABEL, false),
         }
     }
 
@@ -152,7 +152,7 @@ impl App {
 
     /// Collects what a search found.
     pub(in crate::app) fn poll_detecting(&mut self) {
-        let Some(mut detecting) = self.reviewing.detecting.take() else {
+        let Some(mut detecting) = self.log.reviewing.detecting.take() else {
             return;
         };
         let outcome = detecting.task.poll();
@@ -163,7 +163,7 @@ impl App {
                     detecting.pings = so_far.pings;
                     self.adopt(&so_far.boxes, so_far.pings, true);
                 }
-                self.reviewing.detecting = Some(detecting);
+                self.log.reviewing.detecting = Some(detecting);
                 return;
             }
             Outcome::Done(found) => found,
@@ -171,7 +171,7 @@ impl App {
         };
         match found {
             Ok(found) => {
-                let pings = self.reviewing.review.identity().pings;
+                let pings = self.log.reviewing.review.identity().pings;
                 self.adopt(&found, pings, false);
                 if found.is_empty() {
                     let text =
@@ -188,24 +188,24 @@ impl App {
 
     /// The first search with a model shows from the confidence that its makers suggest.
     fn meet(&mut self, detector: Detector) {
-        let known = self.reviewing.detector.as_ref();
+        let known = self.log.reviewing.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
-            self.reviewing.queue.threshold = detector.model.score();
-            self.reviewing.count_mistakes();
+            self.log.reviewing.queue.threshold = detector.model.score();
+            self.log.reviewing.count_mistakes();
         }
-        self.reviewing.detector = Some(detector);
+        self.log.reviewing.detector = Some(detector);
     }
 
     /// Takes the boxes that were found in the log's first pings.
     fn adopt(&mut self, found: &[Detection], pings: usize, live: bool) {
         let Some((detector, raster)) =
-            (self.reviewing.detector.clone()).zip(self.reviewing.raster().cloned())
+            (self.log.reviewing.detector.clone()).zip(self.log.reviewing.raster().cloned())
         else {
             return;
         };
         let path = detector.path.as_deref();
         let name = path.map_or_else(|| "shipped".to_owned(), file_name);
-        let review = &self.reviewing.review;
+        let review = &self.log.reviewing.review;
         let names = detector.model.names();
         let review = review.adopt_part(&name, names, found, &raster, 0..pings);
         self.take_review(Arc::new(review), LABEL, live);

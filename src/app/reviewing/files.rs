@@ -25,10 +25,10 @@ impl App {
     /// Where the review is or would be kept: its file, or one beside the log that is named after it.
     pub fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
-            let log = self.survey.as_ref()?.source.files.first()?;
+            let log = self.log.survey.as_ref()?.source.files.first()?;
             Some(log.with_extension(SUFFIX))
         };
-        self.reviewing.path.clone().or_else(beside)
+        self.log.reviewing.path.clone().or_else(beside)
     }
 
     /// Writes the review.
@@ -37,6 +37,7 @@ impl App {
             return;
         }
         if self
+            .log
             .reviewing
             .refused
             .take_if(|refused| *refused == path)
@@ -50,18 +51,18 @@ impl App {
                 Err(error) => return self.tell(error.to_string(), true),
             }
         }
-        let text = self.reviewing.review.to_json();
+        let text = self.log.reviewing.review.to_json();
         let written = export::write_aside(&path, |mut file| {
             file.write_all(text.as_bytes())?;
             file.write_all(b"\n")
         });
         match written {
             Ok(()) => {
-                self.reviewing.autosave.clear();
-                let boxes = self.reviewing.review.boxes().len();
+                self.log.reviewing.autosave.clear();
+                let boxes = self.log.reviewing.review.boxes().len();
                 self.tell(format!("Saved {boxes} boxes to {}", path.display()), false);
-                self.reviewing.saved = self.reviewing.review.clone();
-                self.reviewing.path = Some(path);
+                self.log.reviewing.saved = self.log.reviewing.review.clone();
+                self.log.reviewing.path = Some(path);
             }
             Err(error) => self.tell(error.to_string(), true),
         }
@@ -69,13 +70,15 @@ impl App {
 
     /// Writes boxes, objects and training pictures into a folder.
     pub(in crate::app) fn export_boxes(&mut self, folder: PathBuf) {
-        let (Some(survey), Some(products), Some(raster)) =
-            (&self.survey, &self.products, self.reviewing.raster())
-        else {
+        let (Some(survey), Some(products), Some(raster)) = (
+            &self.log.survey,
+            &self.log.products,
+            self.log.reviewing.raster(),
+        ) else {
             return;
         };
         let (survey, products, raster) = (survey.clone(), products.clone(), raster.clone());
-        let review = self.reviewing.review.clone();
+        let review = self.log.reviewing.review.clone();
         self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
             let part = export::Part::Train;
             let written = write_boxes(
@@ -93,7 +96,7 @@ impl App {
     /// Starts reading the review beside the log, if there is one and nothing is at hand already.
     pub(in crate::app) fn look_for_review(&mut self) {
         if let Some(path) = self.review_path()
-            && !self.reviewing.has_boxes()
+            && !self.log.reviewing.has_boxes()
             && path.is_file()
         {
             self.read_review(path, true);
@@ -101,7 +104,7 @@ impl App {
     }
 
     fn read_review(&mut self, path: PathBuf, unasked: bool) {
-        let Some(survey) = &self.survey else {
+        let Some(survey) = &self.log.survey else {
             let text = "open the log first, then the review of its boxes";
             return self.tell(text.to_owned(), true);
         };
@@ -109,7 +112,7 @@ impl App {
         let task = Task::start(&self.jobs, move |_| {
             Review::open(&from, &identity).map_err(|error| error.to_string())
         });
-        self.reviewing.opening = Some(Opening {
+        self.log.reviewing.opening = Some(Opening {
             path,
             unasked,
             task,
@@ -118,7 +121,7 @@ impl App {
 
     /// Collects a review that was read.
     pub(in crate::app) fn poll_review(&mut self) {
-        let Some(opening) = &self.reviewing.opening else {
+        let Some(opening) = &self.log.reviewing.opening else {
             return;
         };
         let read = match opening.task.poll() {
@@ -126,7 +129,7 @@ impl App {
             Outcome::Done(read) => read,
             Outcome::Failed => Err("reading the review failed unexpectedly".to_owned()),
         };
-        let Some(opening) = self.reviewing.opening.take() else {
+        let Some(opening) = self.log.reviewing.opening.take() else {
             return;
         };
         match read {
@@ -134,17 +137,17 @@ impl App {
                 let boxes = review.boxes().len();
                 let review = Arc::new(review);
                 self.take_review(review.clone(), "open review", false);
-                self.reviewing.saved = review;
+                self.log.reviewing.saved = review;
                 let path = opening.path.display();
                 let text = match opening.unasked {
                     true => format!("Found {boxes} boxes beside the log: {path}"),
                     false => format!("Opened {boxes} boxes: {path}"),
                 };
                 self.tell(text, false);
-                self.reviewing.path = Some(opening.path);
+                self.log.reviewing.path = Some(opening.path);
             }
             Err(text) => {
-                self.reviewing.refused = opening.unasked.then_some(opening.path);
+                self.log.reviewing.refused = opening.unasked.then_some(opening.path);
                 self.tell(text, true);
             }
         }

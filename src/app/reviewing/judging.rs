@@ -187,7 +187,7 @@ impl App {
     /// Reads the truth from a file; while a log is being opened, once that is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
         if self.load_status().is_some() {
-            self.reviewing.judging.wanted = Some(path);
+            self.log.reviewing.judging.wanted = Some(path);
         } else {
             self.read_truth(Source::File(path), false);
         }
@@ -195,13 +195,13 @@ impl App {
 
     /// Reads what was asked for while the log was being opened, or what lies beside it.
     pub(in crate::app) fn look_for_truth(&mut self, is_file: bool) {
-        if let Some(path) = self.reviewing.judging.wanted.take() {
+        if let Some(path) = self.log.reviewing.judging.wanted.take() {
             return self.read_truth(Source::File(path), false);
         }
         if !is_file {
             return self.read_truth(Source::Demo, true);
         }
-        let log = (self.survey.as_ref()).and_then(|survey| survey.source.files.first());
+        let log = (self.log.survey.as_ref()).and_then(|survey| survey.source.files.first());
         let beside = log.map(|log| log.with_extension(truth::BESIDE));
         if let Some(beside) = beside.filter(|beside| beside.is_file()) {
             self.read_truth(Source::File(beside), true);
@@ -210,11 +210,11 @@ impl App {
 
     /// Leaves the truth aside.
     pub(in crate::app) fn forget_truth(&mut self) {
-        self.reviewing.judging.forget();
+        self.log.reviewing.judging.forget();
     }
 
     fn read_truth(&mut self, source: Source, unasked: bool) {
-        let Some(survey) = &self.survey else {
+        let Some(survey) = &self.log.survey else {
             let text = "open the log first, then the truth about it";
             return self.tell(text.to_owned(), true);
         };
@@ -229,7 +229,7 @@ impl App {
                 }
             }
         });
-        self.reviewing.judging.opening = Some(Opening {
+        self.log.reviewing.judging.opening = Some(Opening {
             source,
             unasked,
             task,
@@ -239,15 +239,15 @@ impl App {
     /// Collects truth and comparisons, and asks for what is outdated.
     pub(in crate::app) fn poll_judging(&mut self) {
         self.poll_truth();
-        if self.reviewing.judging.running.is_none() {
+        if self.log.reviewing.judging.running.is_none() {
             self.compare();
         }
-        let judging = &mut self.reviewing.judging;
+        let judging = &mut self.log.reviewing.judging;
         match judging.running.as_ref().map(Task::poll) {
             Some(Outcome::Done(comparison)) => {
                 judging.running = None;
                 judging.comparison = Some(comparison);
-                self.reviewing.count_mistakes();
+                self.log.reviewing.count_mistakes();
             }
             Some(Outcome::Failed) => judging.running = None,
             Some(Outcome::Pending) | None => {}
@@ -255,7 +255,7 @@ impl App {
     }
 
     fn poll_truth(&mut self) {
-        let judging = &mut self.reviewing.judging;
+        let judging = &mut self.log.reviewing.judging;
         let read = match judging.opening.as_ref().map(|opening| opening.task.poll()) {
             Some(Outcome::Done(read)) => read,
             Some(Outcome::Failed) => Err("reading the truth failed unexpectedly".to_owned()),
@@ -284,11 +284,11 @@ impl App {
     }
 
     fn compare(&mut self) {
-        let Some(raster) = self.reviewing.raster().cloned() else {
+        let Some(raster) = self.log.reviewing.raster().cloned() else {
             return;
         };
-        let review = self.reviewing.review.clone();
-        let judging = &mut self.reviewing.judging;
+        let review = self.log.reviewing.review.clone();
+        let judging = &mut self.log.reviewing.judging;
         let (Some((_, truth)), true) = (&judging.truth, judging.outdated) else {
             return;
         };
@@ -305,11 +305,11 @@ impl App {
             Mistake::FalseAlarm { id, .. } => self.select_box(Some(id)),
             Mistake::Miss { object, .. } => {
                 self.select_box(None);
-                let known = (self.reviewing.judging.comparison())
+                let known = (self.log.reviewing.judging.comparison())
                     .and_then(|comparison| comparison.truth().objects.get(object));
-                if let Some((survey, known)) = self.survey.as_ref().zip(known) {
+                if let Some((survey, known)) = self.log.survey.as_ref().zip(known) {
                     let mark = middle(survey, &known.whole);
-                    self.reviewing.judging.missed = Some(object);
+                    self.log.reviewing.judging.missed = Some(object);
                     self.reveal(mark);
                 }
             }
@@ -318,10 +318,10 @@ impl App {
 
     /// The next mistake of the list, or the one before; around its ends.
     pub(in crate::app) fn step_mistake(&mut self, by: isize) {
-        let judging = &self.reviewing.judging;
+        let judging = &self.log.reviewing.judging;
         let mistakes = judging.mistakes();
         let count = mistakes.len() as isize;
-        if count == 0 || !self.reviewing.has_boxes() {
+        if count == 0 || !self.log.reviewing.has_boxes() {
             let text = match judging.standing() {
                 Some(_) if count == 0 => "there is no mistake at this confidence",
                 Some(_) => "there are no boxes yet to compare with the truth; find objects first",
@@ -329,7 +329,7 @@ impl App {
             };
             return self.tell(text.to_owned(), false);
         }
-        let next = match self.reviewing.mistake_at() {
+        let next = match self.log.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),
             None if by < 0 => count - 1,
             None => 0,
@@ -340,7 +340,7 @@ impl App {
 
     /// Sorts the list of mistakes.
     pub(in crate::app) fn sort_mistakes(&mut self, sort: MistakeSort) {
-        self.reviewing.judging.sort = sort;
-        self.reviewing.count_mistakes();
+        self.log.reviewing.judging.sort = sort;
+        self.log.reviewing.count_mistakes();
     }
 }

@@ -49,7 +49,7 @@ pub enum Tool {
 /// What undo goes back to.
 #[derive(Clone)]
 pub(super) struct Step {
-    pub settings: Settings,
+    pub settings: Arc<Settings>,
     pub review: Arc<Review>,
     pub figure: Option<Arc<Figure>>,
 }

@@ -92,7 +92,7 @@ impl Places {
 impl App {
     /// Collects places, and asks for those that are missing.
     pub(in crate::app) fn poll_places(&mut self) {
-        let places = &mut self.reviewing.places;
+        let places = &mut self.log.reviewing.places;
         match places.running.as_ref().map(|running| running.task.poll()) {
             Some(Outcome::Pending) => return,
             Some(Outcome::Done(entries)) => {
@@ -118,10 +118,10 @@ impl App {
     }
 
     fn place_boxes(&mut self) {
-        let (Some(survey), Some(products)) = (&self.survey, &self.products) else {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
         };
-        let reviewing = &mut self.reviewing;
+        let reviewing = &mut self.log.reviewing;
         reviewing.places.outdated = false;
         let ground = Ground::of(products);
         let places = &mut reviewing.places;

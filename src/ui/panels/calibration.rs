@@ -64,37 +64,37 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             "Scale",
             "Which scale turns samples into metres.",
             MODES,
-            context.app.settings.calibration.mode,
+            context.app.log.settings.calibration.mode,
             |settings, mode| settings.calibration.mode = mode,
         );
-        if context.app.settings.calibration.mode == ScaleMode::FlatSpot {
+        if context.app.log.settings.calibration.mode == ScaleMode::FlatSpot {
             choice(
                 ui,
                 context,
                 "PPD holds",
                 "What the flat spot's scale is for pings of another recorded range.",
                 REACHES,
-                context.app.settings.calibration.ppd,
+                context.app.log.settings.calibration.ppd,
                 |settings, reach| settings.calibration.ppd = reach,
             );
         }
-        if context.app.settings.calibration.mode == ScaleMode::Header {
+        if context.app.log.settings.calibration.mode == ScaleMode::Header {
             choice(
                 ui,
                 context,
                 "Offset",
                 "What is done about a constant between first-return ranges and recorded depths.",
                 OFFSETS,
-                context.app.settings.calibration.offset,
+                context.app.log.settings.calibration.offset,
                 |settings, offset| settings.calibration.offset = offset,
             );
         }
-        let Some(products) = context.app.products.clone() else {
+        let Some(products) = context.app.log.products.clone() else {
             parts::remark(ui, "No result yet.");
             return;
         };
         scales(ui, &products.calibration);
-        let survey = context.app.survey.as_ref();
+        let survey = context.app.log.survey.as_ref();
         if survey.is_some_and(|survey| survey.soundings.is_empty()) {
             parts::remark(ui, "This log records no depth to measure a scale against.");
         }
@@ -157,7 +157,7 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
 }
 
 fn spot_in_use(ui: &mut Ui, context: &mut ViewContext<'_>, calibration: &Calibration) {
-    let picked = context.app.settings.calibration.pings;
+    let picked = context.app.log.settings.calibration.pings;
     let shown = match (&calibration.flat_spot, picked) {
         (Some(spot), _) => pings(&spot.pings),
         (None, Some(range)) => pings(&(range.start..range.end)),
@@ -206,7 +206,7 @@ fn ranked_spots(ui: &mut Ui, context: &mut ViewContext<'_>, spots: &[FlatSpot]) 
 }
 
 fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &FlatSpot) {
-    let picked = context.app.settings.calibration.pings;
+    let picked = context.app.log.settings.calibration.pings;
     let range = PingRange {
         start: spot.pings.start,
         end: spot.pings.end,

@@ -89,7 +89,9 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: Some(Stage::Cloud),
     };
     section(ui, context, &heading, |ui, context| {
-        if let (Some(products), Some(figures)) = (&context.app.products, &context.app.figures) {
+        if let (Some(products), Some(figures)) =
+            (&context.app.log.products, &context.app.log.figures)
+        {
             found(ui, products, figures);
         }
         controls(ui, context);
@@ -121,7 +123,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let settings = context.app.settings.clone();
+    let settings = context.app.log.settings.clone();
     choice(
         ui,
         context,

@@ -2,6 +2,7 @@
 
 use super::parts::{self, Section, fact, remark, row, section};
 use crate::app::{Action, Command};
+use crate::pipeline::Settings;
 use crate::pipeline::Stage;
 use crate::ui::ViewContext;
 use egui::{DragValue, Ui};
@@ -14,7 +15,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: Some(Stage::Navigation),
     };
     section(ui, context, &heading, |ui, context| {
-        let path = context.app.settings.track.file.clone();
+        let path = context.app.log.settings.track.file.clone();
         parts::file(
             ui,
             context,
@@ -32,7 +33,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// The offset of the clock, and what it does to the distance between the tracks.
 fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let mut offset_s = context.app.settings.track.offset_s;
+    let mut offset_s = context.app.log.settings.track.offset_s;
     let hint = "Added to the times of the track: how far its clock is behind that of the recorder.";
     let response = row(ui, "Time offset", hint, |ui| {
         ui.add(
@@ -43,7 +44,7 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
         )
     });
     if response.changed() || response.drag_stopped() {
-        let mut settings = context.app.settings.clone();
+        let mut settings = Settings::clone(&context.app.log.settings);
         // Hundredths of a second stay hundredths.
         settings.track.offset_s = (offset_s * 100.0).round() / 100.0;
         context.push(Command::Change {
@@ -52,7 +53,7 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
             live: response.dragged() && !response.drag_stopped(),
         });
     }
-    let apart = &context.app.external.apart;
+    let apart = &context.app.log.external.apart;
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the places that recorder and receiver have at the same times: \
                     least where their clocks agree.";

@@ -51,13 +51,15 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn has_side_scan(context: &ViewContext<'_>) -> bool {
     context
         .app
+        .log
         .survey
         .as_ref()
         .is_some_and(|survey| survey.has_side_scan())
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    let (Some(products), Some(figures)) = (&context.app.products, &context.app.figures) else {
+    let (Some(products), Some(figures)) = (&context.app.log.products, &context.app.log.figures)
+    else {
         parts::remark(
             ui,
             match context.app.is_stopped() {
@@ -99,10 +101,10 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
 /// The pen, and what was drawn with it.
 fn by_hand(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
-    let drawn = app.settings.bottom.ping_count();
+    let drawn = app.log.settings.bottom.ping_count();
     let mut wanted = None;
     ui.horizontal(|ui| {
-        let holds = app.reviewing.tool == Tool::Bottom;
+        let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
         let pen = action(ui.add(pen), Action::DrawBottom);
@@ -135,7 +137,7 @@ fn action(response: Response, action: Action) -> Response {
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let settings = context.app.settings.clone();
+    let settings = context.app.log.settings.clone();
     let first_return = &settings.first_return;
     choice(
         ui,

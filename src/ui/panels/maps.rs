@@ -95,7 +95,7 @@ fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, act
 }
 
 fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let surface = context.app.settings.surface.clone();
+    let surface = context.app.log.settings.surface.clone();
     choice(
         ui,
         context,
@@ -147,7 +147,7 @@ fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let isobaths = context.app.settings.isobaths.clone();
+    let isobaths = context.app.log.settings.isobaths.clone();
     let interval = Knob {
         name: "Isobaths",
         undo: "isobath interval",
@@ -182,7 +182,7 @@ fn isobaths(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let mosaic = context.app.settings.mosaic.clone();
+    let mosaic = context.app.log.settings.mosaic.clone();
     layer_button(ui, context, MapLayer::Mosaic, Action::MosaicLayer);
     choice(
         ui,

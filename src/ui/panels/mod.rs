@@ -28,7 +28,7 @@ use super::ViewContext;
 /// The left side: the survey and the paper's steps in order.
 pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     survey::ui(ui, context);
-    if context.app.survey.is_none() {
+    if context.app.log.survey.is_none() {
         return;
     }
     first_return::ui(ui, context);

@@ -27,11 +27,11 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    if !context.app.reviewing.has_boxes() {
+    if !context.app.log.reviewing.has_boxes() {
         parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
         return;
     }
-    let counts = context.app.reviewing.counts();
+    let counts = context.app.log.reviewing.counts();
     let boxes = text::plural(counts.total(), "box", "boxes");
     let value = match counts.proposed {
         0 if context.app.search_note().is_some() => format!("{boxes} so far, decided"),
@@ -64,7 +64,7 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
         });
         return;
     }
-    let ready = context.app.products.is_some();
+    let ready = context.app.log.products.is_some();
     ui.horizontal(|ui| {
         for (action, ready) in [(Action::FindObjects, ready), (Action::ChooseModel, true)] {
             let button = ui

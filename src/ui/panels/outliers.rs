@@ -21,7 +21,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
-    let Some(figures) = &context.app.figures else {
+    let Some(figures) = &context.app.log.figures else {
         parts::remark(ui, "No result yet.");
         return;
     };
@@ -39,7 +39,7 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let outliers = context.app.settings.outliers.clone();
+    let outliers = context.app.log.settings.outliers.clone();
     let radius = Knob {
         name: "Radius",
         undo: "outlier radius",

@@ -287,7 +287,7 @@ pub fn knob(
         )
     });
     if response.changed() || response.drag_stopped() {
-        let mut settings = context.app.settings.clone();
+        let mut settings = Settings::clone(&context.app.log.settings);
         if response.changed() {
             set(&mut settings, wanted);
         }
@@ -332,7 +332,7 @@ pub fn choice<T: Copy + PartialEq>(
             .response
     });
     if let Some(value) = picked {
-        let mut settings = context.app.settings.clone();
+        let mut settings = Settings::clone(&context.app.log.settings);
         set(&mut settings, value);
         context.push(Command::Change {
             settings: Box::new(settings),

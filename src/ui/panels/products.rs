@@ -16,7 +16,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     section(ui, context, &heading, |ui, context| {
         let action = Action::Export;
-        let ready = context.app.products.is_some();
+        let ready = context.app.log.products.is_some();
         let button = egui::Button::new(action.label()).min_size(egui::vec2(140.0, 22.0));
         let button = ui
             .add_enabled(ready, button)
@@ -58,7 +58,7 @@ const SYSTEMS: &[Choice<CrsChoice>] = &[
 ];
 
 fn system(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let current = context.app.settings.crs;
+    let current = context.app.log.settings.crs;
     choice(
         ui,
         context,

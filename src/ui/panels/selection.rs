@@ -26,7 +26,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
-    let Some(survey) = context.app.survey.clone() else {
+    let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
     let Some(ping) = survey.side_scan.get(mark.ping) else {
@@ -129,7 +129,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
 }
 
 fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
-    let Some(products) = &context.app.products else {
+    let Some(products) = &context.app.log.products else {
         return;
     };
     let Some(here) = products.navigation.pings.get(ping) else {
@@ -162,7 +162,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
 }
 
 fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
-    let Some(products) = &context.app.products else {
+    let Some(products) = &context.app.log.products else {
         return;
     };
     let Some(index) = mark.point else {

@@ -34,6 +34,7 @@ fn cell(ui: &mut Ui, text: String) {
 fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     let app = context.app;
     let Some(ping) = app
+        .log
         .survey
         .as_ref()
         .and_then(|survey| survey.side_scan.get(mark.ping))
@@ -54,6 +55,7 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     }
     cell(ui, format!("depth {}", place::depth(app, ping)));
     let speed = app
+        .log
         .products
         .as_ref()
         .and_then(|products| products.navigation.pings.get(mark.ping))

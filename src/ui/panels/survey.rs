@@ -20,7 +20,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: None,
     };
     section(ui, context, &heading, |ui, context| {
-        match context.app.survey.clone() {
+        match context.app.log.survey.clone() {
             Some(survey) => {
                 summary(ui, context, &survey);
                 warnings(ui, context, &survey);
@@ -83,12 +83,12 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         "Depths of the recorder's own bottom lock, below the transducer as recorded; repeated ones are left out.",
         soundings(context, survey),
     );
-    if context.app.lost_soundings > 0 {
+    if context.app.log.lost_soundings > 0 {
         fact(
             ui,
             "Bottom lost",
             "Soundings after the recorder had lost the bottom: shown faded, used for nothing.",
-            text::plural(context.app.lost_soundings, "sounding", "soundings"),
+            text::plural(context.app.log.lost_soundings, "sounding", "soundings"),
         );
     }
     if let (Some(start), Some((from, _))) = (survey.start_unix_s, span) {
@@ -118,7 +118,7 @@ fn time_span(survey: &Survey) -> Option<(f64, f64)> {
 
 fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
     let count = text::count(survey.soundings.len());
-    match context.app.depth_span_m {
+    match context.app.log.depth_span_m {
         _ if survey.soundings.is_empty() => "none".to_owned(),
         None => format!("{count} · bottom never found"),
         Some([low, high]) => format!("{count} · {low:.1} to {high:.1} m"),
@@ -200,7 +200,7 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
 }
 
 fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let in_force = context.app.settings.matching_preset();
+    let in_force = context.app.log.settings.matching_preset();
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         ui.add(egui::Label::new("Preset").selectable(false));

@@ -2,6 +2,7 @@
 
 use super::parts::{self, Knob, Section, knob, section};
 use crate::app::{Action, Command};
+use crate::pipeline::Settings;
 use crate::pipeline::Stage;
 use crate::ui::ViewContext;
 use egui::Ui;
@@ -19,7 +20,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, &heading, |ui, context| {
         levels(ui, context);
         sound_speed(ui, context);
-        if let Some(products) = &context.app.products {
+        if let Some(products) = &context.app.log.products {
             parts::remark(ui, products.correction.statement());
         }
     });
@@ -27,8 +28,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let [draft_m, level_m] = [
-        context.app.settings.draft_m,
-        context.app.settings.water_level_m,
+        context.app.log.settings.draft_m,
+        context.app.log.settings.water_level_m,
     ];
     let draft = Knob {
         name: "Draft",
@@ -54,7 +55,7 @@ fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
     knob(ui, context, level, level_m, |settings, value| {
         settings.water_level_m = value;
     });
-    let readings = context.app.settings.water_level.file.clone();
+    let readings = context.app.log.settings.water_level.file.clone();
     parts::file(
         ui,
         context,
@@ -66,7 +67,7 @@ fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let speed = context.app.settings.sound_speed.clone();
+    let speed = context.app.log.settings.sound_speed.clone();
     let known = speed.water_m_s().is_some();
     let mut wanted = known;
     let toggle = ui
@@ -75,7 +76,7 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
             "Scales every range and depth by the speed of sound in this water over that which the recorder assumed.",
         );
     if toggle.changed() {
-        let mut settings = context.app.settings.clone();
+        let mut settings = Settings::clone(&context.app.log.settings);
         settings.sound_speed.m_s = None;
         settings.sound_speed.temperature_c = wanted.then_some(USUAL_C);
         context.push(Command::Change {

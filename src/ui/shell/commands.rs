@@ -28,7 +28,7 @@ impl Shell {
         match action {
             Action::Open => self.dialogs.ask(Purpose::OpenLog, self.app.jobs()),
             Action::OpenPath => self.dialogs.ask_for_path(),
-            Action::Export if self.app.products.is_none() => {
+            Action::Export if self.app.log.products.is_none() => {
                 let text = "there is no result to export yet; open a log first";
                 self.app.apply(Command::Tell(text.to_owned()));
             }
@@ -38,13 +38,13 @@ impl Shell {
             }
             Action::Export => self.dialogs.ask(Purpose::ExportInto, self.app.jobs()),
             Action::PrintView => self.ask_to_print(),
-            Action::OpenReview if self.app.survey.is_some() => {
+            Action::OpenReview if self.app.log.survey.is_some() => {
                 self.dialogs.ask(Purpose::OpenReview, self.app.jobs());
             }
-            Action::OpenTruth if self.app.survey.is_some() => {
+            Action::OpenTruth if self.app.log.survey.is_some() => {
                 self.dialogs.ask(Purpose::OpenTruth, self.app.jobs());
             }
-            Action::CompareWith if self.app.products.is_none() => {
+            Action::CompareWith if self.app.log.products.is_none() => {
                 let text = "open a log first, then what it is to be compared with";
                 self.app.apply(Command::Tell(text.to_owned()));
             }
@@ -87,12 +87,12 @@ impl Shell {
 
     /// Writes the review where it is kept, or asks where that is to be.
     fn save_review(&mut self) {
-        match (self.app.review_path(), &self.app.reviewing.path) {
+        match (self.app.review_path(), &self.app.log.reviewing.path) {
             (_, Some(path)) => {
                 let path = path.clone();
                 self.app.apply(Command::SaveReview(path));
             }
-            (Some(path), None) if self.app.reviewing.has_boxes() => {
+            (Some(path), None) if self.app.log.reviewing.has_boxes() => {
                 self.dialogs
                     .name(Purpose::SaveReview, path, self.app.jobs());
             }
@@ -102,7 +102,7 @@ impl Shell {
 
     /// A name for a file beside the log.
     pub(super) fn beside_the_log(&self, ending: &str) -> PathBuf {
-        let survey = self.app.survey.as_ref();
+        let survey = self.app.log.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
         log.map_or_else(|| PathBuf::from(ending), |log| log.with_extension(ending))
     }
@@ -131,7 +131,7 @@ impl Shell {
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
-        if !self.app.reviewing.has_boxes() {
+        if !self.app.log.reviewing.has_boxes() {
             self.app.apply(Command::Tell(NO_BOXES.to_owned()));
         } else if is_writing {
             let text = "products are still being written; wait, or cancel that first";

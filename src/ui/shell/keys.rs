@@ -124,7 +124,7 @@ pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Comma
 /// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
 /// control has the keyboard; Escape closes the help page.
 fn has_meaning(app: &App, action: Action, control_focused: bool, help_open: bool) -> bool {
-    let reviewing = &app.reviewing;
+    let reviewing = &app.log.reviewing;
     match action {
         Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
         Action::LeaveTool => {
@@ -155,10 +155,10 @@ const DIGITS: [Key; 9] = [
 
 /// While a box is selected the digits name its class, and no view.
 fn name_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
-    let Some(id) = app.reviewing.selected else {
+    let Some(id) = app.log.reviewing.selected else {
         return;
     };
-    let classes = app.reviewing.review.classes().len();
+    let classes = app.log.reviewing.review.classes().len();
     for (class, key) in DIGITS.into_iter().enumerate() {
         let pressed = ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
         if pressed && class < classes {
@@ -172,7 +172,7 @@ fn name_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
 
 /// While a box is edited the arrows move it, and no ping.
 fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
-    if app.reviewing.tool != Tool::Edit || app.reviewing.selected.is_none() {
+    if app.log.reviewing.tool != Tool::Edit || app.log.reviewing.selected.is_none() {
         return;
     }
     let arrows = [
@@ -205,7 +205,7 @@ fn move_box(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
 
 /// While the bottom is drawn, Up and Down make it shallower and deeper at the selected ping.
 fn move_bottom(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
-    if app.reviewing.tool != Tool::Bottom {
+    if app.log.reviewing.tool != Tool::Bottom {
         return;
     }
     for (key, outward) in [(Key::ArrowUp, -1), (Key::ArrowDown, 1)] {

@@ -156,7 +156,7 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.separator();
     external(ui, context);
     ui.separator();
-    let ready = context.app.products.is_some();
+    let ready = context.app.log.products.is_some();
     for action in [Action::Export, Action::PrintView] {
         titled(ui, context, action, action.label(), ready);
     }
@@ -165,7 +165,7 @@ fn file(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.survey.is_some();
+    let is_open = context.app.log.survey.is_some();
     for &action in EXTERNAL {
         let enabled = is_open && context.app.has_what_it_takes(action);
         titled(ui, context, action, action.label(), enabled);
@@ -235,7 +235,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
     for &action in COMPARING {
         let enabled = match action {
-            Action::CompareWith => context.app.products.is_some(),
+            Action::CompareWith => context.app.log.products.is_some(),
             _ => context.app.comparing.reference.is_some(),
         };
         titled(ui, context, action, action.label(), enabled);
@@ -245,10 +245,10 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.survey.is_some();
-    let has_boxes = context.app.reviewing.has_boxes();
+    let is_open = context.app.log.survey.is_some();
+    let has_boxes = context.app.log.reviewing.has_boxes();
     for &action in DETECTOR {
-        let enabled = action != Action::FindObjects || context.app.products.is_some();
+        let enabled = action != Action::FindObjects || context.app.log.products.is_some();
         titled(ui, context, action, action.label(), enabled);
     }
     ui.separator();
@@ -266,8 +266,8 @@ fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let is_open = context.app.survey.is_some();
-    let is_known = context.app.reviewing.judging.source().is_some();
+    let is_open = context.app.log.survey.is_some();
+    let is_known = context.app.log.reviewing.judging.source().is_some();
     for &action in TRUTH {
         let enabled = is_open && (is_known || action == Action::OpenTruth);
         titled(ui, context, action, action.label(), enabled);

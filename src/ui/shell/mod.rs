@@ -204,7 +204,7 @@ impl Shell {
         }
         self.titled = self.app.survey_serial;
         self.play.stop();
-        if let Some(survey) = &self.app.survey {
+        if let Some(survey) = &self.app.log.survey {
             let title = format!("{} - Bathyscope", survey.name());
             ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
         }
@@ -316,7 +316,7 @@ fn details(
     review: &mut ReviewPanel,
     profile: &mut ProfileView,
 ) {
-    if !context.app.reviewing.has_boxes() {
+    if !context.app.log.reviewing.has_boxes() {
         review.ui(ui, context);
         return selection(ui, context, profile);
     }

@@ -6,6 +6,7 @@ use crate::app::ViewOptions;
 use crate::pipeline::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Key in the store; a new number when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
@@ -32,7 +33,7 @@ struct Saving<'a> {
 
 /// Writes the window's state into the store.
 pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
-    let settings = shell.app.settings.with_survey_of(&Settings::default());
+    let settings = shell.app.log.settings.with_survey_of(&Settings::default());
     let saving = Saving {
         settings,
         options: &shell.app.options,
@@ -54,7 +55,7 @@ impl Shell {
         if let Ok(saved) = serde_json::from_str::<Saved>(&text)
             && saved.settings.check().is_ok()
         {
-            self.app.settings = saved.settings;
+            self.app.log.settings = Arc::new(saved.settings);
             self.app.options = saved.options;
             self.app.recent = saved.recent;
             self.layout = saved.layout;

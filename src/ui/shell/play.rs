@@ -32,7 +32,7 @@ impl Default for Play {
 impl Play {
     /// Starts at the selection, or stops. At the end it starts over.
     pub fn toggle(&mut self, app: &App) {
-        let Some(pings) = app.survey.as_ref().map(|survey| &survey.side_scan) else {
+        let Some(pings) = app.log.survey.as_ref().map(|survey| &survey.side_scan) else {
             return;
         };
         let here = app.selection.map_or(0, |mark| mark.ping);
@@ -54,7 +54,7 @@ impl Play {
         if !self.running {
             return;
         }
-        let Some(survey) = &app.survey else {
+        let Some(survey) = &app.log.survey else {
             self.running = false;
             return;
         };
@@ -80,7 +80,7 @@ impl Play {
 
     /// Draws the button and the speed at the left end of the time line.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if context.app.survey.is_none() {
+        if context.app.log.survey.is_none() {
             return;
         }
         let corner = ui.min_rect().left_top();

@@ -136,7 +136,7 @@ fn told(view: View, sheet: Sheet, views: &Views) -> String {
 impl Shell {
     /// Opens the dialog, or says why not.
     pub(super) fn ask_to_print(&mut self) {
-        if self.app.products.is_none() {
+        if self.app.log.products.is_none() {
             let text = "there is nothing to print yet; open a log first";
             self.app.apply(Command::Tell(text.to_owned()));
         } else if self.app.export_fraction().is_some() {

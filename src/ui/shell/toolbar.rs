@@ -17,7 +17,7 @@ fn room(view: View) -> f32 {
 
 /// Draws the controls from right to left; nothing while there is nothing to look at.
 pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
-    if context.app.survey.is_none() {
+    if context.app.log.survey.is_none() {
         return;
     }
     ui.add_space(6.0);

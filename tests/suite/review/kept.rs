@@ -67,14 +67,17 @@ fn decisions_are_kept_every_few_seconds_and_at_the_end_and_taken_up_by_a_click()
     drop(window);
 
     let (_, mut window) = opened(folder.path());
-    assert!(!app(&window).reviewing.has_boxes(), "offered, not taken");
+    assert!(
+        !app(&window).log.reviewing.has_boxes(),
+        "offered, not taken"
+    );
     window.get_by_label_contains("Decisions about 2 boxes were not saved");
     window.get_by_label("Take up unsaved decisions").click();
     window.run();
     assert_eq!(review_of(&window).shared(), last.shared());
     assert!(window.query_by_label("Take up unsaved decisions").is_none());
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert!(!app(&window).reviewing.has_boxes(), "one undo step");
+    assert!(!app(&window).log.reviewing.has_boxes(), "one undo step");
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(review_of(&window).shared(), last.shared());
     // Saved, they need not be kept.

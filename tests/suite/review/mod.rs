@@ -48,13 +48,13 @@ fn detections(window: &Window, count: usize) -> Vec<Detection> {
 }
 
 fn identity(window: &Window) -> Identity {
-    let survey = app(window).survey.as_ref().expect("a survey");
+    let survey = app(window).log.survey.as_ref().expect("a survey");
     Identity::of(survey)
 }
 
 fn raster(window: &Window) -> Raster {
-    let survey = app(window).survey.as_ref().expect("a survey");
-    let products = app(window).products.as_ref().expect("results");
+    let survey = app(window).log.survey.as_ref().expect("a survey");
+    let products = app(window).log.products.as_ref().expect("results");
     Raster::new(survey, &products.navigation, 0.04)
 }
 
@@ -83,11 +83,11 @@ fn proposed(count: usize) -> (tempfile::TempDir, Window) {
 }
 
 fn review_of(window: &Window) -> &Review {
-    &app(window).reviewing.review
+    &app(window).log.reviewing.review
 }
 
 fn selected(window: &Window) -> BoxId {
-    app(window).reviewing.selected.expect("a selected box")
+    app(window).log.reviewing.selected.expect("a selected box")
 }
 
 fn states(window: &Window) -> Vec<State> {
@@ -129,16 +129,16 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     }
     let logs = review_of(&window).boxes().filter(|one| one.class == 2);
     assert_eq!(logs.count(), 6, "those that were named a log");
-    assert_eq!(app(&window).reviewing.counts().decided(), 50);
+    assert_eq!(app(&window).log.reviewing.counts().decided(), 50);
     let scores: Vec<_> = wanted
         .iter()
         .map(|(id, _)| review_of(&window).get(*id).and_then(|one| one.score))
         .collect();
     assert!(scores.is_sorted_by(|a, b| a >= b), "the surest first");
 
-    assert!(app(&window).reviewing.is_unsaved());
+    assert!(app(&window).log.reviewing.is_unsaved());
     press(&mut window, Modifiers::COMMAND, Key::S);
-    assert!(!app(&window).reviewing.is_unsaved());
+    assert!(!app(&window).log.reviewing.is_unsaved());
     let mut next = demo_window();
     next.state_mut().app.apply(Command::OpenReview(path));
     next.run();
@@ -240,7 +240,7 @@ fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
     press(&mut window, Modifiers::NONE, Key::Tab);
     for (decided, key) in (1..).zip([Key::A, Key::R, Key::Delete]) {
         hold(&mut window, key);
-        let counts = app(&window).reviewing.counts();
+        let counts = app(&window).log.reviewing.counts();
         assert_eq!(counts.decided(), decided, "{key:?}");
     }
     // A button that has the keyboard is pressed by Space and Enter, and their repeats.
@@ -248,7 +248,7 @@ fn a_held_key_decides_about_one_box_and_goes_on_stepping() {
         window.get_by_label("Accept box").focus();
         window.run();
         hold(&mut window, key);
-        let counts = app(&window).reviewing.counts();
+        let counts = app(&window).log.reviewing.counts();
         assert_eq!(counts.decided(), decided, "{key:?}");
     }
     let before = threshold(&window);
@@ -266,7 +266,7 @@ fn digits_name_the_selected_box_and_otherwise_focus_a_view() {
     press(&mut window, Modifiers::NONE, Key::Num9);
     assert_eq!(review_of(&window).get(id).map(|one| one.class), Some(2));
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).reviewing.selected, None);
+    assert_eq!(app(&window).log.reviewing.selected, None);
     let before = review_of(&window).clone();
     press(&mut window, Modifiers::NONE, Key::Num1);
     assert_eq!(*review_of(&window), before);
@@ -287,7 +287,7 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     press(&mut window, Modifiers::NONE, Key::ArrowRight);
     assert_eq!(mark(&window), before);
     press(&mut window, Modifiers::NONE, Key::E);
-    assert_eq!(app(&window).reviewing.tool, Tool::Edit);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Edit);
     press(&mut window, Modifiers::SHIFT, Key::ArrowRight);
     assert_eq!(
         mark(&window).pings,
@@ -298,7 +298,7 @@ fn arrows_move_the_box_only_while_it_is_edited() {
     press(&mut window, Modifiers::NONE, Key::S);
     assert_ne!(mark(&window).side, before.side);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert_eq!(app(&window).reviewing.tool, Tool::Look);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
     for _ in 0..3 {
         press(&mut window, Modifiers::COMMAND, Key::Z);
     }
@@ -320,7 +320,7 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     fs::write(&log, &bytes[..bytes.len() / 2]).expect("half a log");
     window.state_mut().app.apply(Command::Open(log.clone()));
     window.run();
-    assert!(!app(&window).reviewing.has_boxes());
+    assert!(!app(&window).log.reviewing.has_boxes());
     let add = Edit::Add {
         mark: found[1].mark.clone(),
         class: 0,
@@ -374,7 +374,7 @@ fn the_confidence_slider_hides_proposals_but_no_decisions() {
         .filter(|found| found.score >= 0.62)
         .count();
     assert!((1..9).contains(&sure));
-    let counts = app(&window).reviewing.counts();
+    let counts = app(&window).log.reviewing.counts();
     assert_eq!((counts.rejected, counts.proposed), (1, sure));
     window.get_by_label_contains(&format!(", {} boxes in view", sure + 1));
     window.get_by_label_contains(&format!("{} below the confidence", 9 - sure));

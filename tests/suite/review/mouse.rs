@@ -16,7 +16,7 @@ pub(crate) fn at(window: &Window, ping: f64, across_m: f64) -> Pos2 {
 }
 
 fn farthest_m(window: &Window) -> f64 {
-    let survey = app(window).survey.as_ref().expect("a survey");
+    let survey = app(window).log.survey.as_ref().expect("a survey");
     let sides = survey
         .side_scan
         .iter()
@@ -63,7 +63,7 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
         "{mark:?}"
     );
     assert_eq!(selected(&window), one.id);
-    assert_eq!(app(&window).reviewing.tool, Tool::Look);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
     assert!(
         window
             .query_by_label_contains("box 1 selected: object, added")
@@ -122,6 +122,7 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drop_at(place);
     window.run();
     let one = app(&window)
+        .log
         .reviewing
         .selected_box()
         .cloned()
@@ -138,6 +139,6 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     window.drag_at(beside);
     window.drop_at(beside);
     window.run();
-    assert_eq!(app(&window).reviewing.selected, None);
+    assert_eq!(app(&window).log.reviewing.selected, None);
     assert!(app(&window).selection.is_some());
 }

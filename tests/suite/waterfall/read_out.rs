@@ -27,7 +27,13 @@ fn before(text: &str, unit: &str) -> Option<f64> {
 #[test]
 fn the_range_is_that_of_the_range_lines_with_the_recorded_one_beside_it() {
     let app = demo();
-    let offset_m = app.products.as_ref().expect("results").calibration.offset_m;
+    let offset_m = app
+        .log
+        .products
+        .as_ref()
+        .expect("results")
+        .calibration
+        .offset_m;
     assert!(offset_m.abs() > 0.02, "the demo has an offset: {offset_m}");
     let mut window = window(app, [600.0, 400.0]);
     settle(&mut window);
@@ -49,6 +55,7 @@ fn a_dashed_first_return_is_explained() {
         let mut app = demo();
         let assignment = format!("first_return.canopy_margin_m={margin_m}");
         let settings = app
+            .log
             .settings
             .with_assignment(&assignment)
             .expect("a setting");

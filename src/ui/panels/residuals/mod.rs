@@ -21,14 +21,14 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, &heading, |ui, context| {
         // Comparing costs a triangulation of all soundings: it waits until somebody looks.
         let place = Rect::from_min_size(ui.cursor().min, vec2(ui.available_width(), HEIGHT));
-        if context.app.products.is_some() && ui.is_rect_visible(place) {
+        if context.app.log.products.is_some() && ui.is_rect_visible(place) {
             context.push(Command::Tabulate);
         }
         reference::ui(ui, context);
         let Some(agreement) = context.app.agreement().cloned() else {
             return parts::remark(ui, lack(context.app));
         };
-        let figures = context.app.figures.as_ref();
+        let figures = context.app.log.figures.as_ref();
         let same_ping = figures
             .filter(|_| agreement.reference.is_none())
             .and_then(|figures| figures.residuals.as_ref());

@@ -46,7 +46,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
-    let ready = context.app.products.is_some() && !context.app.comparing.is_opening();
+    let ready = context.app.log.products.is_some() && !context.app.comparing.is_opening();
     ui.horizontal_wrapped(|ui| {
         for (action, enabled) in [
             (Action::CompareWith, ready),

@@ -29,7 +29,7 @@ impl ReviewPanel {
 
     /// Draws the section; nothing while there are no boxes.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if !context.app.reviewing.has_boxes() {
+        if !context.app.log.reviewing.has_boxes() {
             *self = Self::default();
             return;
         }
@@ -53,7 +53,7 @@ impl ReviewPanel {
 }
 
 fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
-    let counts = context.app.reviewing.counts();
+    let counts = context.app.log.reviewing.counts();
     let (decided, total) = (counts.decided(), counts.total());
     let said = format!("{decided} of {total} decided");
     ui.horizontal(|ui| {
@@ -73,7 +73,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     if counts.hidden > 0 {
         parts.push(format!("{} below the confidence", counts.hidden));
     }
-    if context.app.reviewing.is_unsaved() {
+    if context.app.log.reviewing.is_unsaved() {
         // What is kept on the way is safe, but not where the analyst put it.
         let kept = match context.app.is_at_risk() {
             true => "not saved",

@@ -11,7 +11,7 @@ const ANY_M: f64 = 100.0;
 
 /// Draws the controls.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let before = &context.app.reviewing.queue;
+    let before = &context.app.log.reviewing.queue;
     let mut queue = before.clone();
     confidence(ui, &mut queue);
     sort(ui, &mut queue);
@@ -20,8 +20,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     score(ui, &mut queue);
     size(ui, &mut queue);
     let (line, all) = (
-        context.app.reviewing.line().len(),
-        context.app.reviewing.counts().total(),
+        context.app.log.reviewing.line().len(),
+        context.app.log.reviewing.counts().total(),
     );
     if line < all {
         remark(
@@ -57,7 +57,7 @@ fn sort(ui: &mut Ui, queue: &mut Queue) {
 }
 
 fn class(ui: &mut Ui, context: &ViewContext<'_>, queue: &mut Queue) {
-    let review = &context.app.reviewing.review;
+    let review = &context.app.log.reviewing.review;
     let chosen = &mut queue.filter.class;
     let shown = chosen
         .map_or("all", |class| review.class_name(class))

@@ -16,9 +16,9 @@ const KEYED: usize = 9;
 impl ReviewPanel {
     /// Draws the selected box, or how to select one.
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        let Some(one) = context.app.reviewing.selected_box().cloned() else {
+        let Some(one) = context.app.log.reviewing.selected_box().cloned() else {
             self.keep_note(context, None);
-            let all = context.app.reviewing.counts().proposed == 0;
+            let all = context.app.log.reviewing.counts().proposed == 0;
             let is_part = context.app.search_note().is_some();
             remark(
                 ui,
@@ -43,7 +43,7 @@ impl ReviewPanel {
 
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let app = context.app;
-        let (Some(survey), Some(products)) = (&app.survey, &app.products) else {
+        let (Some(survey), Some(products)) = (&app.log.survey, &app.log.products) else {
             return;
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
@@ -59,7 +59,7 @@ impl ReviewPanel {
             Chip::new(&survey, &navigation, &mark, map, &ctx)
         });
         if let Some(picture) = self.chip.result() {
-            picture.ui(ui, one, &app.reviewing.review);
+            picture.ui(ui, one, &app.log.reviewing.review);
         }
     }
 
@@ -92,7 +92,7 @@ impl ReviewPanel {
         let before = self.note.take();
         self.note = now.map(|one| (one.id, one.note.clone()));
         if let Some((id, note)) = before
-            && let Some(one) = context.app.reviewing.review.get(id)
+            && let Some(one) = context.app.log.reviewing.review.get(id)
             && one.note != note
         {
             context.push(Command::Edit {
@@ -104,7 +104,7 @@ impl ReviewPanel {
 }
 
 fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
-    let review = &context.app.reviewing.review;
+    let review = &context.app.log.reviewing.review;
     ui.horizontal(|ui| {
         let class = review.class_name(one.class);
         ui.label(RichText::new(class).heading().strong());
@@ -120,7 +120,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
 }
 
 fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-    let tool = context.app.reviewing.tool;
+    let tool = context.app.log.reviewing.tool;
     ui.horizontal_wrapped(|ui| {
         for (action, name) in [
             (Action::AcceptBox, "Accept"),
@@ -155,7 +155,7 @@ fn decisions(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
 }
 
 fn classes(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-    let review = context.app.reviewing.review.clone();
+    let review = context.app.log.reviewing.review.clone();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (class, name) in review.classes().iter().enumerate() {
@@ -191,13 +191,13 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         ui,
         "Size",
         "Along the track and in slant range; echo and shadow together.",
-        size(app.reviewing.size_m(mark)),
+        size(app.log.reviewing.size_m(mark)),
     );
     fact(ui, "Range", "Slant range of its near and far edge.", {
         let [near_m, far_m] = place::ranges_m(app, mark);
         format!("{near_m:.2} to {far_m:.2} m {}", mark.side.name())
     });
-    if let Some(placed) = app.reviewing.placed(one.id) {
+    if let Some(placed) = app.log.reviewing.placed(one.id) {
         on_the_ground(ui, context, &placed.target);
     }
     let model = one.model.as_deref().unwrap_or("drawn by hand");

@@ -99,6 +99,7 @@ impl Frame {
     fn axis(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let start = context
             .app
+            .log
             .survey
             .as_ref()
             .and_then(|survey| survey.start_unix_s);
@@ -128,7 +129,7 @@ impl Frame {
     /// Draws warnings, the pings on screen, the pointer of other views and the play head.
     pub fn marks(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
         let app = context.app;
-        let Some(survey) = &app.survey else {
+        let Some(survey) = &app.log.survey else {
             return;
         };
         let x_of = |ping: usize| {
@@ -189,7 +190,7 @@ impl Frame {
     /// Marks and selects the ping under the pointer.
     pub fn pointer(&self, response: &Response, context: &mut ViewContext<'_>, strips: &Strips) {
         let ping_at = |at: Pos2| {
-            let pings = &context.app.survey.as_ref()?.side_scan;
+            let pings = &context.app.log.survey.as_ref()?.side_scan;
             let time_s = strips.time_s(self.all, at.x);
             let after = pings.partition_point(|ping| ping.time_s < time_s);
             (!pings.is_empty()).then(|| after.min(pings.len() - 1))

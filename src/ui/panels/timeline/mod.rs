@@ -18,11 +18,14 @@ use strips::Strips;
 /// Height of the panel, points.
 pub const HEIGHT: f32 = 104.0;
 
+/// The results that the strips are of.
+type Results = (Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>);
+
 /// The survey and the results that the strips are of.
 #[derive(PartialEq)]
 struct Key {
     survey: Same<Survey>,
-    results: Option<(Same<Navigation>, Same<Vec<PingDepth>>, Same<Correction>)>,
+    results: Option<Results>,
 }
 
 impl Key {
@@ -57,7 +60,7 @@ impl TimeLine {
 
     fn refresh(&mut self, context: &ViewContext<'_>) {
         let app = context.app;
-        let Some(survey) = &app.survey else {
+        let Some(survey) = &app.log.survey else {
             *self = Self::default();
             return;
         };
@@ -66,8 +69,8 @@ impl TimeLine {
             self.seen_survey = app.survey_serial;
             self.strips = Background::default();
         }
-        let key = Key::of(survey, app.products.as_ref());
-        let (survey, products) = (survey.clone(), app.products.clone());
+        let key = Key::of(survey, app.log.products.as_ref());
+        let (survey, products) = (survey.clone(), app.log.products.clone());
         let work = move |_: &_| Some(Strips::of(&survey, products.as_ref()));
         self.strips.ask(key, app.jobs(), work);
     }
@@ -79,6 +82,7 @@ impl TimeLine {
             ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let count = context
             .app
+            .log
             .survey
             .as_ref()
             .map_or(0, |survey| survey.side_scan.len());

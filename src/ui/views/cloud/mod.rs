@@ -95,12 +95,12 @@ impl CloudView {
         rect: Rect,
         response: &Response,
     ) -> String {
-        let Some(survey) = context.app.survey.clone() else {
+        let Some(survey) = context.app.log.survey.clone() else {
             let text = "The 3D point cloud of a survey appears here.";
             empty::offer_to_open(ui, context, rect, text);
             return "3D point cloud, empty".to_owned();
         };
-        let Some(products) = context.app.products.clone() else {
+        let Some(products) = context.app.log.products.clone() else {
             empty::wait(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
         };

@@ -12,7 +12,7 @@ const LEAST: f32 = 3.0;
 
 /// Draws the footprints of the boxes in the queue; those that were rejected only while they are selected.
 pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
-    let reviewing = &app.reviewing;
+    let reviewing = &app.log.reviewing;
     for one in reviewing.in_line() {
         let is_selected = Some(one.id) == reviewing.selected;
         let Some(placed) = reviewing.placed(one.id) else {

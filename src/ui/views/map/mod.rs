@@ -159,12 +159,12 @@ impl MapView {
         rect: Rect,
         response: &Response,
     ) -> String {
-        let Some(survey) = context.app.survey.clone() else {
+        let Some(survey) = context.app.log.survey.clone() else {
             let text = "A survey's track and depth map appear here.";
             empty::offer_to_open(ui, context, rect, text);
             return "Map, empty".to_owned();
         };
-        let Some(products) = context.app.products.clone() else {
+        let Some(products) = context.app.log.products.clone() else {
             let text = "The track is being placed on the ground.";
             empty::wait(ui, context, rect, text);
             return "Map, waiting for the track".to_owned();
@@ -195,7 +195,7 @@ impl MapView {
             depth: self.layers.relief(),
             isobaths: self.layers.isobaths(&context.app.options.map.layers),
             residuals: self.layers.residuals(&context.app.options.map.layers),
-            lost_soundings: context.app.lost_soundings,
+            lost_soundings: context.app.log.lost_soundings,
             options: &context.app.options,
         };
         paint(ui, context, &scene, &mut self.layers);
@@ -308,7 +308,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
 }
 
 fn boxes(context: &ViewContext<'_>) -> String {
-    let reviewing = &context.app.reviewing;
+    let reviewing = &context.app.log.reviewing;
     let placed = reviewing
         .in_line()
         .filter(|one| reviewing.placed(one.id).is_some());

@@ -20,7 +20,7 @@ fn placed<'a>(
     scene: &Scene<'_>,
     app: &'a App,
 ) -> impl Iterator<Item = (&'a Reviewed, &'a Arc<Placed>, Pos2)> {
-    let reviewing = &app.reviewing;
+    let reviewing = &app.log.reviewing;
     let others = reviewing.in_line();
     let others = others.filter(|one| Some(one.id) != reviewing.selected);
     let all = others.chain(reviewing.selected_box());
@@ -36,7 +36,7 @@ fn placed<'a>(
 /// Draws them.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     for (one, placed, at) in placed(scene, app) {
-        let is_selected = Some(one.id) == app.reviewing.selected;
+        let is_selected = Some(one.id) == app.log.reviewing.selected;
         let colour = theme::box_colour_on_panel(scene.options.theme, one.state);
         let footprint = placed.corners.map(|corner| scene.at(corner));
         if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
@@ -60,7 +60,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
                 let faint = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.6));
                 painter.circle_stroke(at, sigma, faint);
             }
-            let name = app.reviewing.review.class_name(one.class);
+            let name = app.log.reviewing.review.class_name(one.class);
             let corner = at + vec2(HALF + 8.0, 0.0);
             legend::plate(
                 painter,

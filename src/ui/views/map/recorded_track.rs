@@ -10,10 +10,10 @@ const APART: f32 = 18.0;
 
 /// Draws it while another track lies over it.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
-    if app.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
+    if app.log.external.recorded.is_none() || !scene.shows(MapLayer::Track) {
         return;
     }
-    let apart = &app.external.apart;
+    let apart = &app.log.external.apart;
     let at = |place: &_| {
         let navigation = &scene.products.navigation;
         scene.at(navigation.to_plane(&scene.survey.track, *place))

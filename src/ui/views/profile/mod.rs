@@ -9,6 +9,7 @@ mod scale;
 use crate::app::{Command, Mark};
 use crate::cloud::Reduction;
 use crate::first_return::Pick;
+use crate::pipeline::Settings;
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, place, theme};
 use egui::{Rect, Response, Sense, vec2};
@@ -76,7 +77,7 @@ impl ProfileView {
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
-        let survey = context.app.survey.clone();
+        let survey = context.app.log.survey.clone();
         let mark = context.app.hover.or(context.app.selection);
         let Some((survey, mark)) = survey.zip(mark) else {
             empty(
@@ -129,7 +130,7 @@ impl ProfileView {
         plot: &Plot,
         context: &mut ViewContext<'_>,
     ) {
-        let line = plot.y(context.app.settings.first_return.threshold);
+        let line = plot.y(context.app.log.settings.first_return.threshold);
         let near = |at: egui::Pos2| plot.area.contains(at) && (at.y - line).abs() <= GRIP;
         if response.drag_started() {
             let origin = ui.input(|input| input.pointer.press_origin());
@@ -143,7 +144,7 @@ impl ProfileView {
         }
         let live = !response.drag_stopped();
         if let Some(at) = response.interact_pointer_pos() {
-            let mut settings = context.app.settings.clone();
+            let mut settings = Settings::clone(&context.app.log.settings);
             // Steps of a hundredth, as the slider and the keys make them.
             settings.first_return.threshold = (plot.level(at.y) * 100.0).round() / 100.0;
             context.push(Command::Change {
@@ -196,8 +197,8 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         recorded,
         altitude_m: reduction.altitude_m(f64::from(recorded.depth_m)),
         picks: Side::BOTH.map(found),
-        threshold: context.app.settings.first_return.threshold,
-        dead_zone_m: context.app.settings.first_return.dead_zone_m,
+        threshold: context.app.log.settings.first_return.threshold,
+        dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
     })
 }
 

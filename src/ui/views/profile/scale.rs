@@ -21,7 +21,7 @@ pub(super) struct ScaleJob(Background<Key, (Key, Normalisation)>);
 impl ScaleJob {
     /// The normalisation for the present settings; while it is measured, the last one, or the full scale of a sample.
     pub fn of(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>) -> Normalisation {
-        let settings = &context.app.settings;
+        let settings = &context.app.log.settings;
         let key = Key {
             survey_serial: context.app.survey_serial,
             image: settings.image.clone(),
@@ -77,7 +77,7 @@ mod tests {
         let mut app = App::new(Jobs::Inline);
         app.apply(Command::OpenDemo);
         app.poll();
-        let survey = app.survey.clone().expect("the demo");
+        let survey = app.log.survey.clone().expect("the demo");
         let context = ViewContext {
             app: &app,
             render_state: None,
@@ -86,7 +86,7 @@ mod tests {
         let mut job = ScaleJob::default();
         let shown = job.of(&context, &survey);
         assert!(job.is_settled());
-        let settings = &app.settings;
+        let settings = &app.log.settings;
         let (image, dead_zone_m) = (&settings.image, settings.first_return.dead_zone_m);
         let measured = Normalisation::measure(&survey, image, dead_zone_m, &Progress::new());
         assert_eq!(

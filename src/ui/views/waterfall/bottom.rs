@@ -29,7 +29,7 @@ impl BottomPen {
         lens: &Lens,
         context: &mut ViewContext<'_>,
     ) -> bool {
-        if context.app.reviewing.tool != Tool::Bottom {
+        if context.app.log.reviewing.tool != Tool::Bottom {
             self.stroke = None;
             return false;
         }
@@ -123,7 +123,7 @@ pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
         width: WIDTH,
         rim: 0.0,
     };
-    for line in &app.settings.bottom.lines {
+    for line in &app.log.settings.bottom.lines {
         let [first, last] = line.pings.map(|ping| ping as f64);
         if last + 1.0 < seen.start || first > seen.end {
             continue;

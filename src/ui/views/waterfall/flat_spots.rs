@@ -25,10 +25,11 @@ pub(super) struct Stretch {
 /// The stretches that a lens sees: of the calibration, and the ranked ones if they are shown.
 pub(super) fn in_view(lens: &Lens, app: &App) -> Vec<Stretch> {
     let has_picture = app
+        .log
         .survey
         .as_ref()
         .is_some_and(|survey| survey.has_side_scan());
-    let Some(products) = app.products.as_ref().filter(|_| has_picture) else {
+    let Some(products) = app.log.products.as_ref().filter(|_| has_picture) else {
         return Vec::new();
     };
     let calibration = &products.calibration;

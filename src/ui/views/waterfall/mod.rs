@@ -79,7 +79,7 @@ impl WaterfallView {
             self.settled = true;
             return;
         }
-        let survey = context.app.survey.clone();
+        let survey = context.app.log.survey.clone();
         let axis = self.drawing.as_ref().and_then(Drawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
             self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
@@ -173,11 +173,12 @@ impl WaterfallView {
     /// Starts over when another survey is open.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
-        let serial = app.survey.as_ref().map(|_| app.survey_serial);
+        let serial = app.log.survey.as_ref().map(|_| app.survey_serial);
         if self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial {
             self.camera = None;
             self.settled = false;
             self.drawing = app
+                .log
                 .survey
                 .as_ref()
                 .map(|survey| Drawing::start(survey.clone(), app.survey_serial, ctx));

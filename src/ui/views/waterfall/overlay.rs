@@ -59,7 +59,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         missed.draw(painter);
     }
     for shown_box in shown.boxes {
-        shown_box.draw(painter, shown.app.reviewing.tool);
+        shown_box.draw(painter, shown.app.log.reviewing.tool);
     }
     let mut labels = Labels::new(painter);
     if let Some(text) = banner(shown) {
@@ -72,10 +72,10 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         missed.label(&mut labels);
     }
     for shown_box in shown.boxes.iter().rev() {
-        shown_box.label(&mut labels, &shown.app.reviewing.review);
+        shown_box.label(&mut labels, &shown.app.log.reviewing.review);
     }
     scales::sides(&mut labels, lens, options);
-    let products = shown.app.products.as_ref();
+    let products = shown.app.log.products.as_ref();
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
         scales::range_change(&mut labels, lens, &change);
     }

@@ -55,10 +55,10 @@ pub(super) fn follow(
     let clicked = response.clicked() || response.secondary_clicked();
     if clicked && let Some(at) = response.interact_pointer_pos() {
         // The tool in hand has a use of its own for the pointer.
-        let finds = !matches!(context.app.reviewing.tool, Tool::Draw | Tool::Bottom);
+        let finds = !matches!(context.app.log.reviewing.tool, Tool::Draw | Tool::Bottom);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
-            None if matches!(context.app.reviewing.tool, Tool::Look | Tool::Bottom) => {
+            None if matches!(context.app.log.reviewing.tool, Tool::Look | Tool::Bottom) => {
                 context.push(Command::Select(mark_at(survey, lens.place_at(at))));
             }
             None => {}
@@ -115,7 +115,14 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
 
 /// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
 pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option<f64> {
-    let speed_mps = app.products.as_ref()?.navigation.pings.get(ping)?.speed_mps;
+    let speed_mps = app
+        .log
+        .products
+        .as_ref()?
+        .navigation
+        .pings
+        .get(ping)?
+        .speed_mps;
     let first = ping.saturating_sub(50);
     let last = (ping + 50).min(survey.side_scan.len().checked_sub(1)?);
     let time_s = |ping: usize| survey.side_scan.get(ping).map(|ping| ping.time_s);
@@ -154,7 +161,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
     if shown.first_return && pick.is_some_and(|pick| pick.canopy) {
         lines += &format!(
             "\nfirst return dashed: nearer than the depth\nby over {:.2} m (weed, fish, an obstacle)",
-            app.settings.first_return.canopy_margin_m
+            app.log.settings.first_return.canopy_margin_m
         );
     }
     lines
@@ -172,7 +179,7 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
         side.name(),
         place::range_m(app, mark).unwrap_or(at.across_m.abs()),
     );
-    if app.products.is_some() {
+    if app.log.products.is_some() {
         lines += &format!("\n{:.2} m as recorded", at.across_m.abs());
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)

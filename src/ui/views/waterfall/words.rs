@@ -15,7 +15,7 @@ pub(super) fn without_picture(
     response: &Response,
     is_reading: bool,
 ) {
-    let survey = context.app.survey.clone();
+    let survey = context.app.log.survey.clone();
     let said = match survey {
         None => {
             let text = "A survey's side-scan picture appears here.";
@@ -61,7 +61,7 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (Some(_), true) => "first return shown",
     };
     let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
-    let products = context.app.products.as_ref();
+    let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
         .map_or_else(String::new, |change| format!(", {change}"));

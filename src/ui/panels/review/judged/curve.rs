@@ -35,7 +35,7 @@ pub fn ui(
             .filter(|_| response.clicked())
             .and_then(|at| plot.nearest(comparison.curve(), at));
         if let Some(point) = picked {
-            let mut queue = context.app.reviewing.queue.clone();
+            let mut queue = context.app.log.reviewing.queue.clone();
             queue.threshold = point.score;
             context.push(Command::LineUp(Box::new(queue)));
         }

@@ -12,7 +12,7 @@ const ROWS: f32 = 8.0;
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
-    let reviewing = &context.app.reviewing;
+    let reviewing = &context.app.log.reviewing;
     let mistakes = reviewing.judging.mistakes();
     if mistakes.is_empty() {
         remark(ui, "No mistake at this confidence.");
@@ -49,7 +49,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mistakes: &[Mistake]) {
     let height = ui.spacing().interact_size.y;
     let each = height + ui.spacing().item_spacing.y;
-    let here = context.app.reviewing.mistake_at();
+    let here = context.app.log.reviewing.mistake_at();
     let mut area = ScrollArea::vertical()
         .id_salt("mistakes")
         .max_height(ROWS * each)
@@ -88,7 +88,7 @@ fn said(context: &ViewContext<'_>, comparison: &Comparison, mistake: &Mistake) -
         Mistake::FalseAlarm {
             id, score, cause, ..
         } => {
-            let review = &context.app.reviewing.review;
+            let review = &context.app.log.reviewing.review;
             let class = review
                 .get(*id)
                 .map_or("", |one| review.class_name(one.class));
@@ -113,7 +113,7 @@ fn colour(context: &ViewContext<'_>, mistake: &Mistake) -> egui::Color32 {
     let look = context.app.options.theme;
     match mistake {
         Mistake::FalseAlarm { id, .. } => {
-            let one = context.app.reviewing.review.get(*id);
+            let one = context.app.log.reviewing.review.get(*id);
             let state = one.map_or(crate::detection::review::State::Proposed, |one| one.state);
             theme::box_colour_on_panel(look, state)
         }

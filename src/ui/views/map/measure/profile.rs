@@ -23,7 +23,7 @@ pub struct Drawn<'a> {
 
 /// The part of the view that is the map, and the one that the plot takes while it is wanted.
 pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
-    let wanted = app.measuring.shows_profile() && app.products.is_some();
+    let wanted = app.measuring.shows_profile() && app.log.products.is_some();
     if !wanted || whole.height() < 120.0 {
         return (whole, None);
     }

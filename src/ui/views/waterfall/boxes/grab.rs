@@ -44,7 +44,7 @@ impl Boxes {
         lens: &Lens,
         context: &mut ViewContext<'_>,
     ) -> bool {
-        let tool = context.app.reviewing.tool;
+        let tool = context.app.log.reviewing.tool;
         if matches!(tool, Tool::Look | Tool::Bottom) {
             self.held = None;
             return false;
@@ -75,7 +75,7 @@ impl Boxes {
                 let extent = (at - *corner).abs();
                 if extent.min_elem() >= LEAST {
                     let mark = drawn(lens.place_at(*corner), lens.place_at(at));
-                    let class = context.app.reviewing.class();
+                    let class = context.app.log.reviewing.class();
                     context.push(Command::Edit {
                         edit: Edit::Add { mark, class },
                         live: false,
@@ -94,9 +94,10 @@ impl Boxes {
         let Some(at) = response.hover_pos() else {
             return;
         };
-        let icon = match app.reviewing.tool {
+        let icon = match app.log.reviewing.tool {
             Tool::Draw => Some(CursorIcon::Crosshair),
             Tool::Edit => app
+                .log
                 .reviewing
                 .selected_box()
                 .and_then(|one| Edges::under(lens, &one.mark, lens.place_at(at)))
@@ -119,10 +120,10 @@ impl Boxes {
 }
 
 fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
-    if app.reviewing.tool == Tool::Draw {
+    if app.log.reviewing.tool == Tool::Draw {
         return Some(Held::Corner(at));
     }
-    let one = app.reviewing.selected_box()?;
+    let one = app.log.reviewing.selected_box()?;
     let from = lens.place_at(at);
     let edges = Edges::under(lens, &one.mark, from)?;
     Some(Held::Box {
@@ -138,8 +139,8 @@ pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -
     if !app.options.waterfall.boxes {
         return None;
     }
-    let count = app.survey.as_ref()?.side_scan.len();
-    let boxes = app.reviewing.between(lens.visible(count));
+    let count = app.log.survey.as_ref()?.side_scan.len();
+    let boxes = app.log.reviewing.between(lens.visible(count));
     boxes
         .map(|one| (one.id, on_screen(lens, &one.mark).expand(NEAR)))
         .filter(|(_, rect)| rect.contains(at))

@@ -29,8 +29,8 @@ pub(super) struct Shown<'a> {
 
 /// The boxes that a lens sees, the selected one last. Costs what is in view, not what there is.
 pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
-    let reviewing = &app.reviewing;
-    let pings = match &app.survey {
+    let reviewing = &app.log.reviewing;
+    let pings = match &app.log.survey {
         Some(survey) if app.options.waterfall.boxes => lens.visible(survey.side_scan.len()),
         _ => return Vec::new(),
     };
@@ -98,12 +98,12 @@ fn caption(one: &Reviewed, review: &Review) -> String {
 
 /// What the view says about its boxes to screen readers and tests.
 pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> String {
-    if !app.reviewing.has_boxes() {
+    if !app.log.reviewing.has_boxes() {
         return tool_in_hand(app).to_owned();
     }
-    let selected = app.reviewing.selected_box();
+    let selected = app.log.reviewing.selected_box();
     let selected = selected.map_or_else(String::new, |one| {
-        let caption = caption(one, &app.reviewing.review);
+        let caption = caption(one, &app.log.reviewing.review);
         format!(
             ", box {} selected: {caption}, {}",
             one.id.0,
@@ -122,7 +122,7 @@ pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> Str
 }
 
 fn tool_in_hand(app: &App) -> &'static str {
-    match app.reviewing.tool {
+    match app.log.reviewing.tool {
         Tool::Look => "",
         Tool::Edit => ", editing it",
         Tool::Draw => ", drawing a box",

@@ -1,0 +1,118 @@
+//! A log that is open: what belongs to it alone, beside what all logs of the window share.
+
+use super::bottom::BottomFile;
+use super::external::External;
+use super::reviewing::Reviewing;
+use super::{Figures, Task};
+use crate::first_return::FirstReturns;
+use crate::pipeline::{Products, Settings, Stage};
+use crate::survey::Survey;
+use std::sync::Arc;
+
+/// Tells the open logs of a window apart; never used again for another one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LogId(pub u64);
+
+/// A log with its settings, its results and its boxes. The default one is that of an empty window.
+pub struct OpenLog {
+    /// Which it is.
+    pub id: LogId,
+    /// The recording; `None` in an empty window.
+    pub survey: Option<Arc<Survey>>,
+    /// Whether it takes part in maps, clouds and products.
+    pub is_visible: bool,
+    /// Shallowest and deepest sounding that the recorder had the bottom for, metres.
+    pub depth_span_m: Option<[f32; 2]>,
+    /// Soundings after the recorder had lost the bottom.
+    pub lost_soundings: usize,
+    /// The settings that the analyst wants: those shared by all logs, and those of this one.
+    pub settings: Arc<Settings>,
+    /// The last results; those of other settings while the engine works.
+    pub products: Option<Products>,
+    /// First returns of the settings under the slider, ahead of `products`.
+    pub preview: Option<Arc<FirstReturns>>,
+    /// Counts and residuals of `products`; those of the last products until the new ones are counted.
+    pub figures: Option<Figures>,
+    /// Water levels and tracks that other instruments recorded.
+    pub external: External,
+    /// The boxes and what is decided about them.
+    pub reviewing: Reviewing,
+    pub(super) counting: Option<Task<Option<Figures>>>,
+    pub(super) bottom_file: BottomFile,
+}
+
+impl Default for OpenLog {
+    fn default() -> Self {
+        Self {
+            id: LogId::default(),
+            survey: None,
+            is_visible: true,
+            depth_span_m: None,
+            lost_soundings: 0,
+            settings: Arc::default(),
+            products: None,
+            preview: None,
+            figures: None,
+            external: External::default(),
+            reviewing: Reviewing::default(),
+            counting: None,
+            bottom_file: BottomFile::default(),
+        }
+    }
+}
+
+impl OpenLog {
+    /// A log as it was read, with nothing done to it yet.
+    pub(super) fn new(id: LogId, survey: Survey, settings: Arc<Settings>) -> Self {
+        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
+        let depths_m = locked().map(|sounding| [sounding.depth_m, sounding.depth_m]);
+        Self {
+            id,
+            lost_soundings: survey.soundings.len() - locked().count(),
+            depth_span_m: depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]),
+            survey: Some(Arc::new(survey)),
+            settings,
+            ..Self::default()
+        }
+    }
+
+    /// Its name for people; empty in an empty window.
+    pub fn name(&self) -> String {
+        (self.survey.as_ref()).map_or_else(String::new, |survey| survey.name())
+    }
+
+    /// The first returns to draw: those under the slider if there are any, else those of the last result.
+    pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
+        let found = self.products.as_ref().map(|products| &products.returns);
+        self.preview.as_ref().or(found)
+    }
+
+    /// The first stage whose result is older than its settings.
+    pub fn stale(&self) -> Option<Stage> {
+        let products = self.products.as_ref()?;
+        Stage::first_stale(&products.settings, &self.settings)
+    }
+
+    /// Whether results are missing or older than their settings.
+    pub fn is_behind(&self) -> bool {
+        self.survey.is_some() && (self.products.is_none() || self.stale().is_some())
+    }
+
+    /// What is drawn of it.
+    pub(super) fn for_picture(&self) -> Self {
+        Self {
+            id: self.id,
+            survey: self.survey.clone(),
+            is_visible: self.is_visible,
+            depth_span_m: self.depth_span_m,
+            lost_soundings: self.lost_soundings,
+            settings: self.settings.clone(),
+            products: self.products.clone(),
+            preview: self.preview.clone(),
+            figures: self.figures.clone(),
+            external: self.external.for_picture(),
+            reviewing: self.reviewing.for_picture(),
+            ..Self::default()
+        }
+    }
+}
