@@ -11,7 +11,7 @@
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map.
-//! geo (positions and planes), progress, statistics, calendar, contained, depth_colours, printable and system_words serve them all.
+//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, contained, printable and system_words serve them all.
 //! ```
 //!
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared
@@ -26,7 +26,6 @@ pub mod calibration;
 pub mod cli;
 pub mod cloud;
 mod contained;
-mod depth_colours;
 pub mod detection;
 pub mod export;
 pub mod first_return;
@@ -36,6 +35,7 @@ pub mod handover;
 pub mod mosaic;
 pub mod outputs;
 pub mod pipeline;
+pub mod presentation;
 mod printable;
 pub mod progress;
 pub mod render;

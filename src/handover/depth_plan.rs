@@ -5,8 +5,8 @@ use super::text::ticks;
 use super::{Handover, raster};
 use crate::bathymetry::isobaths::{Isobath, isobaths};
 use crate::bathymetry::{Light, Surface, hill_shade};
+use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::{Cancelled, Progress};
-use crate::render::{depth_colour, depth_share};
 use std::fmt::Write as _;
 
 /// Longest side of the picture under the isobaths, pixels: what a screen shows of it, and little to send.

@@ -28,6 +28,7 @@ pub use gain::{GainTable, gain_table};
 pub use layout::{Bounds, Layout, TileIndex};
 pub use paint::{TILE_CELLS, Tile, tile, window};
 
+use crate::presentation::colours;
 use serde::{Deserialize, Serialize};
 
 /// What a cell shows that was seen more than once.
@@ -69,12 +70,12 @@ pub enum Colours {
 impl Colours {
     /// Colour of a level, transparent where nothing was seen (level 0).
     pub fn rgba(self, level: u8) -> [u8; 4] {
-        let share = |factor: f32| (f32::from(level) * factor).round().min(255.0) as u8;
-        match (level, self) {
-            (0, _) => [0; 4],
-            (_, Colours::Grey) => [level, level, level, 255],
-            (_, Colours::Copper) => [share(1.25), share(0.7812), share(0.4975), 255],
-        }
+        let [r, g, b] = match (level, self) {
+            (0, _) => return [0; 4],
+            (_, Colours::Grey) => colours::grey(level),
+            (_, Colours::Copper) => colours::copper(level),
+        };
+        [r, g, b, 255]
     }
 }
 
@@ -110,5 +111,18 @@ impl Default for MosaicSettings {
             nadir_gap_deg: 0.0,
             most_turn_deg_s: 6.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Colours;
+
+    #[test]
+    fn the_mosaic_is_coloured_as_the_waterfall_is() {
+        // matplotlib.colormaps["copper"](206): red is all but full, and is full from the next on.
+        assert_eq!(Colours::Copper.rgba(206), [254, 161, 102, 255]);
+        assert_eq!(Colours::Grey.rgba(206), [206, 206, 206, 255]);
+        assert_eq!(Colours::Copper.rgba(0), [0; 4]);
     }
 }

@@ -1,6 +1,5 @@
 //! Draws waterfall tiles: one quad each, coloured in the shader, so that colours and gain cost a uniform write.
 
-use super::colour_map::Palette;
 use bytemuck::{Pod, Zeroable};
 
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
@@ -107,7 +106,7 @@ impl WaterfallPicture {
     }
 
     /// Replaces the colours.
-    pub fn set_palette(&self, queue: &wgpu::Queue, palette: &Palette) {
+    pub fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
         write(queue, &self.palette, [256, 1], bytemuck::cast_slice(&rgba));
     }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// Rooms in the order of the data; a room may name those in its own row, never the others.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("geo", &[]),
+    ("presentation", &["geo"]),
     ("base_map", &["geo"]),
     ("survey", &["geo"]),
     ("formats", &["survey", "geo"]),
@@ -17,7 +18,13 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("bathymetry", &["survey", "cloud"]),
     (
         "mosaic",
-        &["survey", "first_return", "calibration", "bathymetry"],
+        &[
+            "survey",
+            "first_return",
+            "calibration",
+            "bathymetry",
+            "presentation",
+        ],
     ),
     (
         "detection",
@@ -46,6 +53,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "detection",
             "mosaic",
             "geo",
+            "presentation",
             "export",
         ],
     ),
@@ -63,8 +71,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "mosaic",
             "export",
             "pipeline",
-            // For its table of colours: the page and the window show depths alike.
-            "render",
+            "presentation",
         ],
     ),
     (
@@ -104,10 +111,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 7] = [
+const SERVE_ALL: [&str; 6] = [
     "calendar.rs",
     "contained.rs",
-    "depth_colours.rs",
     "printable.rs",
     "progress.rs",
     "statistics.rs",

@@ -3,11 +3,11 @@
 use super::DepthWritten;
 use super::plane::Plane;
 use crate::bathymetry::{Grid, Surface};
-use crate::depth_colours::depth_colour;
 use crate::export::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
 use crate::export::{Summary, qgis_style};
 use crate::pipeline::Products;
 use crate::pipeline::record::{Coordinates, Made};
+use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};
 use crate::progress::Progress;
 use std::path::Path;
 
@@ -47,7 +47,7 @@ fn layers(surface: &Surface) -> [Layer<'_>; 3] {
             measured: "standard_deviation_m",
             values: &surface.spread_m,
             what: "Standard deviation in metres of the depths that carry a cell",
-            colour: |share| ramp(&YELLOW_TO_RED, share),
+            colour: uncertainty_colour,
         },
         Layer {
             name: "distance.tif",
@@ -56,38 +56,13 @@ fn layers(surface: &Surface) -> [Layer<'_>; 3] {
             measured: "distance_m",
             values: &surface.distance_m,
             what: "Distance in metres from a cell to the nearest depth",
-            colour: |share| ramp(&PURPLES, share),
+            colour: distance_colour,
         },
     ]
 }
 
 /// Steps of the colours in a style.
 const STEPS: usize = 10;
-/// ColorBrewer's `YlOrRd` and `Purples` in five classes (Brewer 2002).
-const YELLOW_TO_RED: [[u8; 3]; 5] = [
-    [255, 255, 178],
-    [254, 204, 92],
-    [253, 141, 60],
-    [240, 59, 32],
-    [189, 0, 38],
-];
-const PURPLES: [[u8; 3]; 5] = [
-    [242, 240, 247],
-    [203, 201, 226],
-    [158, 154, 200],
-    [117, 107, 177],
-    [84, 39, 143],
-];
-
-/// The colour at a share of the way through some, linear between them.
-fn ramp(colours: &[[u8; 3]; 5], share: f32) -> [u8; 3] {
-    let place = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
-    let below = (place as usize).min(colours.len() - 2);
-    std::array::from_fn(|channel| {
-        let [from, to] = [colours[below], colours[below + 1]].map(|one| f32::from(one[channel]));
-        (from + (to - from) * (place - below as f32)).round() as u8
-    })
-}
 
 /// Writes `depth.tif`, `uncertainty.tif` and `distance.tif`: metres as f32 on one grid, each with what was and was not
 /// corrected in its description, and beside each its colours for QGIS (`.qml`).

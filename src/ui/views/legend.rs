@@ -3,7 +3,7 @@
 use super::ticks;
 use crate::app::ViewOptions;
 use crate::cloud::DepthReference;
-use crate::render::{depth_colour, diverging_colour};
+use crate::presentation::colours::{depth_colour, difference_colour};
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
@@ -82,7 +82,7 @@ impl Scale {
         Self {
             title: "residual, m",
             ends: [reach_m, -reach_m],
-            colour: |share| diverging_colour(1.0 - share),
+            colour: |share| difference_colour(1.0 - share),
             signed: true,
         }
     }

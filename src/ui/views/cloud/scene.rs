@@ -3,8 +3,9 @@
 use crate::app::{CloudColour, Mark, ViewOptions};
 use crate::bathymetry;
 use crate::cloud::{CloudPoint, Outliers, PointCloud, PointSource};
+use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
-use crate::render::{CloudBuffers, PointVertex, Uploader, depth_colour, depth_share};
+use crate::render::{CloudBuffers, PointVertex, Uploader};
 use crate::survey::Side;
 use crate::ui::theme;
 use glam::Vec3;

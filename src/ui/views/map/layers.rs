@@ -6,8 +6,9 @@ use super::relief::colour_range_m;
 use super::transform::GroundBounds;
 use crate::cloud::DepthSource;
 use crate::pipeline::Products;
+use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
-use crate::render::{Specks, Uploader, Vertex, depth_colour, depth_share};
+use crate::render::{Specks, Uploader, Vertex};
 use crate::survey::{PingNav, Sounding, Survey};
 
 /// Seconds without a record after which the track is broken instead of bridged.

@@ -5,8 +5,8 @@ use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::bathymetry::Grid;
+use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
-use crate::render::{depth_colour, depth_share};
 use egui::Color32;
 use std::sync::Arc;
 

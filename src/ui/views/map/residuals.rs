@@ -3,8 +3,8 @@
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
 use crate::pipeline::Agreement;
+use crate::presentation::colours::{difference_colour, difference_reach_m};
 use crate::progress::Progress;
-use crate::render::{diverging_colour, diverging_reach_m};
 use egui::Color32;
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ impl ResidualLayer {
     /// cancelled.
     pub fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
         let p95_m = agreement.comparison.residuals.map(|found| found.p95_m);
-        let reach_m = diverging_reach_m(p95_m.unwrap_or(0.0));
+        let reach_m = difference_reach_m(p95_m.unwrap_or(0.0));
         let mut dots = Vec::with_capacity(agreement.differences.len());
         for (index, one) in agreement.differences.iter().enumerate() {
             if index % CHECK == 0 {
@@ -43,7 +43,7 @@ impl ResidualLayer {
             });
         }
         let colour = |step: u8| {
-            let [r, g, b] = diverging_colour(f32::from(step) / f32::from(STEPS - 1));
+            let [r, g, b] = difference_colour(f32::from(step) / f32::from(STEPS - 1));
             Color32::from_rgb(r, g, b)
         };
         let dots = Dots::new(dots, (0..STEPS).map(colour).collect());

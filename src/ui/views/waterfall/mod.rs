@@ -20,7 +20,7 @@ mod words;
 pub use boxes::outline;
 
 use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
-use crate::render::colour_map;
+use crate::presentation::colours;
 use crate::render::waterfall::{Look, WaterfallPicture};
 use crate::ui::{ViewContext, ViewRequest, theme};
 use crate::waterfall::{Levels, RangeAxis};
@@ -295,12 +295,12 @@ fn look(options: &WaterfallOptions, suited: Levels) -> Look {
 }
 
 /// The colours of echo strength.
-pub(in crate::ui) fn palette(map: ColourMap) -> colour_map::Palette {
+pub(in crate::ui) fn palette(map: ColourMap) -> colours::Palette {
     match map {
-        ColourMap::Copper => colour_map::copper(),
-        ColourMap::Grey => colour_map::grey(),
-        ColourMap::InverseGrey => colour_map::inverse_grey(),
-        ColourMap::Gold => colour_map::gold(),
-        ColourMap::Viridis => colour_map::viridis(),
+        ColourMap::Copper => colours::palette(colours::copper),
+        ColourMap::Grey => colours::palette(colours::grey),
+        ColourMap::InverseGrey => colours::palette(colours::inverse_grey),
+        ColourMap::Gold => colours::palette(colours::gold),
+        ColourMap::Viridis => colours::palette(colours::viridis),
     }
 }

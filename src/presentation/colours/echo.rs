@@ -1,15 +1,12 @@
-//! Tables of 256 colours, dark to bright, in gamma space.
+//! Colours of echo strengths, dark to bright, in gamma space.
 
-/// Red, green and blue of the echo strengths 0 to 255.
-pub type Palette = [[u8; 3]; 256];
+use super::{Rgb, ramp};
 
-/// Colours at even distances, between which the table is interpolated.
-type Stops = &'static [[u8; 3]];
+/// Colours of the echo strengths 0 to 255.
+pub type Palette = [Rgb; 256];
 
-const GREY: Stops = &[[0, 0, 0], [255, 255, 255]];
-const INVERSE_GREY: Stops = &[[255, 255, 255], [0, 0, 0]];
 /// Black over brown to pale yellow, as side-scan towfish programs show it.
-const GOLD: Stops = &[
+const GOLD: &[Rgb] = &[
     [0, 0, 0],
     [58, 34, 4],
     [120, 76, 8],
@@ -18,7 +15,7 @@ const GOLD: Stops = &[
     [255, 236, 150],
 ];
 /// Matplotlib's `viridis` at every 32nd entry: even steps to the eye, safe for the colour-blind.
-const VIRIDIS: Stops = &[
+const VIRIDIS: &[Rgb] = &[
     [68, 1, 84],
     [71, 44, 122],
     [59, 81, 139],
@@ -30,42 +27,39 @@ const VIRIDIS: Stops = &[
     [253, 231, 37],
 ];
 
-/// Black to copper, the classic of fish-finders: red saturates at 81 % (Matlab's and Matplotlib's `copper`).
-pub fn copper() -> Palette {
+/// Black to copper, the classic of fish-finders: red saturates at 81 % (Matplotlib's `copper`).
+pub fn copper(level: u8) -> Rgb {
     const SLOPES: [f32; 3] = [1.2346, 0.7812, 0.4975];
-    std::array::from_fn(|index| SLOPES.map(|slope| (slope * index as f32).round().min(255.0) as u8))
+    SLOPES.map(|slope| (slope * f32::from(level)).round().min(255.0) as u8)
 }
 
 /// Black to white.
-pub fn grey() -> Palette {
-    interpolate(GREY)
+pub fn grey(level: u8) -> Rgb {
+    [level; 3]
 }
 
 /// White to black.
-pub fn inverse_grey() -> Palette {
-    interpolate(INVERSE_GREY)
+pub fn inverse_grey(level: u8) -> Rgb {
+    [255 - level; 3]
 }
 
 /// Black over brown to yellow.
-pub fn gold() -> Palette {
-    interpolate(GOLD)
+pub fn gold(level: u8) -> Rgb {
+    ramp(GOLD, share(level))
 }
 
 /// Perceptually even.
-pub fn viridis() -> Palette {
-    interpolate(VIRIDIS)
+pub fn viridis(level: u8) -> Rgb {
+    ramp(VIRIDIS, share(level))
 }
 
-fn interpolate(stops: Stops) -> Palette {
-    std::array::from_fn(|index| {
-        let place = index as f32 / 255.0 * (stops.len() - 1) as f32;
-        let below = (place as usize).min(stops.len() - 2);
-        let share = place - below as f32;
-        std::array::from_fn(|channel| {
-            let [from, to] = [stops[below][channel], stops[below + 1][channel]].map(f32::from);
-            (from + (to - from) * share).round() as u8
-        })
-    })
+fn share(level: u8) -> f32 {
+    f32::from(level) / 255.0
+}
+
+/// The colours of all levels.
+pub fn palette(colour: fn(u8) -> Rgb) -> Palette {
+    std::array::from_fn(|level| colour(level as u8))
 }
 
 #[cfg(test)]
@@ -79,10 +73,10 @@ mod tests {
     #[test]
     fn stronger_echoes_are_brighter_in_every_map_but_the_inverse() {
         for (name, palette) in [
-            ("copper", copper()),
-            ("grey", grey()),
-            ("gold", gold()),
-            ("viridis", viridis()),
+            ("copper", palette(copper)),
+            ("grey", palette(grey)),
+            ("gold", palette(gold)),
+            ("viridis", palette(viridis)),
         ] {
             let rises = palette
                 .windows(2)
@@ -92,15 +86,15 @@ mod tests {
                 "{name}"
             );
         }
-        let mut inverse = inverse_grey();
+        let mut inverse = palette(inverse_grey);
         inverse.reverse();
-        assert_eq!(inverse, grey());
+        assert_eq!(inverse, palette(grey));
     }
 
     #[test]
     fn copper_is_that_of_matplotlib() {
         // matplotlib.colormaps["copper"](index, bytes=True), 3.8.
-        let copper = copper();
+        let copper = palette(copper);
         for (index, colour) in [
             (0, [0, 0, 0]),
             (64, [79, 50, 32]),

@@ -1,9 +1,11 @@
 //! Colours of depth, the same in the window, on the report's map and in the style of `depth.tif`: shallow light to deep dark, even to
 //! the eye.
 
+use super::{Rgb, ramp};
+
 /// cmocean's `deep` (Thyng et al. 2016) in steps of a tenth of the way from shallow to deep, as sRGB. It ends before the
 /// original's near-black, so that the deepest stays visible on a dark canvas.
-const DEEP: [[u8; 3]; 11] = [
+const DEEP: [Rgb; 11] = [
     [253, 253, 204],
     [206, 236, 179],
     [156, 219, 165],
@@ -28,17 +30,11 @@ pub fn depth_share(depth_m: f32, range_m: [f32; 2]) -> f32 {
 }
 
 /// sRGB colour of a share of the scale, 0 (shallow) to 1 (deep); grey for NaN.
-pub fn depth_colour(share: f32) -> [u8; 3] {
+pub fn depth_colour(share: f32) -> Rgb {
     if share.is_nan() {
         return [128, 128, 128];
     }
-    let position = share.clamp(0.0, 1.0) * (DEEP.len() - 1) as f32;
-    let below = (position as usize).min(DEEP.len() - 2);
-    let part = position - below as f32;
-    std::array::from_fn(|channel| {
-        let (a, b) = (DEEP[below][channel], DEEP[below + 1][channel]);
-        (f32::from(a) + part * (f32::from(b) - f32::from(a))).round() as u8
-    })
+    ramp(&DEEP, share)
 }
 
 #[cfg(test)]

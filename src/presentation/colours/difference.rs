@@ -1,8 +1,10 @@
 //! Colours of differences: blue below zero, red above, light grey where there is none.
 
+use super::{Rgb, ramp};
+
 /// Moreland's "cool to warm" (2009) at every sixteenth of the way, as sRGB: even to the eye, safe for the colour-blind, and its
 /// middle is neither that of a dark canvas nor that of a light one.
-const COOL_TO_WARM: [[u8; 3]; 17] = [
+const COOL_TO_WARM: [Rgb; 17] = [
     [59, 76, 192],
     [77, 104, 215],
     [98, 130, 234],
@@ -28,18 +30,12 @@ const LEAST_M: f64 = 0.01;
 const ROUND: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1 (highest).
-pub fn diverging_colour(share: f32) -> [u8; 3] {
-    let position = share.clamp(0.0, 1.0) * (COOL_TO_WARM.len() - 1) as f32;
-    let below = (position as usize).min(COOL_TO_WARM.len() - 2);
-    let part = position - below as f32;
-    std::array::from_fn(|channel| {
-        let [a, b] = [below, below + 1].map(|stop| f32::from(COOL_TO_WARM[stop][channel]));
-        (a + part * (b - a)).round() as u8
-    })
+pub fn difference_colour(share: f32) -> Rgb {
+    ramp(&COOL_TO_WARM, share)
 }
 
 /// A round end of a scale that reaches as far as a difference does, a centimetre at least, metres.
-pub fn diverging_reach_m(difference_m: f64) -> f64 {
+pub fn difference_reach_m(difference_m: f64) -> f64 {
     let wanted_m = difference_m.abs();
     if !(wanted_m.is_finite() && wanted_m > LEAST_M) {
         return LEAST_M;
@@ -71,7 +67,7 @@ mod tests {
     #[test]
     fn colours_are_those_of_matplotlib_s_coolwarm() {
         for (share, expected) in GOLDEN {
-            for (got, want) in diverging_colour(share).into_iter().zip(expected) {
+            for (got, want) in difference_colour(share).into_iter().zip(expected) {
                 assert!(got.abs_diff(want) <= 2, "{share}: {got} {want}");
             }
         }
@@ -90,7 +86,7 @@ mod tests {
             (9.0, 10.0),
             (37.0, 40.0),
         ] {
-            let found_m = diverging_reach_m(difference_m);
+            let found_m = difference_reach_m(difference_m);
             assert!(
                 (found_m - reach_m).abs() < 1e-12,
                 "{difference_m}: {found_m}"

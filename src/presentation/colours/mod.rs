@@ -1,0 +1,65 @@
+//! Tables of colours: of depths, of echoes, of differences, and of what else a raster holds.
+
+mod depth;
+mod difference;
+mod echo;
+
+pub use depth::{depth_colour, depth_share};
+pub use difference::{difference_colour, difference_reach_m};
+pub use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};
+
+/// Red, green and blue, sRGB.
+pub type Rgb = [u8; 3];
+
+/// ColorBrewer's `YlOrRd` in five classes (Brewer 2002).
+const YELLOW_TO_RED: [Rgb; 5] = [
+    [255, 255, 178],
+    [254, 204, 92],
+    [253, 141, 60],
+    [240, 59, 32],
+    [189, 0, 38],
+];
+/// ColorBrewer's `Purples` in five classes.
+const PURPLES: [Rgb; 5] = [
+    [242, 240, 247],
+    [203, 201, 226],
+    [158, 154, 200],
+    [117, 107, 177],
+    [84, 39, 143],
+];
+
+/// Colour of a share of a scale of uncertainty, 0 (lowest) to 1 (highest).
+pub fn uncertainty_colour(share: f32) -> Rgb {
+    ramp(&YELLOW_TO_RED, share)
+}
+
+/// Colour of a share of a scale of distance, 0 (near) to 1 (far).
+pub fn distance_colour(share: f32) -> Rgb {
+    ramp(&PURPLES, share)
+}
+
+/// The colour at a share, 0 to 1, of the way through colours at even distances, linear between them. There are two colours at least.
+fn ramp(colours: &[Rgb], share: f32) -> Rgb {
+    let position = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
+    let below = (position as usize).min(colours.len() - 2);
+    let part = position - below as f32;
+    std::array::from_fn(|channel| {
+        let [from, to] = [below, below + 1].map(|index| f32::from(colours[index][channel]));
+        (from + part * (to - from)).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_passes_its_colours_and_stays_within_its_ends() {
+        for (index, colour) in PURPLES.into_iter().enumerate() {
+            assert_eq!(distance_colour(index as f32 / 4.0), colour);
+        }
+        assert_eq!(uncertainty_colour(-1.0), YELLOW_TO_RED[0]);
+        assert_eq!(uncertainty_colour(7.0), YELLOW_TO_RED[4]);
+        assert_eq!(ramp(&[[0, 0, 0], [255, 255, 255]], 0.5), [128; 3]);
+    }
+}
