@@ -64,6 +64,15 @@ impl LocalFrame {
         }
     }
 
+    /// Direction of true north at a position, radians clockwise from the frame's north: 0 on the meridian of the origin, and
+    /// 0.3 degrees 20 km east of it at 60 degrees north.
+    pub fn true_north_rad(&self, position: LonLat) -> f64 {
+        let (sin_lon, cos_lon) = position.lon_deg.to_radians().sin_cos();
+        let (sin_lat, cos_lat) = position.lat_deg.to_radians().sin_cos();
+        let north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat];
+        dot(self.east, north).atan2(dot(self.north, north))
+    }
+
     /// How far the ellipsoid lies above (negative: below) the tangent plane at `offset` from the origin.
     ///
     /// In axes scaled to a unit sphere, `|centre + offset + u up| = 1` is a quadratic in `u`; `|centre| = 1` cancels, so

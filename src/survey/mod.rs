@@ -21,6 +21,7 @@ pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 
+use crate::geo::LocalFrame;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -244,6 +245,16 @@ impl Survey {
             || "survey".into(),
             |stem| stem.to_string_lossy().into_owned(),
         )
+    }
+
+    /// The same log in a frame that it shares with others: all logs of one survey lie in the frame of the first one's track, so
+    /// that places of one are places of all. The samples are shared, not copied.
+    #[must_use]
+    pub fn in_frame(self, frame: &LocalFrame) -> Self {
+        Self {
+            track: self.track.in_frame(frame),
+            ..self
+        }
     }
 
     /// First and last time over all channels, seconds after the log's time zero.

@@ -1,7 +1,7 @@
 //! Position and heading of every side-scan ping, from one of four sources.
 
 use super::fitted_track::{FittedTrack, Motion};
-use super::{Survey, Track};
+use super::{Fix, Survey, Track};
 use crate::geo::{LonLat, web_mercator, web_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ pub struct PingNav {
     pub east_m: f64,
     /// Metres north of the survey's origin, in the chosen projection; NaN without any fix.
     pub north_m: f64,
-    /// Radians clockwise from north; NaN when there is none.
+    /// Radians clockwise from the north of the plane; NaN when there is none.
     pub heading_rad: f64,
     /// Speed over ground, metres a second; NaN when unknown.
     pub speed_mps: f64,
@@ -259,13 +259,24 @@ impl Navigator<'_> {
 
     fn heading_rad(&self, motion: &Motion, recorded: Option<usize>) -> f64 {
         let fix = recorded.map(|index| &self.track.fixes[index]);
+        let in_plane = |recorded_rad: f32, fix: &Fix| {
+            f64::from(recorded_rad) + self.true_north_rad(fix.position)
+        };
         match (self.source, fix) {
             (HeadingSource::TrackFit, _) if motion.moving => {
                 motion.velocity[0].atan2(motion.velocity[1])
             }
-            (HeadingSource::Cog, Some(fix)) if motion.moving => f64::from(fix.cog_rad),
-            (HeadingSource::Compass, Some(fix)) => f64::from(fix.compass_rad),
+            (HeadingSource::Cog, Some(fix)) if motion.moving => in_plane(fix.cog_rad, fix),
+            (HeadingSource::Compass, Some(fix)) => in_plane(fix.compass_rad, fix),
             _ => f64::NAN,
+        }
+    }
+
+    /// Recorded headings count from true north, which is not the north of a plane whose origin lies kilometres east or west.
+    fn true_north_rad(&self, position: LonLat) -> f64 {
+        match self.projection {
+            Projection::Enu => self.track.frame.true_north_rad(position),
+            Projection::Mercator => 0.0,
         }
     }
 }

@@ -24,7 +24,8 @@ pub struct Fix {
 pub struct Track {
     /// One entry per record that carries a position, repeats included, in time order.
     pub fixes: Vec<Fix>,
-    /// Local frame with its origin at the first fix. All `east_m`, `north_m` of the survey are in it.
+    /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix, unless the log was put into the
+    /// frame of another ([`Track::in_frame`]).
     pub frame: LocalFrame,
     /// Whose track it is, when it is not the recorder's.
     pub external: Option<ExternalTrack>,
@@ -73,6 +74,63 @@ impl Track {
             fixes,
             frame: LocalFrame::new(origin),
             external: None,
+        }
+    }
+
+    /// The same track in a frame that it shares with other logs, so that all of them lie in one plane. Fixes are kept as longitude
+    /// and latitude, so nothing is lost.
+    ///
+    /// The plane touches the ellipsoid at its origin: lengths at a distance `d` from there are short by `d^2 / 2 R^2` radially, which
+    /// is 5 mm a kilometre at 20 km.
+    #[must_use]
+    pub fn in_frame(self, frame: &LocalFrame) -> Self {
+        Self {
+            frame: frame.clone(),
+            ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geo::distance_m;
+
+    #[test]
+    fn a_log_twenty_kilometres_off_keeps_its_lengths_to_a_few_millimetres_a_kilometre() {
+        let at = |lon_deg, lat_deg| LonLat { lon_deg, lat_deg };
+        let fix = |position| Fix {
+            time_s: 0.0,
+            position,
+            cog_rad: f32::NAN,
+            compass_rad: f32::NAN,
+            speed_mps: f32::NAN,
+        };
+        for lat_deg in [0.0, 29.41, 61.0] {
+            let frame = LocalFrame::new(at(-82.11, lat_deg));
+            // About 20 km away in eight directions, a line of 1 km in each of two.
+            for [east_km, north_km] in [
+                [20.0, 0.0],
+                [-20.0, 0.0],
+                [0.0, 20.0],
+                [0.0, -20.0],
+                [14.0, 14.0],
+            ] {
+                let there = frame.to_lon_lat(1e3 * east_km, 1e3 * north_km);
+                let own = Track::new(vec![fix(there)]);
+                assert_eq!(own.frame.to_enu(there), [0.0, 0.0]);
+                for [east_m, north_m] in [[1e3, 0.0], [0.0, 1e3]] {
+                    let end = own.frame.to_lon_lat(east_m, north_m);
+                    let shared = own.clone().in_frame(&frame).frame;
+                    let [a, b] = [there, end].map(|place| shared.to_enu(place));
+                    let length_m = (b[0] - a[0]).hypot(b[1] - a[1]);
+                    let off_m = length_m - distance_m(there, end);
+                    assert!(
+                        off_m.abs() < 0.006,
+                        "{lat_deg} {east_km} {north_km}: {off_m}"
+                    );
+                }
+            }
         }
     }
 }

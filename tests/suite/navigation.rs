@@ -154,6 +154,40 @@ fn a_boat_at_rest_has_no_heading_unless_it_has_a_compass() {
 }
 
 #[test]
+fn recorded_headings_fit_the_plane_of_a_log_that_lies_far_away() {
+    // A boat that goes north-east at 61 degrees north, 20 km east of the frame's origin, and says so.
+    let origin = LonLat {
+        lon_deg: 20.0,
+        lat_deg: 61.0,
+    };
+    let shared = LocalFrame::new(origin);
+    let own = LocalFrame::new(shared.to_lon_lat(20_000.0, 0.0));
+    let course_rad = f64::to_radians(45.0);
+    let fixes = (0..600).map(|index| {
+        let time_s = f64::from(index) / 10.0;
+        let along_m = 2.0 * time_s;
+        Fix {
+            time_s,
+            position: own.to_lon_lat(along_m * course_rad.sin(), along_m * course_rad.cos()),
+            cog_rad: course_rad as f32,
+            compass_rad: course_rad as f32,
+            speed_mps: 2.0,
+        }
+    });
+    let mut survey = sailed(60.0, 10.0, straight);
+    survey.track = Track::new(fixes.collect());
+    let survey = survey.in_frame(&shared);
+    let fitted = navigated(&survey, HeadingSource::TrackFit).pings[600];
+    // The meridians run together: 0.32 degrees in 20 km here.
+    assert!((off_deg(fitted.heading_rad, course_rad).abs() - 0.32).abs() < 0.02);
+    for source in [HeadingSource::Cog, HeadingSource::Compass] {
+        let recorded = navigated(&survey, source).pings[600];
+        let off = off_deg(recorded.heading_rad, fitted.heading_rad);
+        assert!(off.abs() < 0.01, "{source:?}: {off}");
+    }
+}
+
+#[test]
 fn nothing_is_fitted_across_lost_fixes() {
     let lost = |time_s: f64| (20.0..40.0).contains(&time_s);
     let survey = sailed(60.0, 10.0, |time_s| {
