@@ -1,6 +1,6 @@
 //! Runs the stages in order, keeps what is still valid, and tells what is stale.
 //!
-//! `settings` holds every setting and the two presets, `products` the stages and what they made, `engine` runs them on a
+//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the stages and what they made, `engine` runs them on a
 //! worker for the window. What `outputs` puts together is written here: `clouds` writes the files of points, `track` those of the
 //! boat's way, `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `detections`
 //! searches for objects and writes them, `agreement` tells how points differ from a reference, `record` is what lies beside
@@ -14,6 +14,7 @@ mod depth;
 mod detections;
 mod engine;
 mod lessons;
+mod log_settings;
 mod merged;
 mod mosaic;
 mod placing;
@@ -33,6 +34,9 @@ pub use clouds::{write_clouds, write_tables};
 pub use depth::{DepthChart, DepthWritten, NamedComparison, write_depth};
 pub use detections::{Proposed, proposed_rows, write_detections};
 pub use engine::{Engine, EngineStatus};
+pub use log_settings::{
+    LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
+};
 pub use merged::Merged;
 pub use mosaic::{MosaicWritten, mosaic_layout, write_mosaic};
 pub use placing::Placing;

@@ -1,0 +1,328 @@
+//! Settings of several logs: those that all share, and those that one log has for itself.
+//!
+//! A log's settings are the shared ones with its own keys over them ([`LogSettings::compose`]); the pipeline takes the result as it
+//! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
+
+use super::{Settings, SettingsError};
+use crate::cloud::correction::Gauge;
+use crate::first_return::BottomSettings;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use toml::{Table, Value};
+
+/// Settings by their dotted keys.
+pub type SettingValues = BTreeMap<String, Value>;
+
+/// Keys that belong to one log by their nature: a change of them never concerns another log.
+const OF_ONE_LOG: [&str; 6] = [
+    "calibration.pings",
+    "draft_m",
+    "track.file",
+    "track.offset_s",
+    "water_level.file",
+    "water_level_m",
+];
+/// Of these, the keys that say nothing about another log, so that they cannot be shared.
+const NEVER_SHARED: [&str; 3] = ["calibration.pings", "track.file", "track.offset_s"];
+/// The keys that have no value unless somebody gives one, beside those of [`OF_ONE_LOG`].
+const OPTIONAL: [&str; 5] = [
+    "detector.model",
+    "isobaths.interval_m",
+    "sound_speed.m_s",
+    "sound_speed.temperature_c",
+    "surface.cell_m",
+];
+/// Kept by itself: it is made of many strokes.
+const BOTTOM: &str = "bottom";
+
+/// Whether there is a setting of this key; the bottom edits are none.
+pub fn is_setting(key: &str) -> bool {
+    OPTIONAL.contains(&key)
+        || OF_ONE_LOG.contains(&key)
+        || setting_values(&Settings::default()).contains_key(key)
+}
+
+/// Whether a change of this key is one of a single log, not of all: draft, water level, track and its clock, flat spot.
+pub fn is_of_one_log(key: &str) -> bool {
+    OF_ONE_LOG.contains(&key)
+}
+
+/// All settings that have a value, by their keys, but for the bottom edits.
+pub fn setting_values(settings: &Settings) -> SettingValues {
+    // Settings are numbers, names and paths: all can be written, but for a path that is no text.
+    let mut table = Table::try_from(settings).unwrap_or_default();
+    table.remove(BOTTOM);
+    let mut values = SettingValues::new();
+    flatten("", table, &mut values);
+    values
+}
+
+fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
+    for (key, value) in table {
+        let key = match prefix {
+            "" => key,
+            prefix => format!("{prefix}.{key}"),
+        };
+        match value {
+            Value::Table(inner) => flatten(&key, inner, values),
+            value => {
+                values.insert(key, value);
+            }
+        }
+    }
+}
+
+/// Settings with the given values over them. What was loaded from a file stays where the file stays.
+///
+/// # Errors
+/// A sentence that names the key, when it is none or cannot have that value.
+pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settings, SettingsError> {
+    if values.is_empty() {
+        return Ok(settings.clone());
+    }
+    let mut table = Table::try_from(settings).map_err(|error| SettingsError(error.to_string()))?;
+    for (key, value) in values {
+        insert(&mut table, key, value.clone());
+    }
+    let mut made: Settings = table
+        .try_into()
+        .map_err(|error: toml::de::Error| SettingsError(in_one_line(&error)))?;
+    if made.water_level.file == settings.water_level.file {
+        made.water_level.gauge = settings.water_level.gauge.clone();
+    }
+    Ok(made)
+}
+
+fn insert(table: &mut Table, key: &str, value: Value) {
+    let Some((first, rest)) = key.split_once('.') else {
+        table.insert(key.to_owned(), value);
+        return;
+    };
+    let inner = table
+        .entry(first)
+        .or_insert_with(|| Value::Table(Table::new()));
+    if let Value::Table(inner) = inner {
+        insert(inner, rest, value);
+    }
+}
+
+fn in_one_line(error: &toml::de::Error) -> String {
+    error.to_string().lines().collect::<Vec<_>>().join(" ")
+}
+
+/// What is set for one log only.
+#[derive(Clone, Debug, Default)]
+pub struct LogSettings {
+    own: SettingValues,
+    /// The bottom edits of this log.
+    pub bottom: BottomSettings,
+    /// What its own `water_level.file` holds, once somebody has read it. It follows from the key, and is no difference by itself.
+    pub gauge: Option<Arc<Gauge>>,
+}
+
+impl PartialEq for LogSettings {
+    fn eq(&self, other: &Self) -> bool {
+        self.own == other.own && self.bottom == other.bottom
+    }
+}
+
+impl LogSettings {
+    /// The log's own values, by key.
+    pub fn own(&self) -> &SettingValues {
+        &self.own
+    }
+
+    /// Whether the log has its own value of a setting.
+    pub fn is_own(&self, key: &str) -> bool {
+        self.own.contains_key(key)
+    }
+
+    /// Gives the log its own value of a setting.
+    pub fn set(&mut self, key: &str, value: Value) {
+        self.own.insert(key.to_owned(), value);
+    }
+
+    /// Leaves a setting to what all logs share.
+    pub fn unset(&mut self, key: &str) {
+        self.own.remove(key);
+    }
+
+    /// The settings that the log is processed with: the shared ones, and its own over them. Its gauge is in them when
+    /// [`LogSettings::gauge`] is there; otherwise `water_level.load()` reads it.
+    ///
+    /// # Errors
+    /// A sentence that names the key, when an own value cannot be used.
+    pub fn compose(&self, shared: &Settings) -> Result<Settings, SettingsError> {
+        let mut settings = with_values(shared, &self.own)?;
+        if self.is_own("water_level.file") {
+            settings.water_level.gauge = self.gauge.clone();
+        }
+        settings.bottom = self.bottom.clone();
+        Ok(settings)
+    }
+
+    /// Shared settings and this log's own after the log's composed settings became `after`: what belongs to one log, and what was its
+    /// own already, stays with the log; every other change is one of the shared settings.
+    ///
+    /// # Errors
+    /// As [`LogSettings::compose`].
+    pub fn change(
+        &self,
+        shared: &Settings,
+        after: &Settings,
+    ) -> Result<(Settings, LogSettings), SettingsError> {
+        let (before, now) = (
+            setting_values(&self.compose(shared)?),
+            setting_values(after),
+        );
+        let mut own = self.clone();
+        let mut all = setting_values(shared);
+        let keys = before.keys().chain(now.keys());
+        for key in keys.filter(|key| before.get(*key) != now.get(*key)) {
+            let stays = is_of_one_log(key) || self.is_own(key);
+            let values = if stays { &mut own.own } else { &mut all };
+            match now.get(key) {
+                Some(value) => values.insert(key.clone(), value.clone()),
+                None => values.remove(key),
+            };
+        }
+        own.bottom = after.bottom.clone();
+        own.gauge = after.water_level.gauge.clone();
+        let mut changed = from_values(&all)?;
+        if changed.water_level.file == shared.water_level.file {
+            changed.water_level.gauge = shared.water_level.gauge.clone();
+        }
+        Ok((changed, own))
+    }
+
+    /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
+    /// when that changes nothing, or cannot be: a flat spot and a track say nothing about another log.
+    pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
+        if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
+            return None;
+        }
+        let mut changed = self.clone();
+        match own {
+            true => {
+                let value = setting_values(shared).remove(key)?;
+                changed.own.insert(key.to_owned(), value);
+            }
+            false => changed.unset(key),
+        }
+        Some(changed)
+    }
+}
+
+/// Settings that have these values and no other: an optional key that is missing has none.
+///
+/// # Errors
+/// A sentence that names the key, when it is none or cannot have that value.
+pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
+    with_values(&Settings::default(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::first_return::HandLine;
+    use crate::pipeline::Preset;
+    use crate::survey::Side;
+
+    fn settings(assignments: &[&str]) -> Settings {
+        let apply = |settings: Settings, text: &&str| settings.with_assignment(text);
+        let made = assignments.iter().try_fold(Settings::default(), apply);
+        made.expect("settings")
+    }
+
+    /// Where a field is missing here, an older project would lose it without a word: serde's own list of the fields is the oracle.
+    #[test]
+    fn every_setting_is_known_by_its_key() {
+        let table = Table::try_from(Settings::default()).expect("a table");
+        let mut tables = vec![String::new()];
+        tables.extend(
+            table
+                .iter()
+                .filter(|(_, value)| value.is_table())
+                .map(|(key, _)| format!("{key}.")),
+        );
+        for prefix in tables {
+            let error = Settings::default()
+                .with_assignment(&format!("{prefix}no_such_key=1"))
+                .expect_err("no setting");
+            let text = error.0.split_once("expected").map_or("", |(_, list)| list);
+            let fields: Vec<&str> = text.split('`').skip(1).step_by(2).collect();
+            assert!(!fields.is_empty(), "{error}");
+            for field in fields {
+                let key = format!("{prefix}{field}");
+                let is_table = table.get(&key).is_some_and(Value::is_table) || key == BOTTOM;
+                assert!(is_table || is_setting(&key), "{key}");
+            }
+        }
+        assert!(!is_setting("no_such_key") && !is_setting("bottom.lines"));
+    }
+
+    #[test]
+    fn a_change_goes_to_the_log_or_to_all_by_what_it_belongs_to() {
+        let shared = Settings::preset(Preset::Recommended);
+        let mut own = LogSettings::default();
+        own.set("first_return.threshold", Value::Float(0.4));
+        let before = own.compose(&shared).expect("settings");
+        assert_eq!(before.first_return.threshold, 0.4);
+        let mut after = before.clone();
+        after.draft_m = 0.25;
+        after.first_return.threshold = 0.5;
+        after.outliers.min_neighbors = 3;
+        after.surface.cell_m = Some(0.5);
+        after.bottom.lines.push(HandLine {
+            side: Side::Port,
+            pings: [1, 2],
+            corners: Vec::new(),
+        });
+        let (all, one) = own.change(&shared, &after).expect("settings");
+        assert_eq!(one.compose(&all).expect("settings"), after);
+        assert_eq!(
+            one.own().keys().collect::<Vec<_>>(),
+            ["draft_m", "first_return.threshold"]
+        );
+        assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));
+        assert_eq!(all.surface.cell_m, Some(0.5));
+        assert_eq!(all.first_return.threshold, shared.first_return.threshold);
+        assert!(all.bottom.is_empty());
+        // Back to no value.
+        let mut back = after.clone();
+        back.surface.cell_m = None;
+        let (all, _) = one.change(&all, &back).expect("settings");
+        assert_eq!(all.surface.cell_m, None);
+    }
+
+    #[test]
+    fn a_setting_is_made_a_logs_own_and_left_to_all_again() {
+        let shared = settings(&["outliers.min_neighbors=7", "draft_m=0.3"]);
+        let none = LogSettings::default();
+        let own = none.owning(&shared, "outliers.min_neighbors", true);
+        let own = own.expect("a change");
+        assert!(own.is_own("outliers.min_neighbors"));
+        let changed = settings(&["outliers.min_neighbors=9", "draft_m=0.3"]);
+        assert_eq!(
+            own.compose(&changed)
+                .expect("settings")
+                .outliers
+                .min_neighbors,
+            7
+        );
+        assert_eq!(own.owning(&shared, "outliers.min_neighbors", true), None);
+        let back = own.owning(&shared, "outliers.min_neighbors", false);
+        assert_eq!(back, Some(none.clone()));
+        let mut tracked = none;
+        tracked.set("track.offset_s", Value::Float(2.0));
+        assert_eq!(tracked.owning(&shared, "track.offset_s", false), None);
+    }
+
+    #[test]
+    fn an_own_value_that_cannot_be_is_named() {
+        let mut own = LogSettings::default();
+        own.set("cloud.geometry", Value::String("flat".to_owned()));
+        let error = own.compose(&Settings::default()).expect_err("no geometry");
+        assert!(error.0.contains("flat"), "{error}");
+    }
+}
