@@ -11,7 +11,7 @@
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map.
-//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, contained, printable and system_words serve them all.
+//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, contained, printable, regular_file and system_words serve them all.
 //! ```
 //!
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared
@@ -38,6 +38,7 @@ pub mod pipeline;
 pub mod presentation;
 mod printable;
 pub mod progress;
+mod regular_file;
 pub mod render;
 pub mod simulation;
 mod statistics;

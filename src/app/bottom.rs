@@ -5,6 +5,7 @@ use super::{App, Mark};
 use crate::export;
 use crate::first_return::{BottomSettings, HandLine};
 use crate::pipeline::Settings;
+use crate::regular_file;
 use crate::survey::{Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -227,15 +228,11 @@ pub(super) type ReadBottom = Result<BottomSettings, String>;
 /// Reads what was drawn on a log of so many pings, if anything was.
 pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
     let path = log.with_extension(BottomSettings::BESIDE);
-    let length = fs::metadata(&path)
-        .ok()
-        .filter(|found| found.is_file())?
-        .len();
+    if !path.is_file() {
+        return None;
+    }
     let parsed = || -> Result<BottomSettings, String> {
-        if length > LONGEST {
-            return Err("it is longer than 64 MiB".to_owned());
-        }
-        let text = fs::read_to_string(&path).map_err(|error| error.to_string())?;
+        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
         let kept: Kept = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
         kept.bottom.check().map_err(str::to_owned)?;
         kept.bottom.beside(survey)

@@ -9,8 +9,8 @@ use crate::cloud::correction::{Gauge, WaterLevelSettings};
 use crate::formats::TrackFile;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
+use crate::regular_file;
 use crate::survey::{Survey, TrackSettings, TracksApart};
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -203,7 +203,7 @@ fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
 /// What the columns of a table tell: levels are a gauge's; times and places without a depth are a track, as is all GPX.
 fn told_by(path: &Path) -> Option<Instrument> {
     let mut beginning = Vec::new();
-    let opened = File::open(path);
+    let opened = regular_file::open(path);
     opened
         .and_then(|file| file.take(1 << 16).read_to_end(&mut beginning))
         .ok();

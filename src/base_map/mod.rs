@@ -16,10 +16,10 @@ pub use place::Place;
 use crate::contained::contained;
 use crate::geo::LonLat;
 use crate::progress::Progress;
+use crate::regular_file;
 use blocks::Blocks;
 use colours::Coding;
 use palettes::AsGrey;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use tiff::decoder::{Decoder, Limits};
@@ -118,7 +118,7 @@ pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, String> {
 }
 
 fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, String> {
-    let file = File::open(path).map_err(unusable)?;
+    let file = regular_file::open(path).map_err(unusable)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
     // Places and lengths of a million blocks.

@@ -10,7 +10,6 @@ mod filter;
 mod folders;
 mod found;
 mod info;
-mod input;
 mod many;
 mod output;
 mod process;
@@ -29,6 +28,9 @@ use crate::contained::reported;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// Bytes of a text that the user names, settings or a scene: longer than any.
+const LONGEST_TEXT: u64 = 1 << 20;
 
 /// Depth maps and 3D clouds from the logs of low-cost side-scan fish-finders.
 #[derive(Debug, Parser)]

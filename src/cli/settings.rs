@@ -1,12 +1,13 @@
 //! The settings that a command works with, and logs opened and processed as they ask.
 
 use super::status_line::StatusLine;
-use super::{input, output};
+use super::{LONGEST_TEXT, output};
 use crate::cloud::Correction;
 use crate::first_return::BottomSettings;
 use crate::formats::{self, TrackFile};
 use crate::pipeline::{self, Preset, Products, Settings};
 use crate::progress::Progress;
+use crate::regular_file;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,7 @@ impl SettingsArgs {
     pub fn resolve(&self) -> Result<Settings, String> {
         let mut settings = Settings::preset(self.preset);
         for path in &self.settings {
-            let text = input::text(path).map_err(|error| {
+            let text = regular_file::read_text(path, LONGEST_TEXT).map_err(|error| {
                 format!("cannot read the settings: {error}: {}", path.display())
             })?;
             settings = settings

@@ -2,9 +2,10 @@
 
 use super::dataset::{self, DatasetArgs};
 use super::status_line::StatusLine;
-use super::{input, output};
+use super::{LONGEST_TEXT, output};
 use crate::export::write_aside;
 use crate::progress::Progress;
+use crate::regular_file;
 use crate::simulation::{Scene, Simulated, simulate};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -81,7 +82,7 @@ fn check_prefix(prefix: &Path) -> Result<(), String> {
 }
 
 fn read_scene(path: &Path) -> Result<Scene, String> {
-    let text = input::text(path)
+    let text = regular_file::read_text(path, LONGEST_TEXT)
         .map_err(|error| format!("cannot read the scene: {error}: {}", path.display()))?;
     Scene::from_toml(&text)
         .map_err(|error| format!("cannot use the scene: {error}: {}", path.display()))

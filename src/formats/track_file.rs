@@ -4,6 +4,7 @@ use super::stray::drop_stray;
 use crate::calendar::unix_from_text;
 use crate::geo::LonLat;
 use crate::progress::Progress;
+use crate::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
 use std::path::Path;
 use std::sync::Arc;
@@ -34,8 +35,8 @@ impl TrackFile {
     /// The error is one sentence, the path last.
     pub fn read(path: &Path) -> Result<Self, String> {
         let fail = |what: String| format!("{what}: {}", path.display());
-        let bytes =
-            contents(path).map_err(|error| fail(format!("cannot read the track: {error}")))?;
+        let bytes = regular_file::read(path, LONGEST)
+            .map_err(|error| fail(format!("cannot read the track: {error}")))?;
         let text = std::str::from_utf8(&bytes)
             .map_err(|_| fail("the track is neither CSV nor GPX".to_owned()))?;
         let gpx = text
@@ -138,17 +139,6 @@ pub fn open_with_track(
         track.lay_over(&mut survey, offset_s)?;
     }
     Ok(survey)
-}
-
-fn contents(path: &Path) -> std::io::Result<Vec<u8>> {
-    let found = std::fs::metadata(path)?;
-    if !found.is_file() {
-        return Err(std::io::Error::other("it is not a file"));
-    }
-    if found.len() > LONGEST {
-        return Err(std::io::Error::other("it is longer than 2 GiB"));
-    }
-    std::fs::read(path)
 }
 
 type Fixes = Result<Vec<(f64, LonLat, f32)>, String>;

@@ -5,10 +5,10 @@ use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{Residuals, TrackShare, residuals};
 use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
+use crate::regular_file;
 use crate::survey::{Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
@@ -380,7 +380,7 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
 /// A file that is no log; the error is one sentence.
 pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, String> {
     let fail = |error: io::Error| format!("cannot read the file: {error}: {}", path.display());
-    let mut file = File::open(path).map_err(fail)?;
+    let mut file = regular_file::open(path).map_err(fail)?;
     progress.start(file.metadata().map_err(fail)?.len());
     let (mut hash, mut bytes) = (Sha256::new(), 0);
     let mut chunk = vec![0; CHUNK];

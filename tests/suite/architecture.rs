@@ -111,11 +111,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any room may name.
-const SERVE_ALL: [&str; 6] = [
+const SERVE_ALL: [&str; 7] = [
     "calendar.rs",
     "contained.rs",
     "printable.rs",
     "progress.rs",
+    "regular_file.rs",
     "statistics.rs",
     "system_words.rs",
 ];

@@ -162,7 +162,7 @@ fn missing_companions_are_named() {
     let told = refusal(&folder.path().join("none.onnx"));
     assert!(told.contains("cannot be read"), "{told}");
     let told = refusal(folder.path());
-    assert!(told.contains("it is no file"), "{told}");
+    assert!(told.contains("it is a folder"), "{told}");
 }
 
 #[test]

@@ -2,9 +2,8 @@
 
 use super::LEVELS_M;
 use crate::calendar::unix_from_text;
+use crate::regular_file;
 use sha2::{Digest as _, Sha256};
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Longer than the readings of a survey: one a second of a year take as much.
@@ -30,7 +29,7 @@ impl Gauge {
     /// The error is one sentence, the path last.
     pub fn read(path: &Path) -> Result<Self, String> {
         let fail = |what: String| format!("{what}: {}", path.display());
-        let bytes = contents(path)
+        let bytes = regular_file::read(path, LONGEST)
             .map_err(|error| fail(format!("cannot read the water levels: {error}")))?;
         let readings = parse(&bytes).map_err(fail)?;
         let hash = Sha256::digest(&bytes);
@@ -64,19 +63,6 @@ impl Gauge {
             _ => from_m,
         }
     }
-}
-
-fn contents(path: &Path) -> std::io::Result<Vec<u8>> {
-    let found = std::fs::metadata(path)?;
-    if !found.is_file() {
-        return Err(std::io::Error::other("it is not a file"));
-    }
-    if found.len() > LONGEST {
-        return Err(std::io::Error::other("it is longer than 1 GiB"));
-    }
-    let mut bytes = Vec::new();
-    File::open(path)?.take(LONGEST).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 /// Unix seconds and metres of every line.

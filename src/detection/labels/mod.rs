@@ -11,9 +11,10 @@ mod yolo;
 pub use pairing::{Paired, pair};
 
 use super::Rect;
+use crate::regular_file;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Label files that cannot be used, in one sentence.
@@ -186,19 +187,13 @@ fn find(path: &Path) -> Result<Found, LabelError> {
 
 /// The text of a file of at most `longest` bytes.
 fn text(path: &Path, longest: u64) -> Result<String, LabelError> {
-    let refuse =
-        |error: io::Error| LabelError::new(format!("cannot read the labels: {error}"), path);
-    if !fs::metadata(path).map_err(refuse)?.is_file() {
-        return Err(LabelError::new("the labels are not in a file", path));
-    }
-    let mut text = String::new();
-    let file = File::open(path).map_err(refuse)?;
-    file.take(longest + 1)
-        .read_to_string(&mut text)
-        .map_err(refuse)?;
-    if text.len() as u64 > longest {
-        let what = format!("labels longer than {} MiB are not read", longest >> 20);
-        return Err(LabelError::new(what, path));
-    }
-    Ok(text)
+    regular_file::read_text(path, longest).map_err(|error| {
+        let what = match error.kind() {
+            ErrorKind::FileTooLarge => {
+                format!("labels longer than {} MiB are not read", longest >> 20)
+            }
+            _ => format!("cannot read the labels: {error}"),
+        };
+        LabelError::new(what, path)
+    })
 }

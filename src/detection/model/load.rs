@@ -9,8 +9,8 @@ use super::sidecar::{Colour, FamilyName, LevelEntry, LookEntry, Resize, Sidecar}
 use super::{Inference, Model, Output, Unusable, tract};
 use crate::detection::Nms;
 use crate::printable::one_line;
-use std::fs::File;
-use std::io::{self, Read as _};
+use crate::regular_file;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,28 +31,18 @@ const USUAL_INPUT: usize = 416;
 
 /// Loads the file and its sidecar.
 pub fn from_path(path: &Path) -> Result<Model, Unusable> {
-    let bytes = read(path, LARGEST_MIB << 20)?.ok_or(Unusable::TooLarge(LARGEST_MIB))?;
+    let bytes =
+        regular_file::read(path, LARGEST_MIB << 20).map_err(|error| match error.kind() {
+            ErrorKind::FileTooLarge => Unusable::TooLarge(LARGEST_MIB),
+            _ => error.into(),
+        })?;
     let beside = path.with_extension("json");
-    let sidecar = match read(&beside, LARGEST_SIDECAR) {
-        Ok(Some(bytes)) => Some(
-            String::from_utf8(bytes).map_err(|_| Unusable::Sidecar("it is no text".to_owned()))?,
-        ),
-        Ok(None) => return Err(Unusable::Sidecar("it is larger than 1 MiB".to_owned())),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+    let sidecar = match regular_file::read_text(&beside, LARGEST_SIDECAR) {
+        Ok(text) => Some(text),
+        Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) => return Err(Unusable::Sidecar(error.to_string())),
     };
     from_bytes(bytes, sidecar.as_deref(), path.parent())
-}
-
-/// The file's bytes; `None` where there are more than `most`. A pipe or a device, which may never end, is refused.
-fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
-    let found = std::fs::metadata(path)?;
-    if !found.is_file() {
-        return Err(io::Error::other("it is no file"));
-    }
-    let mut bytes = Vec::new();
-    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    Ok((bytes.len() as u64 <= most).then_some(bytes))
 }
 
 /// What a file was found to be, before its first run.

@@ -2,11 +2,10 @@
 
 use super::{BoxId, Review, Reviewed, State, held};
 use crate::detection::Mark;
+use crate::regular_file;
 use crate::survey::{Identity, Side};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -35,16 +34,7 @@ pub struct ReviewError(String);
 pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
     let cannot =
         |why: String| ReviewError(format!("cannot read the {what}: {why}: {}", path.display()));
-    let mut text = String::new();
-    let file = File::open(path).map_err(|error| cannot(error.to_string()))?;
-    // One byte more than allowed tells a file that is too large from one that just fits.
-    file.take(LARGEST_FILE + 1)
-        .read_to_string(&mut text)
-        .map_err(|error| cannot(error.to_string()))?;
-    if text.len() as u64 > LARGEST_FILE {
-        return Err(cannot("the file is too large for that".to_owned()));
-    }
-    Ok(text)
+    regular_file::read_text(path, LARGEST_FILE).map_err(|error| cannot(error.to_string()))
 }
 
 #[derive(Serialize, Deserialize)]

@@ -1,9 +1,7 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{KNOWN_NAMES, Wanted};
-use super::{
-    PointFile, PointFileError, check_regular, geojson_file, raster_file, read_wanted, split_columns,
-};
+use super::{PointFile, PointFileError, geojson_file, raster_file, read_wanted, split_columns};
 use crate::geo::UtmZone;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -137,7 +135,6 @@ fn of_raster(
     names: Option<&[String; 3]>,
     downwards: bool,
 ) -> Result<Elevations, String> {
-    check_regular(path).map_err(|error| format!("cannot read the raster: {error}"))?;
     if names.is_some_and(|names| names != &["x", "y", "z"]) {
         return Err("the coordinates of a GeoTIFF are always x, y and z".to_owned());
     }
@@ -159,7 +156,6 @@ fn of_geojson(
     names: Option<&[String; 3]>,
     downwards: bool,
 ) -> Result<Elevations, String> {
-    check_regular(path).map_err(|error| format!("cannot read the points: {error}"))?;
     let found = geojson_file::read(path, names.map(|[_, _, height]| height.as_str()))?;
     Ok(Elevations {
         path: path.to_owned(),

@@ -1,6 +1,8 @@
 //! Points of a GeoJSON file (RFC 7946): longitude, latitude, and a height from the third coordinate or a property.
 
+use crate::regular_file;
 use serde_json::Value;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Properties that are taken for a height when the user names none and a point has no third coordinate; true for depths.
@@ -27,11 +29,12 @@ pub(super) struct GeoJsonPoints {
 /// Reads the points; `height` names the property that the height is taken from. Where it is none, depths are turned. The error is
 /// a sentence without the path.
 pub(super) fn read(path: &Path, height: Option<&str>) -> Result<GeoJsonPoints, String> {
-    let cannot = |error: std::io::Error| format!("cannot read the points: {error}");
-    if std::fs::metadata(path).map_err(cannot)?.len() > LONGEST {
-        return Err("the GeoJSON is longer than 1 GiB; write the points as CSV".to_owned());
-    }
-    let text = std::fs::read(path).map_err(cannot)?;
+    let text = regular_file::read(path, LONGEST).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            "the GeoJSON is longer than 1 GiB; write the points as CSV".to_owned()
+        }
+        _ => format!("cannot read the points: {error}"),
+    })?;
     let root: Value = serde_json::from_slice(&text)
         .map_err(|error| format!("the points are no GeoJSON: {error}"))?;
     let features = root["features"]

@@ -1,5 +1,6 @@
 //! What a LAS header claims, held against the size of the file before the las crate allocates by it.
 
+use crate::regular_file;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -23,7 +24,7 @@ const LAYERED: u16 = 3;
 /// Refuses a file whose header claims an extended record, a table of LAZ chunks, or layers of such a chunk, larger than the file: all
 /// are allocated before they are read.
 pub(super) fn check(path: &Path) -> io::Result<()> {
-    let mut file = File::open(path)?;
+    let mut file = regular_file::open(path)?;
     let len = file.metadata()?.len();
     let mut at = |offset: u64| Field::at(&mut file, offset);
     if at(94)?.u16() >= HEADER_14 && at(243)?.u32() > 0 {

@@ -18,8 +18,7 @@ use super::write_aside;
 use las_file::LasFile;
 use ply_file::PlyFile;
 use std::ffi::OsStr;
-use std::fs;
-use std::io::{self, BufWriter, Write as _};
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use text_file::{KNOWN_NAMES, TextFile, Wanted};
 
@@ -140,7 +139,6 @@ fn read_wanted(path: &Path, wanted: Wanted<'_>) -> Result<PointFile, PointFileEr
 }
 
 fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, String> {
-    check_regular(path).map_err(|error| format!("cannot read the points: {error}"))?;
     let named_otherwise = wanted.named.is_some_and(|names| names != &["x", "y", "z"]);
     if kind != Kind::Text && named_otherwise {
         return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
@@ -175,19 +173,6 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
             }
         }
     })
-}
-
-/// A pipe may never begin and a device never end: neither is opened.
-fn check_regular(path: &Path) -> io::Result<()> {
-    let found = fs::metadata(path)?;
-    if found.is_dir() {
-        return Err(io::Error::other("it is a folder, and a file is expected"));
-    }
-    if found.is_file() {
-        Ok(())
-    } else {
-        Err(io::Error::other("it is a pipe or a device, not a file"))
-    }
 }
 
 impl PointFile {

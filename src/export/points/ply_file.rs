@@ -1,6 +1,7 @@
 //! Points in PLY: text, little-endian and big-endian.
 
-use std::fs::{self, File};
+use crate::regular_file;
+use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::ops::Range;
 use std::path::Path;
@@ -86,7 +87,8 @@ struct Layout {
 
 /// Reads the vertices; they must be the first element and hold only scalars.
 pub(super) fn read(path: &Path) -> Result<(PlyFile, Vec<[f64; 3]>), String> {
-    let bytes = fs::read(path).map_err(|error| format!("cannot read the points: {error}"))?;
+    let bytes = regular_file::read(path, u64::MAX)
+        .map_err(|error| format!("cannot read the points: {error}"))?;
     let layout = Layout::parse(&bytes)?;
     let axes =
         ["x", "y", "z"].map(|axis| layout.properties.iter().position(|(name, _)| name == axis));

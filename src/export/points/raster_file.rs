@@ -3,6 +3,7 @@
 use super::elevations::Plane;
 use crate::contained::contained;
 use crate::export::geotiff;
+use crate::regular_file;
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
@@ -47,7 +48,7 @@ fn unusable(error: impl std::fmt::Display) -> String {
 }
 
 fn read_open(path: &Path) -> Result<RasterPoints, String> {
-    let file = File::open(path).map_err(unusable)?;
+    let file = regular_file::open(path).map_err(unusable)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = LARGEST_BLOCK;
     let decoder = Decoder::new(BufReader::new(file)).map_err(unusable)?;

@@ -1,7 +1,8 @@
 //! Points in lines of text: xyz, csv, txt.
 
 use crate::printable::one_line;
-use std::fs::{self, File};
+use crate::regular_file;
+use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
@@ -42,9 +43,8 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
 /// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line the first three columns
 /// are x, y, z. Lines that begin with `#` or `//` are comments.
 pub(super) fn read(path: &Path, wanted: Wanted<'_>) -> Result<(TextFile, Vec<[f64; 3]>), String> {
-    let bytes = fs::read(path).map_err(|error| format!("cannot read the points: {error}"))?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| "the points are not text in UTF-8".to_owned())?;
+    let text = regular_file::read_text(path, u64::MAX)
+        .map_err(|error| format!("cannot read the points: {error}"))?;
     let mut file = TextFile {
         preamble: Vec::new(),
         lines: Vec::new(),
