@@ -34,7 +34,12 @@ macro_rules! actions {
 }
 
 actions! {
-    Open, "Open survey…", Some("Ctrl+O"), "Opens a log: SL2, SL3, Humminbird DAT or SON, XTF.";
+    Open, "Open survey…", Some("Ctrl+O"), "Opens one log or several as one survey: SL2, SL3, Humminbird DAT or SON, XTF.";
+    AddLog, "Add survey…", Some("Ctrl+Shift+O"), "Opens a log beside those that are open: one map, one cloud, one set of products.";
+    CloseLog, "Close this log", Some("Ctrl+W"), "Closes the log that the waterfall shows; the other logs stay open.";
+    NextLog, "Next log", Some("Ctrl+PageDown"), "Shows the next log of the list in waterfall, profile and panels.";
+    PreviousLog, "Previous log", Some("Ctrl+PageUp"), "Shows the log before it in the list.";
+    OpenFolder, "Open folder…", None, "Opens all logs of a folder as one survey.";
     OpenPath, "Open path…", Some("Ctrl+Shift+P"), "Opens a log by its path: file or folder.";
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";

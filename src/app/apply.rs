@@ -1,16 +1,15 @@
 //! What each command does to the state.
 
 use super::external::Instrument;
-use super::reviewing::Step;
+use super::loader::Place;
 use super::{
-    Action, App, Command, FigureKind, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
-    ThemeChoice, Tool,
+    Action, App, Command, FigureKind, LogId, MapLayer, Mark, Orientation, Origin, Reveal,
+    SideColours, ThemeChoice, Tool,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
-use crate::pipeline::{Preset, Settings};
-use std::path::PathBuf;
+use crate::pipeline::{LogSettings, Preset, Settings};
 use std::sync::Arc;
 
 impl App {
@@ -19,7 +18,19 @@ impl App {
         match command {
             Command::Do(action) => self.act(action),
             Command::Open(path) => self.start_loading(Origin::Path(path)),
-            Command::OpenFirst(paths) => self.open_first(paths),
+            Command::OpenAll(paths) => {
+                self.load(paths.into_iter().map(Origin::Path), Place::Instead);
+            }
+            Command::Add(paths) => {
+                let place = Place::Beside { shown: true };
+                self.load(paths.into_iter().map(Origin::Path), place);
+            }
+            Command::ShowLog(id) => self.show_log(id),
+            Command::CloseLog(id) => self.close_log(id),
+            Command::MoveLog(id, by) => self.move_log(id, by),
+            Command::SetLogVisible(id, is_visible) => self.set_log_visible(id, is_visible),
+            Command::RevealIn(id, mark) => self.reveal_in(id, mark),
+            Command::SetOwn { key, own } => self.set_own_key(&key, own),
             Command::OpenDemo => self.start_loading(Origin::Demo),
             Command::Change {
                 settings,
@@ -72,54 +83,71 @@ impl App {
         }
     }
 
-    fn open_first(&mut self, paths: Vec<PathBuf>) {
-        let count = paths.len();
-        let mut paths = paths.into_iter();
-        let Some(first) = paths.next() else {
-            return;
-        };
-        if count > 1 {
-            let text = format!(
-                "{count} logs were given and one is open at a time; the others are under File > Recent. Opening {}",
-                first.display()
-            );
-            self.tell(text, false);
-        }
-        // The newest stands on top: the list reads in the order given.
-        for path in paths.rev() {
-            self.remember(path);
-        }
-        self.start_loading(Origin::Path(first));
-    }
-
     pub(super) fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
         let allowed = settings.check().map_err(|error| error.to_string());
         let allowed = allowed.and_then(|()| self.follow_track(&settings.track));
-        if let Err(text) = allowed {
-            // A drag would say it over and over.
-            if self.notices.last().is_none_or(|last| last.text != text) {
-                self.tell(text, true);
+        let parts = allowed.and_then(|()| {
+            let parts = self.log.own.change(&self.shared, &settings);
+            parts.map_err(|error| error.to_string())
+        });
+        let (shared, own) = match parts {
+            Ok(parts) => parts,
+            Err(text) => {
+                // A drag would say it over and over.
+                if self.notices.last().is_none_or(|last| last.text != text) {
+                    self.tell(text, true);
+                }
+                return;
             }
-            return;
-        }
-        let before = self.step_now();
-        let settings = Arc::new(settings);
-        let after = Step {
-            settings: settings.clone(),
-            ..before.clone()
         };
+        let before = self.step_now();
+        if shared != *self.shared {
+            self.shared = Arc::new(shared);
+        }
+        let own = match own == *self.log.own {
+            true => self.log.own.clone(),
+            false => Arc::new(own),
+        };
+        self.log.own = own.clone();
+        let after = self.step_now();
         self.history.record(&before, &after, label, live);
-        self.set(settings, live);
+        self.set_own(own, live);
+        if !live {
+            self.share_settings();
+        }
     }
 
-    pub(super) fn set(&mut self, settings: Arc<Settings>, live: bool) {
-        let changed = settings != self.log.settings;
+    /// Gives a log its own settings over the shared ones.
+    pub(super) fn set_own(&mut self, own: Arc<LogSettings>, live: bool) {
+        self.log.own = own;
+        match self.log.own.compose(&self.shared) {
+            Ok(settings) => self.set(settings, live),
+            Err(error) => self.tell(error.to_string(), true),
+        }
+    }
+
+    /// Has all other logs follow the shared settings.
+    fn share_settings(&mut self) {
+        let shown = self.log.id;
+        let others: Vec<LogId> = self.logs().map(|log| log.id).collect();
+        for id in others.into_iter().filter(|id| *id != shown) {
+            self.with_log(id, |app| app.set_own(app.log.own.clone(), false));
+        }
+    }
+
+    fn set(&mut self, settings: Settings, live: bool) {
         if let Err(text) = self.follow_track(&settings.track) {
             return self.tell(text, true);
         }
-        self.log.settings = settings;
+        let changed = settings != *self.log.settings;
+        if changed {
+            self.log.settings = Arc::new(settings);
+        }
         if !live {
             self.keep_bottom();
+        }
+        if !self.is_shown() {
+            return self.schedule();
         }
         let same_returns = self.log.products.as_ref().is_some_and(|products| {
             products.settings.first_return == self.log.settings.first_return
@@ -131,7 +159,27 @@ impl App {
         // The search over the whole log waits until the slider is let go; all later stages follow the drag.
         if same_returns && changed || !live && self.stale().is_some() {
             self.process();
+        } else if live && changed {
+            self.is_waiting = true;
         }
+    }
+
+    /// Makes a setting one of the shown log alone, or one that all share again, as an undo step.
+    fn set_own_key(&mut self, key: &str, own: bool) {
+        let Some(owning) = self.log.own.owning(&self.shared, key, own) else {
+            return;
+        };
+        let before = self.step_now();
+        let owning = Arc::new(owning);
+        self.log.own = owning.clone();
+        let after = self.step_now();
+        let label = if own {
+            "setting of one log"
+        } else {
+            "setting of all logs"
+        };
+        self.history.record(&before, &after, label, false);
+        self.set_own(owning, false);
     }
 
     fn use_preset(&mut self, preset: Preset) {
@@ -165,6 +213,9 @@ impl App {
                 }
             }
             Action::Update => self.update(),
+            Action::NextLog => self.step_log(1),
+            Action::PreviousLog => self.step_log(-1),
+            Action::CloseLog => self.close_log(self.log.id),
             Action::Cancel => {
                 self.cancel();
             }
@@ -271,9 +322,7 @@ impl App {
 
     fn update(&mut self) {
         self.tabulating.resume();
-        if self.log.products.is_none() || self.stale().is_some() {
-            self.process();
-        }
+        self.process();
     }
 
     fn step(&mut self, pings: isize) {

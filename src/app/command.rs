@@ -1,8 +1,8 @@
 //! Everything the window can ask for.
 
 use super::{
-    Action, BottomStroke, LayoutPreset, Mark, Measure, MistakeSort, Nudge, ReferenceBy, View,
-    ViewOptions,
+    Action, BottomStroke, LayoutPreset, LogId, Mark, Measure, MistakeSort, Nudge, ReferenceBy,
+    View, ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
@@ -19,8 +19,27 @@ pub enum Command {
     Do(Action),
     /// Open a log.
     Open(PathBuf),
-    /// Open the first of several logs; the others are kept at hand among the recent ones.
-    OpenFirst(Vec<PathBuf>),
+    /// Open several logs in the place of those that are open; the first of them is shown.
+    OpenAll(Vec<PathBuf>),
+    /// Open these beside the logs that are open; the first of them is shown.
+    Add(Vec<PathBuf>),
+    /// Show another of the open logs in waterfall, profile and panels.
+    ShowLog(LogId),
+    /// Close a log.
+    CloseLog(LogId),
+    /// Move a log down the list by so many places, or up.
+    MoveLog(LogId, isize),
+    /// Let a log take part in maps, clouds and products, or leave it out.
+    SetLogVisible(LogId, bool),
+    /// Show a log, and a place of it in all views.
+    RevealIn(LogId, Mark),
+    /// Make a setting one of the shown log alone, or one that all logs share again.
+    SetOwn {
+        /// Its key.
+        key: String,
+        /// Whether it is the log's own.
+        own: bool,
+    },
     /// Open the bundled demo survey.
     OpenDemo,
     /// Change processing settings. One undo step ends with the first change that is not `live`.

@@ -175,9 +175,15 @@ impl App {
                 Arc::new(now)
             }
         };
+        let now = match self.log_count() {
+            0 | 1 => now,
+            // Several logs lie in one plane.
+            _ => Arc::new(Survey::clone(&now).in_frame(&self.plane)),
+        };
         self.log.external.apart = Arc::new(apart(&recorded, &now));
         self.log.external.recorded = wish.map(|_| recorded);
         if now.track.frame.origin() != survey.track.frame.origin() {
+            self.plane = now.track.frame.clone();
             self.plane_serial += 1;
         }
         self.log.survey = Some(now);

@@ -5,8 +5,9 @@ use super::bottom::{self, ReadBottom};
 use super::task::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{Identity, Survey};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What is opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,48 +50,91 @@ pub struct LoadStatus {
     pub fraction: f32,
 }
 
-/// A log, and what was drawn on it when it was last open.
-type Opened = Result<(Survey, Option<ReadBottom>), String>;
+/// What becomes of the logs that are open when another one has been read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// They are closed.
+    Instead,
+    /// They stay, and the log joins them.
+    Beside {
+        /// It is the one that is shown then.
+        shown: bool,
+    },
+}
+
+/// A log to be opened.
+#[derive(Clone, Debug)]
+pub(super) struct Request {
+    pub origin: Origin,
+    pub place: Place,
+}
+
+/// What a path turned out to be.
+pub(super) enum Opened {
+    /// A log, and what was drawn on it when it was last open.
+    Log(Box<Survey>, Option<ReadBottom>),
+    /// A folder of several logs.
+    Folder(Vec<PathBuf>),
+    /// A recording that is open already, by its name.
+    Known(String),
+}
 
 /// A log being opened. Dropping it cancels it.
 pub(super) struct Loading {
-    pub origin: Origin,
-    task: Task<Opened>,
+    pub request: Request,
+    task: Task<Result<Opened, String>>,
 }
 
 impl Loading {
-    /// Starts opening.
-    pub fn start(origin: Origin, jobs: &Jobs) -> Self {
-        let wanted = origin.clone();
+    /// Starts opening a log beside those that are `open`.
+    pub fn start(request: Request, open: Vec<Arc<Survey>>, jobs: &Jobs) -> Self {
+        let wanted = request.origin.clone();
         let task = Task::start(jobs, move |progress| {
+            if let Origin::Path(path) = &wanted {
+                let logs = formats::logs_in(path);
+                if logs.len() > 1 {
+                    return Ok(Opened::Folder(logs));
+                }
+            }
             let mut survey = wanted.open(progress).map_err(|error| error.to_string())?;
+            if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
+                return Ok(Opened::Known(known.name()));
+            }
             formats::hold(&mut survey, progress).map_err(|error| error.to_string())?;
             let log = survey.source.files.first();
             let drawn = match &wanted {
                 Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),
                 Origin::Demo => None,
             };
-            Ok((survey, drawn))
+            Ok(Opened::Log(Box::new(survey), drawn))
         });
-        Self { origin, task }
+        Self { request, task }
     }
 
     /// The outcome, once.
-    pub fn poll(&self) -> Option<Opened> {
+    pub fn poll(&self) -> Option<Result<Opened, String>> {
         match self.task.poll() {
             Outcome::Done(opened) => Some(opened),
             Outcome::Pending => None,
             Outcome::Failed => Some(Err(format!(
                 "opening failed unexpectedly: {}",
-                self.origin.name()
+                self.request.origin.name()
             ))),
         }
     }
 
     pub fn status(&self) -> LoadStatus {
         LoadStatus {
-            name: self.origin.name(),
+            name: self.request.origin.name(),
             fraction: self.task.fraction(),
         }
     }
+}
+
+/// Whether two logs hold the same bytes, whatever their names.
+fn is_same_recording(one: &Survey, other: &Survey) -> bool {
+    let is_same = Identity::of(one).is_same_log(&Identity::of(other));
+    let [one, other] = [one, other].map(|survey| survey.bytes.iter());
+    // A clone of the demo, or a log without bytes, is told by its size alone.
+    is_same && one.zip(other).all(|(one, other)| **one == **other)
 }

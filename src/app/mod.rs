@@ -15,6 +15,7 @@ mod external;
 mod figures;
 mod history;
 mod loader;
+mod logs;
 mod map_layers;
 mod measuring;
 mod open_log;

@@ -5,7 +5,7 @@ use super::external::External;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Products, Settings, Stage};
+use crate::pipeline::{LogSettings, Products, Settings, Stage};
 use crate::survey::Survey;
 use std::sync::Arc;
 
@@ -25,7 +25,9 @@ pub struct OpenLog {
     pub depth_span_m: Option<[f32; 2]>,
     /// Soundings after the recorder had lost the bottom.
     pub lost_soundings: usize,
-    /// The settings that the analyst wants: those shared by all logs, and those of this one.
+    /// What is set for this log only.
+    pub own: Arc<LogSettings>,
+    /// The settings that the analyst wants: those that all logs share with its own over them.
     pub settings: Arc<Settings>,
     /// The last results; those of other settings while the engine works.
     pub products: Option<Products>,
@@ -49,6 +51,7 @@ impl Default for OpenLog {
             is_visible: true,
             depth_span_m: None,
             lost_soundings: 0,
+            own: Arc::default(),
             settings: Arc::default(),
             products: None,
             preview: None,
@@ -63,14 +66,14 @@ impl Default for OpenLog {
 
 impl OpenLog {
     /// A log as it was read, with nothing done to it yet.
-    pub(super) fn new(id: LogId, survey: Survey, settings: Arc<Settings>) -> Self {
+    pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
         let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
         let depths_m = locked().map(|sounding| [sounding.depth_m, sounding.depth_m]);
         Self {
             id,
             lost_soundings: survey.soundings.len() - locked().count(),
             depth_span_m: depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]),
-            survey: Some(Arc::new(survey)),
+            survey: Some(survey),
             settings,
             ..Self::default()
         }
@@ -95,7 +98,13 @@ impl OpenLog {
 
     /// Whether results are missing or older than their settings.
     pub fn is_behind(&self) -> bool {
-        self.survey.is_some() && (self.products.is_none() || self.stale().is_some())
+        let is_current = |products: &Products| products.settings == *self.settings;
+        self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
+    }
+
+    /// Whether something of it is being read, counted or searched.
+    pub(super) fn is_busy(&self) -> bool {
+        self.counting.is_some() || self.external.is_reading() || self.reviewing.is_busy()
     }
 
     /// What is drawn of it.
@@ -106,6 +115,7 @@ impl OpenLog {
             is_visible: self.is_visible,
             depth_span_m: self.depth_span_m,
             lost_soundings: self.lost_soundings,
+            own: self.own.clone(),
             settings: self.settings.clone(),
             products: self.products.clone(),
             preview: self.preview.clone(),

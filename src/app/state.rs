@@ -3,16 +3,19 @@
 use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
 use super::exporting::Exporting;
-use super::loader::Loading;
+use super::loader::{Loading, Request};
+use super::logs::Logs;
 use super::measuring::Measuring;
 use super::preview::Previewer;
 use super::reviewing::Step;
 use super::tabulating::Tabulating;
-use super::{Action, History, LoadStatus, OpenLog, ViewOptions};
+use super::{Action, History, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Engine, EngineStatus, Stage};
-use crate::survey::Side;
+use crate::geo::LocalFrame;
+use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
+use crate::survey::{Side, Survey, Track};
+use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -78,6 +81,11 @@ pub enum Jobs {
 pub struct App {
     /// The log that waterfall, profile and panels show: the one under the selection.
     pub log: OpenLog,
+    pub(super) logs: Logs,
+    /// The settings that all logs share.
+    pub(super) shared: Arc<Settings>,
+    /// The plane that all logs lie in.
+    pub(super) plane: LocalFrame,
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track laid over it.
@@ -106,8 +114,13 @@ pub struct App {
     pub is_picture: bool,
     pub(super) history: History<Step>,
     pub(super) engine: Engine,
+    /// What the engine was asked for last.
+    pub(super) processing: Option<(LogId, Arc<Survey>, Arc<Settings>)>,
+    /// Nothing is processed before the analyst asks for it: the slider is still held, or the work was stopped.
+    pub(super) is_waiting: bool,
     pub(super) previewer: Previewer,
     pub(super) loading: Option<Loading>,
+    pub(super) to_load: VecDeque<Request>,
     pub(super) tabulating: Tabulating,
     pub(super) exporting: Option<Exporting>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
@@ -123,6 +136,9 @@ impl App {
         };
         Self {
             log: OpenLog::default(),
+            logs: Logs::default(),
+            shared: Arc::default(),
+            plane: Track::default().frame,
             survey_serial: 0,
             plane_serial: 0,
             selection: None,
@@ -138,8 +154,11 @@ impl App {
             is_picture: false,
             history: History::default(),
             engine,
+            processing: None,
+            is_waiting: false,
             previewer: Previewer::default(),
             loading: None,
+            to_load: VecDeque::new(),
             tabulating: Tabulating::default(),
             exporting: None,
             opening_base_map: None,
@@ -197,12 +216,10 @@ impl App {
         self.loading.is_none()
             && self.engine_status() == EngineStatus::Idle
             && !self.previewer.is_busy()
-            && self.log.counting.is_none()
             && !self.tabulating.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
-            && !self.log.external.is_reading()
-            && !self.log.reviewing.is_busy()
+            && !self.logs().any(OpenLog::is_busy)
     }
 }

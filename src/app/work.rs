@@ -2,16 +2,15 @@
 
 use super::bottom::ReadBottom;
 use super::figures::Figures;
-use super::loader::Loading;
-use super::measuring::Measuring;
-use super::preview::Request;
-use super::tabulating::Tabulating;
-use super::{Action, App, History, LogId, Notice, OpenLog, Origin, Outcome, Task};
+use super::loader::{Loading, Opened, Place, Request};
+use super::preview::Request as PreviewRequest;
+use super::{Action, App, Notice, Origin, Outcome, Task};
 use crate::export::is_same_file;
-use crate::pipeline::{Products, Settings};
+use crate::pipeline::Products;
 use crate::printable::one_line;
 use crate::survey::Survey;
 use crate::system_words::in_plain_words;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,17 +21,22 @@ impl App {
     /// Collects what the workers finished. Call once a frame.
     pub fn poll(&mut self) {
         self.poll_loading();
-        match self.engine.poll() {
-            Some(Ok(products)) => self.take_products(products),
-            Some(Err(text)) => self.tell(text, true),
-            None => {}
-        }
+        self.poll_engine();
         if let Some(preview) = self.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()
         {
             self.log.preview = Some(preview.returns);
         }
+        self.poll_comparing();
+        self.poll_tables();
+        self.poll_export();
+        self.each_log(App::poll_log);
+        self.poll_base_map();
+    }
+
+    /// Collects what was done about one log.
+    fn poll_log(&mut self) {
         match self.log.counting.as_ref().map(Task::poll) {
             Some(Outcome::Done(figures)) => {
                 self.log.figures = figures;
@@ -41,67 +45,98 @@ impl App {
             Some(Outcome::Failed) => self.log.counting = None,
             Some(Outcome::Pending) | None => {}
         }
-        self.poll_comparing();
-        self.poll_tables();
-        self.poll_export();
         self.poll_review();
         self.poll_autosave();
         self.poll_detecting();
         self.poll_judging();
         self.poll_places();
-        self.poll_base_map();
         self.poll_external();
     }
 
-    fn poll_loading(&mut self) {
-        if let Some(outcome) = self.loading.as_ref().and_then(Loading::poll)
-            && let Some(loading) = self.loading.take()
-        {
-            match outcome {
-                Ok((survey, drawn)) => self.take_survey(survey, loading.origin, drawn),
-                Err(text) => self.tell(text, true),
+    fn poll_engine(&mut self) {
+        let Some(processed) = self.engine.poll() else {
+            return;
+        };
+        let log = self.processing.take().map(|(id, ..)| id);
+        match (processed, log) {
+            (Ok(products), Some(id)) => {
+                self.with_log(id, |app| app.take_products(products));
+            }
+            (Ok(_), None) => {}
+            (Err(text), _) => {
+                // The same settings would only fail again.
+                self.is_waiting = true;
+                self.tell(text, true);
             }
         }
+        self.schedule();
     }
 
-    fn take_survey(&mut self, survey: Survey, origin: Origin, drawn: Option<ReadBottom>) {
-        let path = match origin {
-            Origin::Path(path) => Some(path),
-            Origin::Demo => None,
+    fn poll_loading(&mut self) {
+        let Some(opened) = self.loading.as_ref().and_then(Loading::poll) else {
+            return;
         };
-        if let Some(path) = &path {
-            self.remember(path.clone());
+        let Some(loading) = self.loading.take() else {
+            return;
+        };
+        let Request { origin, place } = loading.request;
+        match opened {
+            Ok(Opened::Log(survey, drawn)) => self.take_survey(*survey, origin, place, drawn),
+            Ok(Opened::Folder(logs)) => {
+                let logs = logs.into_iter().map(Origin::Path);
+                for request in requests(logs, place).into_iter().rev() {
+                    self.to_load.push_front(request);
+                }
+            }
+            Ok(Opened::Known(name)) => {
+                let text = format!(
+                    "This recording is open already, as {name}: {}",
+                    origin.name()
+                );
+                self.tell(text, false);
+            }
+            Err(text) => self.tell(text, true),
         }
-        self.keep_decisions();
+        self.load_next();
+    }
+
+    fn take_survey(
+        &mut self,
+        survey: Survey,
+        origin: Origin,
+        place: Place,
+        drawn: Option<ReadBottom>,
+    ) {
+        let is_file = matches!(origin, Origin::Path(_));
+        if let Origin::Path(path) = origin {
+            self.remember(path);
+        }
         self.withdraw(Action::TakeUpUnsaved);
-        let mut reviewing = std::mem::take(&mut self.log.reviewing);
-        reviewing.start(&survey);
-        // A flat spot belongs to the survey that it was picked in.
-        let settings = self.log.settings.with_survey_of(&Settings::default());
-        self.log = OpenLog::new(LogId::default(), survey, Arc::new(settings));
-        self.log.reviewing = reviewing;
-        self.survey_serial += 1;
-        self.plane_serial += 1;
-        self.tabulating = Tabulating::default();
-        self.comparing.leave();
-        self.selection = None;
-        self.hover = None;
-        self.visible = 0..0;
-        let log = self
-            .log
-            .survey
-            .as_ref()
-            .and_then(|survey| survey.source.files.first().cloned());
-        self.take_bottom(log.filter(|_| path.is_some()).as_deref(), drawn);
-        self.measuring = Measuring::default();
-        self.history = History::default();
-        self.previewer.forget();
-        if path.is_some() {
-            self.look_for_review();
-            self.look_for_unsaved();
-        }
-        self.look_for_truth(path.is_some());
-        self.process();
+        let id = match place {
+            Place::Instead => {
+                self.replace_logs(Arc::new(survey));
+                self.log.id
+            }
+            Place::Beside { shown } => {
+                let id = self.add_log(survey);
+                if shown {
+                    self.show_log(id);
+                }
+                id
+            }
+        };
+        self.with_log(id, |app| {
+            let log = app.log.survey.as_ref();
+            let log = log.and_then(|survey| survey.source.files.first().cloned());
+            app.take_bottom(log.filter(|_| is_file).as_deref(), drawn);
+            if is_file {
+                app.look_for_review();
+                app.look_for_unsaved();
+            }
+            app.look_for_truth(is_file);
+        });
+        self.is_waiting = false;
+        self.schedule();
     }
 
     /// Puts a log on top of the recent ones, by a path that holds in whatever folder the next run starts.
@@ -122,20 +157,18 @@ impl App {
             }));
         }
         self.log.products = Some(products);
+        if !self.is_shown() {
+            return;
+        }
         if let Some(request) = self.preview_request() {
             self.previewer.warm_up(request, &self.jobs);
         }
     }
 
-    /// Starts the pipeline with the settings in force.
+    /// Has the pipeline run with the settings in force.
     pub(super) fn process(&mut self) {
-        if let Some(survey) = &self.log.survey {
-            self.engine.request(
-                survey.clone(),
-                Settings::clone(&self.log.settings),
-                self.log.products.clone(),
-            );
-        }
+        self.is_waiting = false;
+        self.schedule();
     }
 
     /// Starts the search for the first return on what is on screen, ahead of the pipeline.
@@ -145,13 +178,13 @@ impl App {
         }
     }
 
-    fn preview_request(&self) -> Option<Request> {
+    fn preview_request(&self) -> Option<PreviewRequest> {
         let survey = self
             .log
             .survey
             .as_ref()
             .filter(|survey| survey.has_side_scan())?;
-        Some(Request {
+        Some(PreviewRequest {
             survey: survey.clone(),
             image: self.log.settings.image.clone(),
             first_return: self.log.settings.first_return.clone(),
@@ -164,15 +197,17 @@ impl App {
     /// Stops everything that runs; the last results stay.
     pub(super) fn cancel(&mut self) {
         self.engine.cancel();
-        self.stop_detecting();
+        self.is_waiting = true;
+        self.each_log(App::stop_detecting);
         self.previewer.forget();
         self.log.preview = None;
         self.loading = None;
+        self.to_load.clear();
         self.exporting = None;
         self.opening_base_map = None;
         self.comparing.stop();
         self.tabulating.stop();
-        self.log.external.stop_reading();
+        self.each_log(|app| app.log.external.stop_reading());
     }
 
     /// Tells the analyst a sentence.
@@ -184,7 +219,7 @@ impl App {
         });
     }
 
-    /// Whether a file that is to be written is one of the open log's, which nothing is written over; says so.
+    /// Whether a file that is to be written is one of an open log's, which nothing is written over; says so.
     pub(super) fn refuses_log(&mut self, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
         let is_log = (self.log.survey.as_ref())
@@ -213,8 +248,40 @@ impl App {
         self.notices.retain(|notice| notice.offer != Some(action));
     }
 
-    /// Starts opening a log; one that is still being opened is dropped.
+    /// Opens a log in the place of those that are open; one that is still being opened is dropped.
     pub(super) fn start_loading(&mut self, origin: Origin) {
-        self.loading = Some(Loading::start(origin, &self.jobs));
+        self.load([origin].into_iter(), Place::Instead);
     }
+
+    /// Opens logs, one after the other; those that are still being opened are dropped.
+    pub(super) fn load(&mut self, origins: impl Iterator<Item = Origin>, place: Place) {
+        self.loading = None;
+        self.to_load = requests(origins, place);
+        self.load_next();
+    }
+
+    fn load_next(&mut self) {
+        if self.loading.is_none()
+            && let Some(request) = self.to_load.pop_front()
+        {
+            let open = match request.place {
+                // The same log opened again is read again.
+                Place::Instead => Vec::new(),
+                Place::Beside { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
+            };
+            self.loading = Some(Loading::start(request, open, &self.jobs));
+        }
+    }
+}
+
+/// What is asked for by several logs: of those that are opened in place of others, the first one takes that place, and the others join it.
+fn requests(origins: impl Iterator<Item = Origin>, place: Place) -> VecDeque<Request> {
+    let each = origins.enumerate().map(|(index, origin)| Request {
+        origin,
+        place: match index {
+            0 => place,
+            _ => Place::Beside { shown: false },
+        },
+    });
+    each.collect()
 }

@@ -14,7 +14,6 @@ use crate::ui::{
     offscreen::{Studio, write_picture},
 };
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// `bathyscope snapshot SURVEY -o FILE.png`.
 #[derive(Debug, clap::Args)]
@@ -122,7 +121,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         ));
     }
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
-    app.log.settings = Arc::new(settings.clone());
+    app.use_settings(&settings);
     show_as(&mut app.options, &args);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     take_over(&mut app, settings)?;

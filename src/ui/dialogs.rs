@@ -12,8 +12,12 @@ const TOO_FAST: Duration = Duration::from_millis(600);
 /// What a path is wanted for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// A log.
-    OpenLog,
+    /// Logs to be opened in the place of those that are open.
+    OpenLogs,
+    /// Logs to join those that are open.
+    AddLogs,
+    /// A folder of logs.
+    OpenFolder,
     /// The folder that products go into.
     ExportInto,
     /// A review of the open survey.
@@ -57,7 +61,8 @@ impl Purpose {
 
 /// What a system dialog came back with.
 struct Chosen {
-    path: Option<PathBuf>,
+    /// Empty when nothing was chosen.
+    paths: Vec<PathBuf>,
     /// Time on the worker: frames may come late.
     took: Duration,
 }
@@ -107,7 +112,7 @@ impl Dialogs {
 
     /// Shows the path field.
     pub fn ask_for_path(&mut self) {
-        self.field = Field::new(Purpose::OpenLog, false, None);
+        self.field = Field::new(Purpose::OpenLogs, false, None);
     }
 
     /// Whether the path field is shown.
@@ -129,9 +134,9 @@ impl Dialogs {
                     purpose,
                     task: Task::start(jobs, move |_| {
                         let asked = Instant::now();
-                        let path = system_dialog(purpose, proposed);
+                        let paths = system_dialog(purpose, proposed);
                         let took = asked.elapsed();
-                        Chosen { path, took }
+                        Chosen { paths, took }
                     }),
                 });
             }
@@ -151,9 +156,9 @@ impl Dialogs {
         };
         self.waiting = None;
         match chosen {
-            Some(Chosen {
-                path: Some(path), ..
-            }) => commands.push(command(purpose, path)),
+            Some(chosen) if !chosen.paths.is_empty() => {
+                commands.extend(command(purpose, chosen.paths));
+            }
             Some(chosen) if chosen.took >= TOO_FAST => {}
             // There was no dialog, or its worker died.
             Some(_) | None => self.field = Field::new(purpose, true, self.proposed.as_ref()),
@@ -168,7 +173,9 @@ impl Dialogs {
         let (purpose, path) = (field.purpose, &mut field.path);
         let is_new = !std::mem::replace(&mut field.focused, true);
         let (title, name, verb) = match purpose {
-            Purpose::OpenLog => ("Open by path", "Path of a log or its folder", "Open"),
+            Purpose::OpenFolder => ("Open a folder", "Path of a folder of logs", "Open"),
+            Purpose::AddLogs => ("Add a survey", "Path of a log or its folder", "Add"),
+            Purpose::OpenLogs => ("Open by path", "Path of a log or its folder", "Open"),
             Purpose::ExportInto => ("Export products", "Folder to write into", "Export"),
             Purpose::OpenReview => ("Open a review", "Path of a review of boxes", "Open"),
             Purpose::OpenTruth => (
@@ -227,16 +234,20 @@ impl Dialogs {
         });
         let (go, cancel) = modal.inner;
         if go {
-            context.push(command(purpose, PathBuf::from(field.path.trim())));
+            let paths = vec![PathBuf::from(field.path.trim())];
+            context.commands.extend(command(purpose, paths));
         } else if !cancel && !modal.should_close() {
             self.field = Some(field);
         }
     }
 }
 
-fn command(purpose: Purpose, path: PathBuf) -> Command {
-    match purpose {
-        Purpose::OpenLog => Command::Open(path),
+/// What is asked for with these paths; all but logs take the first.
+fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
+    let path = paths.first()?.clone();
+    Some(match purpose {
+        Purpose::OpenLogs | Purpose::OpenFolder => Command::OpenAll(paths),
+        Purpose::AddLogs => Command::Add(paths),
         Purpose::ExportInto => Command::Export(path),
         Purpose::OpenReview => Command::OpenReview(path),
         Purpose::OpenTruth => Command::OpenTruth(path),
@@ -250,22 +261,39 @@ fn command(purpose: Purpose, path: PathBuf) -> Command {
         Purpose::OpenTrack => Command::OpenTrack(path),
         Purpose::SaveFigure => Command::SaveFigure(path),
         Purpose::PrintInto => Command::PrintInto(path),
-    }
+    })
 }
 
-/// Waits for the system's dialog; `None` when it was cancelled or there is none.
-fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
+/// Waits for the system's dialog; empty when it was cancelled or there is none.
+fn system_dialog(purpose: Purpose, proposed: Option<PathBuf>) -> Vec<PathBuf> {
+    let path = match purpose {
+        Purpose::OpenLogs => return choose_logs("Open sonar logs"),
+        Purpose::AddLogs => return choose_logs("Add sonar logs to those that are open"),
+        _ => choose_path(purpose, proposed),
+    };
+    path.into_iter().collect()
+}
+
+fn choose_logs(title: &str) -> Vec<PathBuf> {
+    let dialog = rfd::FileDialog::new()
+        .set_title(title)
+        .add_filter(
+            "Sonar logs",
+            &[
+                "sl2", "SL2", "sl3", "SL3", "dat", "DAT", "son", "SON", "xtf", "XTF",
+            ],
+        )
+        .add_filter("All files", &["*"]);
+    dialog.pick_files().unwrap_or_default()
+}
+
+/// One file or folder, to be read or written.
+fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
     match purpose {
-        Purpose::OpenLog => rfd::FileDialog::new()
-            .set_title("Open a sonar log")
-            .add_filter(
-                "Sonar logs",
-                &[
-                    "sl2", "SL2", "sl3", "SL3", "dat", "DAT", "son", "SON", "xtf", "XTF",
-                ],
-            )
-            .add_filter("All files", &["*"])
-            .pick_file(),
+        Purpose::OpenLogs | Purpose::AddLogs => None,
+        Purpose::OpenFolder => rfd::FileDialog::new()
+            .set_title("Open a folder of sonar logs")
+            .pick_folder(),
         Purpose::ExportInto => rfd::FileDialog::new()
             .set_title("Write the products into")
             .pick_folder(),

@@ -30,7 +30,7 @@ pub fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> R
         if demo && paths.is_empty() {
             shell.app.apply(Command::OpenDemo);
         } else {
-            shell.app.apply(Command::OpenFirst(paths));
+            shell.app.apply(Command::OpenAll(paths));
         }
         if let Some(truth) = truth {
             shell.app.apply(Command::OpenTruth(truth));

@@ -42,9 +42,7 @@ pub fn run() {
     let (survey, products, tracked_s) = surveyed();
     let windows = [false, true].map(|every_layer| {
         let mut app = App::new(Jobs::Inline);
-        app.survey_serial = 1;
-        app.log.survey = Some(survey.clone());
-        app.log.products = Some(products.clone());
+        app.show_survey(survey.clone(), Some(products.clone()));
         for layer in MapLayer::ALL {
             let shown = every_layer || layer == MapLayer::Track;
             app.options.map.layers.set_visible(layer, shown);
@@ -140,9 +138,8 @@ fn app(count: usize) -> App {
         soundings: soundings.collect(),
         ..Survey::default()
     });
-    app.survey_serial = 1;
-    app.log.survey = Some(survey.clone());
-    app.log.products = Some(products(&survey, nav));
+    let products = products(&survey, nav);
+    app.show_survey(survey, Some(products));
     app
 }
 

@@ -78,8 +78,7 @@ fn window(pings: usize) -> Harness<'static, Window> {
         eframe::egui_wgpu::RendererOptions::PREDICTABLE,
     );
     let mut app = App::new(Jobs::Inline);
-    app.log.survey = Some(Arc::new(survey(pings)));
-    app.survey_serial = 1;
+    app.show_survey(Arc::new(survey(pings)), None);
     app.log.preview = Some(Arc::new(returns(pings)));
     app.selection = Some(Mark::ping(pings / 2));
     let state = Window {

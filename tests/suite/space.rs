@@ -188,9 +188,7 @@ impl Room {
         let mut app = App::new(Jobs::Inline);
         if filled {
             let (survey, products) = pond();
-            app.log.survey = Some(Arc::new(survey));
-            app.survey_serial = 1;
-            app.log.products = Some(products);
+            app.show_survey(Arc::new(survey), Some(products));
         }
         Self {
             app,

@@ -98,8 +98,7 @@ fn name(window: &Harness<'_, Window>) -> String {
 
 fn app_with(survey: Survey) -> App {
     let mut app = App::new(Jobs::Inline);
-    app.log.survey = Some(Arc::new(survey));
-    app.survey_serial = 1;
+    app.show_survey(Arc::new(survey), None);
     app
 }
 

@@ -62,34 +62,6 @@ fn keys_belong_to_the_path_field_while_it_is_open() {
 }
 
 #[test]
-fn of_several_logs_the_others_wait_among_the_recent_ones() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let half = half_of_the_demo(folder.path());
-    let mut window = empty_window();
-    let both = Command::OpenFirst(vec![demo_log(), half.clone()]);
-    window.state_mut().app.apply(both);
-    window.run();
-    assert_eq!(app(&window).recent, [demo_log(), half]);
-    assert!(
-        window
-            .query_by_label_contains("2 logs were given")
-            .is_some()
-    );
-    let pings = app(&window)
-        .log
-        .survey
-        .as_ref()
-        .map(|survey| survey.side_scan.len());
-    run_by_palette(&mut window, "half.sl2");
-    let now = app(&window)
-        .log
-        .survey
-        .as_ref()
-        .map(|survey| survey.side_scan.len());
-    assert!(now < pings, "{now:?} of {pings:?}");
-}
-
-#[test]
 fn recent_logs_are_found_from_another_folder_too() {
     let mut window = empty_window();
     // Tests run in the folder of the project.

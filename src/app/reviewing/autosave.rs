@@ -1,7 +1,7 @@
 //! Decisions are kept as they are made: in a file of their own beside the log, written aside and renamed, every few seconds
 //! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
 
-use super::{Parked, is_touched};
+use super::{Parked, Reviewing, is_touched};
 use crate::app::{Action, App, Outcome, Task};
 use crate::detection::review::{Review, Reviewed};
 use crate::export;
@@ -103,25 +103,36 @@ impl Parked {
 impl App {
     /// Whether closing now would lose decisions: they are in no file.
     pub fn is_at_risk(&self) -> bool {
-        let reviewing = &self.log.reviewing;
-        let here = reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review);
-        here || reviewing.parked.iter().any(Parked::is_at_risk)
+        let here = self.logs().any(|log| {
+            let reviewing = &log.reviewing;
+            reviewing.is_unsaved() && !reviewing.autosave.holds(&reviewing.review)
+        });
+        here || self.logs.parked.iter().any(Parked::is_at_risk)
     }
 
     /// Time until decisions are due to be written; `None` when there is nothing to write.
     pub fn autosave_due(&self) -> Option<Duration> {
-        let autosave = &self.log.reviewing.autosave;
-        let is_due = autosave.writing.is_none() && self.wants_autosave();
-        is_due.then(|| autosave.wait())
+        self.logs()
+            .filter_map(|log| log.reviewing.autosave_due())
+            .min()
+    }
+}
+
+impl Reviewing {
+    fn autosave_due(&self) -> Option<Duration> {
+        let is_due = self.autosave.writing.is_none() && self.wants_autosave();
+        is_due.then(|| self.autosave.wait())
     }
 
     fn wants_autosave(&self) -> bool {
-        let reviewing = &self.log.reviewing;
+        let reviewing = self;
         let autosave = &reviewing.autosave;
         let is_possible = autosave.log.is_some() && !autosave.failed && !autosave.is_looking();
         is_possible && reviewing.is_unsaved() && !autosave.holds(&reviewing.review)
     }
+}
 
+impl App {
     /// Writes decisions when they are due, and tells of those that an earlier run left.
     pub(in crate::app) fn poll_autosave(&mut self) {
         self.poll_left();
@@ -133,7 +144,7 @@ impl App {
                 Outcome::Failed => self.cannot_keep("the writing failed unexpectedly"),
             }
         }
-        if self.autosave_due() == Some(Duration::ZERO) {
+        if self.log.reviewing.autosave_due() == Some(Duration::ZERO) {
             let review = self.log.reviewing.review.clone();
             let autosave = &mut self.log.reviewing.autosave;
             if let Some(write) = autosave.next() {
@@ -152,7 +163,7 @@ impl App {
             self.poll_autosave();
             std::thread::sleep(Duration::from_millis(1));
         }
-        if !self.wants_autosave() {
+        if !self.log.reviewing.wants_autosave() {
             return;
         }
         let review = self.log.reviewing.review.clone();

@@ -1,7 +1,7 @@
 //! Decisions and corrections, and moving on to the next box.
 
-use super::{Step, Tool, middle};
-use crate::app::{App, Orientation};
+use super::{LogStep, Reviewing, Step, Tool, middle};
+use crate::app::{App, OpenLog, Orientation};
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit, Queue, Review};
 use crate::survey::Side;
@@ -18,27 +18,56 @@ pub struct Nudge {
     pub resize: bool,
 }
 
+impl Reviewing {
+    /// Goes back or forward to a version of the boxes; gives back the first box that is another one then.
+    fn go_to(&mut self, review: Arc<Review>) -> Option<BoxId> {
+        if Arc::ptr_eq(&review, &self.review) {
+            return None;
+        }
+        let changed = first_difference(&self.review, &review);
+        self.set(review);
+        changed
+    }
+}
+
 impl App {
     /// What undo would come back to.
     pub(in crate::app) fn step_now(&self) -> Step {
+        let log = |log: &OpenLog| LogStep {
+            id: log.id,
+            is_visible: log.is_visible,
+            own: log.own.clone(),
+            review: log.reviewing.review.clone(),
+        };
         Step {
-            settings: self.log.settings.clone(),
-            review: self.log.reviewing.review.clone(),
+            shared: self.shared.clone(),
+            logs: self.logs().map(log).collect(),
             figure: self.measuring.figure.clone(),
         }
     }
 
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
-        if !Arc::ptr_eq(&step.review, &self.log.reviewing.review) {
-            let changed = first_difference(&self.log.reviewing.review, &step.review);
-            self.log.reviewing.set(step.review);
-            if let Some(id) = changed {
-                self.select_box(Some(id));
-            }
-        }
         self.measuring.figure = step.figure;
-        self.set(step.settings, false);
+        self.reorder(step.logs.iter().map(|log| log.id));
+        let shared = std::mem::replace(&mut self.shared, step.shared);
+        let same_shared = Arc::ptr_eq(&shared, &self.shared);
+        let mut changed_box = None;
+        for log in step.logs {
+            let changed = self.with_log(log.id, |app| {
+                app.log.is_visible = log.is_visible;
+                if !same_shared || !Arc::ptr_eq(&app.log.own, &log.own) {
+                    app.set_own(log.own, false);
+                }
+                app.log.reviewing.go_to(log.review)
+            });
+            changed_box = changed_box.or(changed.flatten().map(|id| (log.id, id)));
+        }
+        if let Some((log, id)) = changed_box {
+            self.show_log(log);
+            self.select_box(Some(id));
+        }
+        self.process();
     }
 
     /// Makes `review` the boxes in force, as one undo step that ends with the first change that is not `live`.
@@ -49,12 +78,9 @@ impl App {
         live: bool,
     ) {
         let before = self.step_now();
-        let after = Step {
-            review: review.clone(),
-            ..before.clone()
-        };
-        self.history.record(&before, &after, label, live);
         self.log.reviewing.set(review);
+        let after = self.step_now();
+        self.history.record(&before, &after, label, live);
     }
 
     /// Carries out an edit. A drag passes many places, all but the last `live`.

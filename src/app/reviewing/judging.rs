@@ -115,13 +115,14 @@ impl Judging {
         self.outdated = true;
     }
 
-    /// Starts on another survey; what was asked for meanwhile is kept.
-    pub(super) fn start(&mut self) {
-        *self = Self {
-            wanted: self.wanted.take(),
-            sort: self.sort,
-            ..Self::default()
-        };
+    /// Takes over how mistakes are sorted.
+    pub(super) fn sort_as(&mut self, other: &Self) {
+        self.sort = other.sort;
+    }
+
+    /// Takes over the truth that was asked for while the log was being opened.
+    pub(in crate::app) fn take_request(&mut self, before: &mut Reviewing) {
+        self.wanted = before.judging.wanted.take();
     }
 
     pub(super) fn is_busy(&self) -> bool {

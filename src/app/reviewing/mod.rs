@@ -14,11 +14,11 @@ pub use decide::Nudge;
 pub use judging::{Judging, MistakeSort};
 pub use places::Placed;
 
-use super::Mark;
 use super::measuring::Figure;
+use super::{LogId, Mark};
 use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed, State};
 use crate::detection::{self, Raster};
-use crate::pipeline::Settings;
+use crate::pipeline::{LogSettings, Settings};
 use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
 use detect::{Detecting, Detector};
@@ -29,8 +29,6 @@ use std::sync::Arc;
 
 /// Side of a pixel of the raster that boxes are compared and shown in, metres.
 pub const PIXEL_M: f64 = 0.04;
-/// Reviews of other logs kept at hand while the window is open.
-const PARKED: usize = 10;
 
 /// What a drag in the waterfall does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,25 +44,36 @@ pub enum Tool {
     Bottom,
 }
 
-/// What undo goes back to.
-#[derive(Clone)]
+/// What undo goes back to: everything that an analyst changes.
+#[derive(Clone, PartialEq)]
 pub(super) struct Step {
-    pub settings: Arc<Settings>,
-    pub review: Arc<Review>,
+    pub shared: Arc<Settings>,
+    /// The logs in the order of the list.
+    pub logs: Vec<LogStep>,
     pub figure: Option<Arc<Figure>>,
 }
 
+/// What undo goes back to of one log.
+#[derive(Clone)]
+pub(super) struct LogStep {
+    pub id: LogId,
+    pub is_visible: bool,
+    pub own: Arc<LogSettings>,
+    pub review: Arc<Review>,
+}
+
 /// A review is the same when it is the same version, which undo brings back as it was.
-impl PartialEq for Step {
+impl PartialEq for LogStep {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.review, &other.review)
-            && self.settings == other.settings
-            && self.figure == other.figure
+        self.id == other.id
+            && self.is_visible == other.is_visible
+            && Arc::ptr_eq(&self.review, &other.review)
+            && (Arc::ptr_eq(&self.own, &other.own) || self.own == other.own)
     }
 }
 
 /// A review of another log, for when that is opened again.
-struct Parked {
+pub(super) struct Parked {
     review: Arc<Review>,
     saved: Arc<Review>,
     path: Option<PathBuf>,
@@ -96,7 +105,6 @@ pub struct Reviewing {
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
     /// The version in the file, or the empty one.
     saved: Arc<Review>,
-    parked: Vec<Parked>,
     opening: Option<Opening>,
     /// A file beside the log that cannot be used: it may be somebody's work.
     refused: Option<PathBuf>,
@@ -128,7 +136,6 @@ impl Default for Reviewing {
             is_touched: false,
             class: 0,
             raster: None,
-            parked: Vec::new(),
             opening: None,
             refused: None,
             autosave: Autosave::default(),
@@ -271,28 +278,12 @@ impl Reviewing {
         }
     }
 
-    /// Starts on another survey; the boxes of the last one come back when that is opened again.
-    pub(super) fn start(&mut self, survey: &Survey) {
-        let last = std::mem::take(self);
+    /// Starts on a survey; what was decided about it before it was closed comes back.
+    pub(super) fn start(&mut self, survey: &Survey, parked: &mut Vec<Parked>) {
         let identity = Identity::of(survey);
-        self.parked = last.parked;
-        self.judging = last.judging;
-        self.judging.start();
-        self.model_path = last.model_path;
-        self.detector = last.detector;
-        self.queue.sort = last.queue.sort;
-        self.queue.threshold = last.queue.threshold;
-        if last.review.boxes().len() > 0 {
-            self.parked.push(Parked {
-                is_kept: last.autosave.holds(&last.review),
-                review: last.review,
-                saved: last.saved,
-                path: last.path,
-            });
-        }
         let is_same = |parked: &Parked| *parked.review.identity() == identity;
-        if let Some(index) = self.parked.iter().rposition(is_same) {
-            let parked = self.parked.remove(index);
+        if let Some(index) = parked.iter().rposition(is_same) {
+            let parked = parked.remove(index);
             self.saved = parked.saved;
             self.path = parked.path;
             self.set(parked.review);
@@ -300,8 +291,29 @@ impl Reviewing {
             self.saved = Arc::new(empty(survey));
             self.set(self.saved.clone());
         }
-        let surplus = self.parked.len().saturating_sub(PARKED);
-        self.parked.drain(..surplus);
+    }
+
+    /// What is kept of the boxes when their log is closed.
+    pub(super) fn park(&mut self) -> Option<Parked> {
+        self.has_boxes().then(|| Parked {
+            is_kept: self.autosave.holds(&self.review),
+            review: self.review.clone(),
+            saved: self.saved.clone(),
+            path: self.path.clone(),
+        })
+    }
+
+    /// Takes over what an analyst goes on working with when another log is shown: order and filter of the boxes, and the detector.
+    pub(super) fn take_tools(&mut self, before: &mut Self) {
+        before.tool = Tool::Look;
+        before.selected = None;
+        self.tool = Tool::Look;
+        self.queue = before.queue.clone();
+        self.model_path = before.model_path.clone();
+        self.detector = before.detector.clone();
+        self.judging.sort_as(&before.judging);
+        self.line_up();
+        self.count_mistakes();
     }
 
     /// The next box in line after `id` that is undecided, around the end of the line.

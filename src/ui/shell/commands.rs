@@ -26,7 +26,9 @@ impl Shell {
 
     fn act(&mut self, ctx: &egui::Context, action: Action) {
         match action {
-            Action::Open => self.dialogs.ask(Purpose::OpenLog, self.app.jobs()),
+            Action::Open => self.dialogs.ask(Purpose::OpenLogs, self.app.jobs()),
+            Action::AddLog => self.dialogs.ask(Purpose::AddLogs, self.app.jobs()),
+            Action::OpenFolder => self.dialogs.ask(Purpose::OpenFolder, self.app.jobs()),
             Action::OpenPath => self.dialogs.ask_for_path(),
             Action::Export if self.app.log.products.is_none() => {
                 let text = "there is no result to export yet; open a log first";

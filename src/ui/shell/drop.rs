@@ -5,8 +5,8 @@ use crate::export::points::is_named_as_elevations;
 use egui::Ui;
 use std::path::{Path, PathBuf};
 
-/// Opens what was dropped.
-pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
+/// Opens what was dropped; logs beside those that are open.
+pub fn collect(ui: &Ui, has_log: bool, commands: &mut Vec<Command>) {
     let dropped: Vec<PathBuf> = ui.input(|input| {
         let files = input.raw.dropped_files.iter();
         files.map(|file| file.path().to_owned()).collect()
@@ -29,7 +29,10 @@ pub fn collect(ui: &Ui, commands: &mut Vec<Command>) {
         commands.push(Command::CompareWith(points));
     }
     if !logs.is_empty() {
-        commands.push(Command::OpenFirst(logs));
+        commands.push(match has_log {
+            true => Command::Add(logs),
+            false => Command::OpenAll(logs),
+        });
     }
 }
 

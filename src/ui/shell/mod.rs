@@ -173,7 +173,7 @@ impl Shell {
         theme::apply(ui.ctx(), self.app.options.theme);
         let mut commands = Vec::new();
         self.dialogs.poll(&mut commands);
-        drop::collect(ui, &mut commands);
+        drop::collect(ui, self.app.log_count() > 0, &mut commands);
         if !self.palette.is_open() && !self.dialogs.is_open() && !self.printing.is_open() {
             keys::collect(ui, &self.app, self.help_open, &mut commands);
         }

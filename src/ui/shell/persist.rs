@@ -6,7 +6,6 @@ use crate::app::ViewOptions;
 use crate::pipeline::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Key in the store; a new number when old contents cannot be read any more.
 const KEY: &str = "bathyscope window 1";
@@ -55,7 +54,7 @@ impl Shell {
         if let Ok(saved) = serde_json::from_str::<Saved>(&text)
             && saved.settings.check().is_ok()
         {
-            self.app.log.settings = Arc::new(saved.settings);
+            self.app.use_settings(&saved.settings);
             self.app.options = saved.options;
             self.app.recent = saved.recent;
             self.layout = saved.layout;

@@ -1,0 +1,294 @@
+//! The open logs: which there are, in which order, which of them is shown, and what is processed next.
+//!
+//! [`App::log`] is the one that waterfall, profile and panels show; the others wait beside it with their results, and maps, clouds and
+//! products are made of all that are visible.
+
+use super::reviewing::Parked;
+use super::{App, History, LogId, Mark, OpenLog};
+use crate::pipeline::{EngineStatus, Products, Settings};
+use crate::survey::Survey;
+use std::sync::Arc;
+
+/// Reviews of closed logs kept at hand while the window is open.
+const PARKED: usize = 10;
+
+/// The logs that are open beside the one that is shown.
+#[derive(Default)]
+pub(super) struct Logs {
+    pub others: Vec<OpenLog>,
+    /// All of them, in the order of the list.
+    pub order: Vec<LogId>,
+    /// The one that is shown. [`App::log`] is another one only inside [`App::with_log`].
+    pub shown: LogId,
+    last: u64,
+    /// What was decided about boxes of logs that are closed and have no file.
+    pub parked: Vec<Parked>,
+}
+
+impl Logs {
+    fn next_id(&mut self) -> LogId {
+        self.last += 1;
+        LogId(self.last)
+    }
+
+    /// Keeps what was decided about the boxes of a log that is being closed.
+    fn park(&mut self, log: &mut OpenLog) {
+        self.parked.extend(log.reviewing.park());
+        let surplus = self.parked.len().saturating_sub(PARKED);
+        self.parked.drain(..surplus);
+    }
+}
+
+impl App {
+    /// The open logs in the order of the list.
+    pub fn logs(&self) -> impl Iterator<Item = &OpenLog> {
+        self.logs.order.iter().filter_map(|id| self.open_log(*id))
+    }
+
+    /// The logs that take part in maps, clouds and products, in the order of the list.
+    pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
+        self.logs().filter(|log| log.is_visible)
+    }
+
+    /// How many logs are open.
+    pub fn log_count(&self) -> usize {
+        self.logs.order.len()
+    }
+
+    /// An open log.
+    pub fn open_log(&self, id: LogId) -> Option<&OpenLog> {
+        let mut all = [&self.log].into_iter().chain(&self.logs.others);
+        all.find(|log| log.id == id && log.survey.is_some())
+    }
+
+    /// The settings that all logs share.
+    pub fn shared_settings(&self) -> &Settings {
+        &self.shared
+    }
+
+    /// Begins with these settings, but for those that belong to one survey.
+    pub fn use_settings(&mut self, settings: &Settings) {
+        self.shared = Arc::new(settings.with_survey_of(&Settings::default()));
+        self.log.settings = self.shared.clone();
+    }
+
+    /// Shows a log that is at hand already, with what was made of it, in the place of those that are open.
+    pub fn show_survey(&mut self, survey: Arc<Survey>, products: Option<Products>) {
+        self.is_waiting = true;
+        self.replace_logs(survey);
+        self.log.products = products;
+    }
+
+    /// Makes a log that was read the only one that is open.
+    pub(super) fn replace_logs(&mut self, survey: Arc<Survey>) {
+        self.each_log(App::keep_decisions);
+        let mut last = std::mem::take(&mut self.log);
+        self.logs.park(&mut last);
+        for mut other in std::mem::take(&mut self.logs.others) {
+            self.logs.park(&mut other);
+        }
+        self.logs.order.clear();
+        self.plane = survey.track.frame.clone();
+        self.plane_serial += 1;
+        // The speed of sound is that of the water that was surveyed before.
+        self.shared = Arc::new(self.shared.with_survey_of(&Settings::default()));
+        self.log = self.opened(survey);
+        self.log.reviewing.take_tools(&mut last.reviewing);
+        self.log.reviewing.judging.take_request(&mut last.reviewing);
+        self.history = History::default();
+        self.measuring = super::Measuring::default();
+        self.comparing.leave();
+        self.meet_log();
+    }
+
+    /// Adds a log that was read to those that are open, in their plane.
+    pub(super) fn add_log(&mut self, survey: Survey) -> LogId {
+        if self.log.survey.is_none() {
+            self.replace_logs(Arc::new(survey));
+            return self.log.id;
+        }
+        let is_placed = |log: &OpenLog| {
+            let survey = log.survey.as_ref();
+            survey.is_some_and(|survey| !survey.track.fixes.is_empty())
+        };
+        if !self.logs().any(is_placed) {
+            // A plane through no place of the survey would bend this log's track.
+            self.plane = survey.track.frame.clone();
+            self.plane_serial += 1;
+        }
+        let log = self.opened(Arc::new(survey.in_frame(&self.plane)));
+        let id = log.id;
+        self.logs.others.push(log);
+        id
+    }
+
+    fn opened(&mut self, survey: Arc<Survey>) -> OpenLog {
+        let id = self.logs.next_id();
+        self.logs.order.push(id);
+        let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());
+        log.reviewing.start(&survey, &mut self.logs.parked);
+        log
+    }
+
+    /// Shows another of the open logs: in waterfall, profile and panels.
+    pub(super) fn show_log(&mut self, id: LogId) {
+        let place = self.logs.others.iter().position(|log| log.id == id);
+        let Some(place) = place else {
+            return;
+        };
+        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+        let before = &mut self.logs.others[place];
+        before.preview = None;
+        self.log.reviewing.take_tools(&mut before.reviewing);
+        self.meet_log();
+    }
+
+    /// Puts everything at rest that was of the log shown before.
+    fn meet_log(&mut self) {
+        self.logs.shown = self.log.id;
+        self.survey_serial += 1;
+        self.selection = None;
+        self.hover = None;
+        self.visible = 0..0;
+        self.tabulating = super::tabulating::Tabulating::default();
+        self.previewer.forget();
+        self.schedule();
+    }
+
+    /// Closes a log; what was decided about it stays in its files.
+    pub(super) fn close_log(&mut self, id: LogId) {
+        self.with_log(id, App::keep_decisions);
+        let order = &self.logs.order;
+        let Some(place) = order.iter().position(|one| *one == id) else {
+            return;
+        };
+        let next = order
+            .get(place + 1)
+            .or(place.checked_sub(1).map(|i| &order[i]));
+        match next.copied() {
+            Some(next) if id == self.log.id => self.show_log(next),
+            Some(_) => {}
+            None => {
+                let mut last = std::mem::take(&mut self.log);
+                self.logs.park(&mut last);
+                self.log.settings = self.shared.clone();
+                self.log.reviewing.take_tools(&mut last.reviewing);
+                self.history = History::default();
+                self.comparing.leave();
+                self.meet_log();
+            }
+        }
+        self.logs.order.retain(|one| *one != id);
+        let closed = self.logs.others.iter().position(|log| log.id == id);
+        if let Some(closed) = closed {
+            let mut closed = self.logs.others.remove(closed);
+            self.logs.park(&mut closed);
+        }
+        self.schedule();
+    }
+
+    /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
+    pub(super) fn set_log_visible(&mut self, id: LogId, is_visible: bool) {
+        let before = self.step_now();
+        self.with_log(id, |app| app.log.is_visible = is_visible);
+        let after = self.step_now();
+        let label = if is_visible { "show log" } else { "hide log" };
+        self.history.record(&before, &after, label, false);
+        self.schedule();
+    }
+
+    /// Moves a log up or down the list, as an undo step.
+    pub(super) fn move_log(&mut self, id: LogId, by: isize) {
+        let before = self.step_now();
+        let order = &mut self.logs.order;
+        let Some(from) = order.iter().position(|one| *one == id) else {
+            return;
+        };
+        let to = from.saturating_add_signed(by).min(order.len() - 1);
+        let moved = order.remove(from);
+        order.insert(to, moved);
+        let after = self.step_now();
+        self.history.record(&before, &after, "order of logs", false);
+    }
+
+    /// Puts the logs into the order of an earlier moment; those opened since stay at the end.
+    pub(super) fn reorder(&mut self, order: impl Iterator<Item = LogId>) {
+        let open = std::mem::take(&mut self.logs.order);
+        let mut order: Vec<LogId> = order.filter(|id| open.contains(id)).collect();
+        let since = open.into_iter().filter(|id| !order.contains(id));
+        let since: Vec<LogId> = since.collect();
+        order.extend(since);
+        self.logs.order = order;
+    }
+
+    /// The log before or after the one that is shown; around the ends of the list.
+    pub(super) fn step_log(&mut self, by: isize) {
+        let order = &self.logs.order;
+        if let Some(here) = order.iter().position(|id| *id == self.log.id) {
+            let next = (here as isize + by).rem_euclid(order.len() as isize);
+            self.show_log(order[next as usize]);
+        }
+    }
+
+    /// Shows the log of a place, if it is another one, and the place in all views.
+    pub(super) fn reveal_in(&mut self, id: LogId, mark: Mark) {
+        self.show_log(id);
+        self.reveal(mark);
+    }
+
+    /// Does something with a log as if it were the one that is shown.
+    pub(super) fn with_log<T>(
+        &mut self,
+        id: LogId,
+        work: impl FnOnce(&mut Self) -> T,
+    ) -> Option<T> {
+        if self.log.id == id {
+            return Some(work(self));
+        }
+        let place = self.logs.others.iter().position(|log| log.id == id)?;
+        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+        let done = work(self);
+        std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+        Some(done)
+    }
+
+    /// Does something with every log.
+    pub(super) fn each_log(&mut self, work: impl Fn(&mut Self)) {
+        work(self);
+        for place in 0..self.logs.others.len() {
+            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+            work(self);
+            std::mem::swap(&mut self.log, &mut self.logs.others[place]);
+        }
+    }
+
+    /// Whether [`App::log`] is the log that is shown.
+    pub(super) fn is_shown(&self) -> bool {
+        self.log.id == self.logs.shown
+    }
+
+    /// Has the log processed next whose results are missing or older than its settings: first the one that is shown.
+    pub(super) fn schedule(&mut self) {
+        if self.is_waiting {
+            return;
+        }
+        let behind = |log: &&OpenLog| log.is_behind();
+        let shown = self.open_log(self.logs.shown).filter(behind);
+        let next = shown.or_else(|| self.visible_logs().find(behind));
+        let Some((log, survey)) = next.and_then(|log| Some((log, log.survey.as_ref()?))) else {
+            return;
+        };
+        let request = (log.id, survey.clone(), log.settings.clone());
+        let is_running = self.engine_status() != EngineStatus::Idle;
+        let same = |(id, survey, settings): &(LogId, Arc<Survey>, Arc<Settings>)| {
+            *id == request.0 && Arc::ptr_eq(survey, &request.1) && Arc::ptr_eq(settings, &request.2)
+        };
+        if is_running && self.processing.as_ref().is_some_and(same) {
+            return;
+        }
+        let before = log.products.clone();
+        let settings = Settings::clone(&log.settings);
+        self.engine.request(survey.clone(), settings, before);
+        self.processing = Some(request);
+    }
+}
