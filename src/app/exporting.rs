@@ -2,8 +2,7 @@
 
 use super::{App, Jobs, Outcome, Task};
 use crate::export::RunFolder;
-use crate::outputs::{self, Order, Searched, refuse_overwrite};
-use crate::pipeline::Product;
+use crate::outputs::{self, Order, Product, Searched, refuse_overwrite};
 use crate::progress::Progress;
 use std::path::PathBuf;
 

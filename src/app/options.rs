@@ -2,7 +2,7 @@
 
 use super::{LayerStack, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
-use crate::pipeline::Product;
+use crate::outputs::Product;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.

@@ -7,7 +7,7 @@ use crate::app::PIXEL_M;
 use crate::detection::Raster;
 use crate::detection::review::Review;
 use crate::export::Part;
-use crate::pipeline;
+use crate::outputs;
 use crate::progress::Progress;
 use crate::survey::Identity;
 use std::path::PathBuf;
@@ -49,7 +49,7 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
     let products = logs.process(&survey, &status, &progress)?;
     status.step("writing");
     let raster = Raster::new(&survey, &products.navigation, PIXEL_M);
-    let written = pipeline::write_boxes(
+    let written = outputs::write_boxes(
         &survey,
         &products,
         &review,

@@ -5,7 +5,8 @@ use super::folders::Folders;
 use super::process::{How, process_into};
 use super::{output, quiet_driver, snapshot, window};
 use crate::app::Origin;
-use crate::pipeline::{Product, Settings};
+use crate::outputs::Product;
+use crate::pipeline::Settings;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 

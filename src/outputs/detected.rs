@@ -1,8 +1,9 @@
 //! What a search alone writes: `detections.*` and `chips`, into a folder that may hold the files of a run.
 
+use super::detections::{Proposed, write_detections};
 use crate::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
 use crate::export::{self, RunFolder};
-use crate::pipeline::{self, Products, Proposed};
+use crate::pipeline::Products;
 use crate::progress::Progress;
 use crate::survey::Survey;
 
@@ -18,8 +19,7 @@ pub fn write_detected(
     progress: &Progress,
 ) -> Result<Proposed, String> {
     let settings = &products.settings.detector;
-    let found =
-        pipeline::write_detections(survey, products, model, settings, &run.path(), progress)?;
+    let found = write_detections(survey, products, model, settings, &run.path(), progress)?;
     run.commit_group(is_of_search)?;
     Ok(found)
 }

@@ -1,6 +1,15 @@
 //! All files of a run.
 
+use super::boxes::reviewed_rows;
+use super::clouds::{write_clouds, write_tables};
+use super::comparison::write_comparison;
+use super::depth::write_depth;
+use super::detections::{Proposed, proposed_rows, write_detections};
+use super::mosaic::{MosaicWritten, write_mosaic};
 use super::overwrite::{inputs, refuse_overwrite};
+use super::product::Product;
+use super::record::{Made, write_record};
+use super::track::write_track;
 use crate::bathymetry::Surface;
 use crate::bathymetry::compare::Matching;
 use crate::detection::review::{Review, State};
@@ -8,10 +17,7 @@ use crate::detection::{Model, Raster};
 use crate::export::{ObjectRow, RunFolder, write_aside};
 use crate::geo::MapPlane;
 use crate::handover::{self, Handover, Objects};
-use crate::pipeline::{
-    self, Agreement, Input, Made, MosaicWritten, NamedComparison, Product, Products, Proposed,
-    Reference, Report,
-};
+use crate::pipeline::{self, Agreement, Input, NamedComparison, Products, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use std::io::Write as _;
@@ -173,10 +179,10 @@ impl Writing<'_> {
             survey, products, ..
         } = *self.order;
         let (folder, progress) = (self.folder, self.progress);
-        let tables = pipeline::write_tables(survey, products, folder, progress)?;
+        let tables = write_tables(survey, products, folder, progress)?;
         self.add(tables);
         if self.wants(Product::Cloud) {
-            let clouds = pipeline::write_clouds(survey, products, &self.map, folder, progress)?;
+            let clouds = write_clouds(survey, products, &self.map, folder, progress)?;
             if clouds.is_empty() {
                 self.report.warnings.push(no_cloud(products).to_owned());
             }
@@ -184,8 +190,7 @@ impl Writing<'_> {
         }
         if self.wants(Product::Track) {
             on_step("track");
-            let (track, warnings) =
-                pipeline::write_track(survey, products, &self.map, folder, progress)?;
+            let (track, warnings) = write_track(survey, products, &self.map, folder, progress)?;
             self.add(track);
             self.report.warnings.extend(warnings);
         }
@@ -201,14 +206,14 @@ impl Writing<'_> {
             ..
         } = *self.order;
         on_step("depths");
-        let depth = pipeline::write_depth(survey, products, wanted, self.folder, self.progress)?;
+        let depth = write_depth(survey, products, wanted, self.folder, self.progress)?;
         self.add(depth.made);
         self.report.warnings.extend(depth.warnings);
         self.surface = depth.surface;
         self.comparisons = depth.comparisons;
         if survey.has_side_scan() && self.wants(Product::Mosaic) {
             on_step("mosaic");
-            match pipeline::write_mosaic(survey, products, self.folder, self.progress)? {
+            match write_mosaic(survey, products, self.folder, self.progress)? {
                 MosaicWritten::File(mosaic) => self.add([*mosaic]),
                 MosaicWritten::None(why) => self.report.warnings.push(why),
             }
@@ -227,8 +232,7 @@ impl Writing<'_> {
         on_step("comparing");
         let (folder, progress) = (self.folder, self.progress);
         let agreement = Agreement::with_reference(survey, products, reference, matching, progress)?;
-        let (made, inputs) =
-            pipeline::write_comparison(survey, products, &agreement, folder, progress)?;
+        let (made, inputs) = write_comparison(survey, products, &agreement, folder, progress)?;
         let made = made.into_iter().map(|made| (made, inputs.clone()));
         self.made.extend(made);
         self.comparisons.extend(agreement.by_source(products));
@@ -251,8 +255,7 @@ impl Writing<'_> {
         on_step("objects");
         let settings = &products.settings.detector;
         let (folder, progress) = (self.folder, self.progress);
-        let found =
-            pipeline::write_detections(survey, products, model, settings, folder, progress)?;
+        let found = write_detections(survey, products, model, settings, folder, progress)?;
         self.add(found.made());
         self.found = Some(found);
         Ok(())
@@ -262,12 +265,12 @@ impl Writing<'_> {
         for (made, more) in &self.made {
             self.progress.check().map_err(in_words)?;
             if more.is_empty() {
-                pipeline::write_record(made, &self.report, self.folder)?;
+                write_record(made, &self.report, self.folder)?;
                 continue;
             }
             let mut report = self.report.clone();
             report.inputs.extend(more.iter().cloned());
-            pipeline::write_record(made, &report, self.folder)?;
+            write_record(made, &report, self.folder)?;
         }
         Ok(())
     }
@@ -285,12 +288,12 @@ impl Writing<'_> {
         let boxes: Option<(Vec<ObjectRow<'_>>, &Raster, String)> =
             match (&self.order.boxes, &self.found) {
                 (Searched::Reviewed(review, raster), _) => {
-                    let rows = pipeline::reviewed_rows(survey, products, review, self.progress)?;
+                    let rows = reviewed_rows(survey, products, review, self.progress)?;
                     Some((rows, *raster, summary(review)))
                 }
                 (Searched::By(model), Some(found)) => {
                     let names = model.names();
-                    let rows = pipeline::proposed_rows(survey, products, names, &found.boxes);
+                    let rows = proposed_rows(survey, products, names, &found.boxes);
                     searched = Raster::new(survey, &products.navigation, model.pixel_m());
                     let origin = "Proposed by the detector, not reviewed".to_owned();
                     Some((rows, &searched, origin))

@@ -1,28 +1,9 @@
-//! Writes the side-scan mosaic.
+//! Where the echoes of a survey lie on the ground.
 
 use super::Products;
-use super::map_plane;
-use super::record::{Coordinates, Made};
-use crate::bathymetry::Grid;
-use crate::export::Summary;
-use crate::export::geotiff::{self, Band, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
 use crate::geo::MapPlane;
-use crate::mosaic::{Colours, Layout, TILE_CELLS, gain_table, tile};
-use crate::progress::Progress;
+use crate::mosaic::Layout;
 use crate::survey::Survey;
-use std::path::Path;
-
-/// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
-const MOST_TILES: usize = 1_000_000;
-
-/// What became of the mosaic.
-#[derive(Clone, Debug)]
-pub enum MosaicWritten {
-    /// The file.
-    File(Box<Made>),
-    /// Why there is none, in a sentence.
-    None(String),
-}
 
 /// Where the echoes of a result fall in the plane of a map.
 pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
@@ -36,107 +17,4 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> La
         |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
     )
     .with_range_factor(products.correction.range_factor())
-}
-
-/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band
-/// of levels with a mask, or colours with opacity. Memory does not grow with the area.
-///
-/// The error is one sentence: the file cannot be written, or the work was cancelled.
-pub fn write_mosaic(
-    survey: &Survey,
-    products: &Products,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<MosaicWritten, String> {
-    let settings = &products.settings.mosaic;
-    let map = map_plane(survey, &products.settings)?;
-    let layout = mosaic_layout(survey, products, &map);
-    let Some(grid) = layout.grid(settings.cell_m) else {
-        let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
-        return Ok(MosaicWritten::None(why.into()));
-    };
-    let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
-    if down.saturating_mul(across) > MOST_TILES {
-        return Ok(MosaicWritten::None(format!(
-            "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
-            grid.columns, grid.rows
-        )));
-    }
-    let index = layout.index(&grid);
-    let gain = gain_table(survey, &layout, progress).map_err(|error| error.to_string())?;
-    let tiles: Vec<[usize; 2]> = index.tiles().map(|(row, column)| [row, column]).collect();
-    let draw = |place: [usize; 2]| {
-        let drawn = tile(survey, &layout, &grid, &index, &gain, settings, place);
-        let levels = drawn.levels.iter();
-        match settings.colours {
-            Colours::Grey => drawn.levels,
-            Colours::Copper => levels
-                .flat_map(|&level| settings.colours.rgba(level))
-                .collect(),
-        }
-    };
-    let name = "mosaic.tif";
-    let spec = spec(&grid, &map, survey, settings.colours);
-    geotiff(&folder.join(name), &spec, &tiles, draw, progress)
-        .map_err(|error: RasterError| error.to_string())?;
-    Ok(MosaicWritten::File(Box::new(made(name, &grid, &map))))
-}
-
-fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
-    let mut summary = Summary {
-        count: grid.len(),
-        ..Summary::default()
-    };
-    let (width_m, height_m) = (
-        grid.columns as f64 * grid.cell_m,
-        grid.rows as f64 * grid.cell_m,
-    );
-    summary.reach(map.in_crs([grid.west_m, grid.north_m]));
-    summary.reach(map.in_crs([grid.west_m + width_m, grid.north_m - height_m]));
-    Made {
-        name,
-        what: "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was heard",
-        coordinates: Coordinates::System(map.crs.clone()),
-        counted: "cells",
-        measured: "",
-        summary,
-        regardless_of: &[
-            "cloud",
-            "detector",
-            "draft_m",
-            "isobaths",
-            "outliers",
-            "surface",
-            "water_level",
-            "water_level_m",
-        ],
-    }
-}
-
-/// What a cell of a grey mosaic holds.
-const LEVEL: Band = Band {
-    name: "echo level",
-    unit: "",
-    positive_down: false,
-};
-
-const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
-
-fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> geotiff::RasterSpec {
-    // Levels are one band, which a map program can stretch; colours are a picture.
-    let (cells, band) = match colours {
-        Colours::Grey => (Cells::Level, Some(LEVEL)),
-        Colours::Copper => (Cells::Rgba, None),
-    };
-    RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: map.in_crs([grid.west_m, 0.0])[0],
-        north: map.in_crs([0.0, grid.north_m])[1],
-        cell: map.in_crs([grid.cell_m; 2]),
-        crs: map.crs.clone(),
-        cells,
-        band,
-        description: format!("Side-scan mosaic of {}", survey.name()),
-    }
 }

@@ -3,7 +3,8 @@
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
-use bathyscope::pipeline::{self, MosaicWritten, Settings};
+use bathyscope::outputs::{self, MosaicWritten};
+use bathyscope::pipeline::{self, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
 
@@ -32,7 +33,7 @@ pub fn run() {
         settings.mosaic.cell_m = cell_m;
         products.settings = settings.clone();
         let (before_mb, before) = (peak_from_here_mb(), processor_s());
-        let written = pipeline::write_mosaic(&survey, &products, folder.path(), &progress);
+        let written = outputs::write_mosaic(&survey, &products, folder.path(), &progress);
         assert!(matches!(written, Ok(MosaicWritten::File(_))), "{written:?}");
         let taken_s = processor_s() - before;
         let more_mb = peak_mb()

@@ -4,7 +4,7 @@ use crate::app::exporting::Exporting;
 use crate::app::{App, Outcome, Task};
 use crate::detection::review::Review;
 use crate::export;
-use crate::pipeline::write_boxes;
+use crate::outputs::write_boxes;
 use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::PathBuf;

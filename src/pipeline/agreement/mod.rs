@@ -1,13 +1,12 @@
 //! How the points of a survey agree with a reference, one by one.
 //!
 //! `reference` is what can be held against it: a file of points or another mission. `tables` sorts the differences by what they may
-//! hang on, `record` writes them.
+//! hang on, `by_source` tells the sources of points apart.
 
-mod record;
+mod by_source;
 mod reference;
 mod tables;
 
-pub use record::{ComparisonRecord, write_comparison, write_differences};
 pub use reference::{Reference, positions};
 pub use tables::ResidualTables;
 

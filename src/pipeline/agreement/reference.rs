@@ -118,7 +118,7 @@ impl Reference {
     }
 
     /// The files that it was read from.
-    pub(super) fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, String> {
+    pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, String> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
             Held::Mission { survey, .. } => {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// The surface of all kept points by the `surface.*` settings, in the plane of the system that `crs` names: what
 /// `depth.tif` holds. `None` where the depths span no surface.
-pub(super) fn depth_surface(
+pub fn depth_surface(
     plane: &Plane<'_>,
     products: &Products,
     progress: &Progress,

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// Crossings and what they say together.
 #[derive(Serialize)]
-pub(super) struct Crossed {
+pub struct Crossed {
     sign: &'static str,
     least_angle_deg: f64,
     reach_m: f64,
@@ -36,7 +36,7 @@ const SIGN: &str =
 const MOST_LISTED: usize = 10_000;
 
 /// `None` where the track never crosses itself over soundings.
-pub(super) fn crossed(
+pub fn crossed(
     survey: &Survey,
     products: &Products,
     progress: &Progress,

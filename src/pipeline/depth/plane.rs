@@ -8,8 +8,10 @@ use crate::pipeline::map_plane;
 use crate::survey::{Navigation, Survey, Track};
 
 /// The cloud and the plane that its maps are drawn in.
-pub(super) struct Plane<'a> {
+pub struct Plane<'a> {
+    /// The plane.
     pub map: MapPlane,
+    /// The log.
     pub survey: &'a Survey,
     track: &'a Track,
     navigation: &'a Navigation,
@@ -39,6 +41,7 @@ impl<'a> Plane<'a> {
         }
     }
 
+    /// Longitude and latitude of a place in the plane.
     pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
         self.map.to_lon_lat(place)
     }

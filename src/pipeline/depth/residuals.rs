@@ -1,34 +1,14 @@
-//! `residuals.json`: side-scan points against the soundings of the same log, and the log against itself.
+//! Side-scan points against the soundings of the same log.
 
-use super::DepthWritten;
-use super::choices::{Choice, choices};
-use super::crossed::{Crossed, crossed};
 use super::plane::Plane;
 use crate::bathymetry::compare::{Comparison, Matching, match_points};
 use crate::cloud::{CloudPoint, PointSource};
-use crate::export::{self, Summary};
-use crate::pipeline::record::{Coordinates, Made};
-use crate::pipeline::{Agreement, Products, ResidualTables, Settings};
+use crate::pipeline::Products;
 use crate::progress::{Cancelled, Progress};
-use crate::survey::Survey;
 use serde::Serialize;
-use std::io::Write as _;
-use std::path::Path;
 
 /// Farthest sounding that a side-scan point is held against by place, metres.
 const RADIUS_M: f64 = 1.0;
-
-#[derive(Serialize)]
-struct Record<'a> {
-    program: String,
-    sign: &'static str,
-    statement: String,
-    comparisons: &'a [NamedComparison],
-    side_scan: Option<ResidualTables>,
-    choices: Vec<Choice>,
-    crossings: Option<Crossed>,
-    settings: &'a Settings,
-}
 
 /// How the depths of one source agree with those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -44,63 +24,9 @@ pub struct NamedComparison {
     pub comparison: Comparison,
 }
 
-const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
-const STATEMENT: &str = "Soundings and first returns of one log share transducer, position and sound speed: this is agreement \
-     within one instrument, not accuracy against a reference.";
-
-/// Writes the record: some comparisons; what side-scan's hang on, and what other choices of geometry and calibration make of them;
-/// the crossings of the track. Nothing where there is neither a comparison nor a crossing.
-pub(super) fn write(
-    survey: &Survey,
-    products: &Products,
-    comparisons: &[NamedComparison],
-    folder: &Path,
-    progress: &Progress,
-    written: &mut DepthWritten,
-) -> Result<(), String> {
-    let cancelled = |error: Cancelled| error.to_string();
-    let crossings = crossed(survey, products, progress).map_err(cancelled)?;
-    if comparisons.is_empty() && crossings.is_none() {
-        let why = "no residuals: the log has no side-scan points near a sounding, and its track does not cross itself";
-        written.warnings.push(why.to_owned());
-        return Ok(());
-    }
-    let side_scan = Agreement::with_soundings(products, progress).map_err(cancelled)?;
-    let record = Record {
-        program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
-        sign: SIGN,
-        statement: format!("{} {STATEMENT}", products.correction.statement()),
-        comparisons,
-        side_scan: side_scan.map(|found| found.tables),
-        choices: choices(survey, products, progress).map_err(cancelled)?,
-        crossings,
-        settings: &products.settings,
-    };
-    let name = "residuals.json";
-    export::write_aside(&folder.join(name), |mut file| {
-        let text = serde_json::to_vec_pretty(&record)?;
-        file.write_all(&text)?;
-        file.write_all(b"\n")
-    })
-    .map_err(|error| error.to_string())?;
-    written.made.push(Made {
-        name,
-        what: "Side-scan points against the soundings of the same log",
-        coordinates: Coordinates::None,
-        counted: "comparisons",
-        measured: "",
-        summary: Summary {
-            count: record.comparisons.len(),
-            ..Summary::default()
-        },
-        regardless_of: &["detector", "isobaths", "mosaic"],
-    });
-    Ok(())
-}
-
 /// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding; empty
 /// where there is no side-scan point or no sounding.
-pub(super) fn comparisons(
+pub fn comparisons(
     products: &Products,
     plane: &Plane<'_>,
     progress: &Progress,

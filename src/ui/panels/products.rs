@@ -3,7 +3,7 @@
 use super::parts::{self, Choice, Section, choice, section};
 use crate::app::{Action, Command};
 use crate::geo::CrsChoice;
-use crate::pipeline::Product;
+use crate::outputs::Product;
 use crate::ui::ViewContext;
 use egui::Ui;
 

@@ -1,14 +1,13 @@
 //! Isobaths, the areas between them and what lies below each, in the formats of other programs.
 
 use super::DepthWritten;
-use super::plane::Plane;
 use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::{
     DepthArea, Isobath, Storage, depth_areas, isobaths, smoothed, storage,
 };
 use crate::export::{self, ExportError, Line};
-use crate::pipeline::Products;
-use crate::pipeline::record::{Coordinates, Made};
+use crate::outputs::record::{Coordinates, Made};
+use crate::pipeline::{Plane, Products};
 use crate::progress::{Cancelled, Progress};
 use std::path::Path;
 

@@ -1,11 +1,10 @@
 //! The track and the ground that was heard, for plotters and maps.
 
-use super::Products;
-use super::mosaic::mosaic_layout;
 use super::record::{Coordinates, Made};
 use crate::export::{self, ExportError, Line, Summary, TrackPiece};
 use crate::geo::MapPlane;
 use crate::mosaic::footprint;
+use crate::pipeline::{Products, mosaic_layout};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;

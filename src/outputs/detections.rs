@@ -1,10 +1,10 @@
 //! Searches a survey for objects and writes what was found.
 
 use super::record::{Coordinates, Made};
-use super::{Placing, Products};
 use crate::detection::targets::{GroupSettings, Sighting, group};
 use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
 use crate::export::{self, ObjectRow, Summary};
+use crate::pipeline::{Placing, Products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;

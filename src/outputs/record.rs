@@ -1,8 +1,8 @@
 //! The record beside a product: `depth.tif.json` tells where `depth.tif` comes from and how far it goes.
 
-use super::report::{Input, Report};
 use crate::export::{self, Summary};
 use crate::geo::{Crs, LonLat};
+use crate::pipeline::{Input, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::io::Write as _;

@@ -3,16 +3,16 @@
 //! Each log is processed by itself, with its own calibration and outliers; what is left of it here are its kept points, in the plane
 //! of the first log. So the memory holds one log at a time, and fifty bytes for each point of the others.
 
+use super::Product;
 use super::depth::write_depth;
 use super::record::write_record;
-use super::report::{Input, Report};
-use super::{Product, Products, Settings};
 use crate::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
 use crate::calibration::Calibration;
 use crate::cloud::{CloudPoint, PointCloud, Residuals};
 use crate::export::{self, Fingerprint, RunFolder};
 use crate::first_return::FirstReturns;
+use crate::pipeline::{Input, Products, Report, Settings};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Projection, Survey, Track};
 use serde::Serialize;

@@ -1,12 +1,11 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
-use super::{Agreement, ResidualTables, matching_in_words};
-use crate::bathymetry::compare::{Comparison, Match};
-use crate::cloud::PointSource;
+use super::record::{Coordinates, Made};
+use crate::bathymetry::compare::Comparison;
 use crate::export::{self, Summary};
-use crate::pipeline::record::{Coordinates, Made};
-use crate::pipeline::report::Input;
-use crate::pipeline::{NamedComparison, Products, Settings};
+use crate::pipeline::{
+    Agreement, Input, NamedComparison, Products, ResidualTables, Settings, matching_in_words,
+};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use serde::Serialize;
@@ -43,20 +42,6 @@ struct ReferenceRecord<'a> {
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
-const PARTS: [(&str, &[PointSource]); 5] = [
-    (
-        "all points",
-        &[
-            PointSource::DownScan,
-            PointSource::Port,
-            PointSource::Starboard,
-        ],
-    ),
-    ("down-scan", &[PointSource::DownScan]),
-    ("side-scan", &[PointSource::Port, PointSource::Starboard]),
-    ("port", &[PointSource::Port]),
-    ("starboard", &[PointSource::Starboard]),
-];
 /// What a comparison does not depend on.
 const REGARDLESS_OF: [&str; 3] = ["detector", "isobaths", "mosaic"];
 
@@ -98,30 +83,6 @@ impl<'a> ComparisonRecord<'a> {
     /// How a point found its reference, in words.
     pub fn by(&self) -> &str {
         &self.by
-    }
-}
-
-impl Agreement {
-    /// The comparison of all points, and of those of each source that has some.
-    pub fn by_source(&self, products: &Products) -> Vec<NamedComparison> {
-        let counted = super::counted(products);
-        let points = &self.cloud.points;
-        let level_m = products.correction.middle_level_m();
-        let reference = self.reference.as_ref();
-        let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
-        let part = |(source, sources): (&'static str, &[PointSource])| {
-            let is_of = |index: usize| sources.contains(&points[index].source);
-            let measured = counted.iter().filter(|index| is_of(**index)).count();
-            let matches = self.differences.iter();
-            let matches: Vec<Match> = matches.filter(|one| is_of(one.measured)).copied().collect();
-            (!matches.is_empty()).then(|| NamedComparison {
-                source,
-                reference: name.clone(),
-                matching: matching_in_words(self.matching),
-                comparison: Comparison::new(measured, &matches, level_m),
-            })
-        };
-        PARTS.into_iter().filter_map(part).collect()
     }
 }
 

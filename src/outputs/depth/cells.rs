@@ -1,10 +1,10 @@
 //! The surface as text: one line a cell.
 
 use super::DepthWritten;
-use super::plane::Plane;
 use crate::bathymetry::Surface;
 use crate::export;
-use crate::pipeline::record::{Coordinates, Made};
+use crate::outputs::record::{Coordinates, Made};
+use crate::pipeline::Plane;
 use crate::progress::Progress;
 use std::path::Path;
 

@@ -1,10 +1,10 @@
 //! The tables of pings and points, and the cloud for other programs.
 
-use super::Products;
 use super::record::{Coordinates, Made};
 use crate::cloud::CloudPoint;
 use crate::export::{self, ExportError};
 use crate::geo::MapPlane;
+use crate::pipeline::Products;
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;

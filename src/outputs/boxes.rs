@@ -2,10 +2,10 @@
 
 use super::detections::number_objects;
 use super::lessons::Lessons;
-use super::{Placing, Products};
 use crate::detection::Raster;
 use crate::detection::review::{Review, State};
 use crate::export::{self, ObjectRow, Part};
+use crate::pipeline::{Placing, Products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::fs;

@@ -1,12 +1,11 @@
 //! The surface as rasters.
 
 use super::DepthWritten;
-use super::plane::Plane;
 use crate::bathymetry::{Grid, Surface};
 use crate::export::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
 use crate::export::{Summary, qgis_style};
-use crate::pipeline::Products;
-use crate::pipeline::record::{Coordinates, Made};
+use crate::outputs::record::{Coordinates, Made};
+use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};
 use crate::progress::Progress;
 use std::path::Path;
