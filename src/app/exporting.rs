@@ -1,8 +1,7 @@
 //! Products and reviewed boxes on their way into a folder.
 
 use super::{App, Jobs, Outcome, Task};
-use crate::export::RunFolder;
-use crate::outputs::{self, Order, Product, Searched, refuse_overwrite};
+use crate::outputs::{self, Order, Product, RunFolder, Searched, refuse_overwrite};
 use crate::progress::Progress;
 use std::path::PathBuf;
 

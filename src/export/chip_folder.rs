@@ -75,7 +75,7 @@ impl ChipFolder {
 
 /// Chips in a folder of products that go with its table of boxes, when that is in `removed` or gives way to one in `new`: those
 /// with a number and a class of either table for a name. Other files in there are somebody's own.
-pub(super) fn earlier_chips(output: &Path, new: &Path, removed: &[String]) -> Vec<String> {
+pub(crate) fn earlier_chips(output: &Path, new: &Path, removed: &[String]) -> Vec<String> {
     let replaced = new.join(TABLE);
     if !replaced.exists() && !removed.iter().any(|name| name == TABLE) {
         return Vec::new();
@@ -89,7 +89,7 @@ pub(super) fn earlier_chips(output: &Path, new: &Path, removed: &[String]) -> Ve
 }
 
 /// Removes chips that a version which is no more left half done; best effort.
-pub(super) fn remove_passing(output: &Path) {
+pub(crate) fn remove_passing_chips(output: &Path) {
     let passing = output.join(PASSING);
     for chip in chips_in(&passing, |_| true) {
         fs::remove_file(chip).ok();

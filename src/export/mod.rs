@@ -1,6 +1,6 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming, `run_folder` for that of all files of a run, `fingerprint` tells them apart; `geotiff` writes any raster, `qgis_style` its colours, `vector` lines and areas,
+//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `points` reads and writes the point files of `bathyscope filter`.
 
@@ -16,7 +16,6 @@ mod depth_xyz;
 mod differences_csv;
 mod extra_bytes;
 mod figure;
-mod fingerprint;
 mod first_returns;
 mod footprint;
 mod geojson;
@@ -30,14 +29,15 @@ pub mod points;
 mod profile_csv;
 mod qgis_style;
 mod rings;
-mod run_folder;
 mod summary;
 mod track;
 mod vector;
 
+pub(crate) use aside::remove_leftovers;
 use aside::scratch_beside;
 pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
 pub use chip_folder::ChipFolder;
+pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
 pub use chips::{ChipError, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
 pub use cloud_laz::cloud_laz;
@@ -47,7 +47,6 @@ pub use dataset::{DatasetFolder, Part, PartSummary};
 pub use depth_xyz::depth_xyz;
 pub use differences_csv::differences_csv;
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
-pub use fingerprint::{Fingerprint, in_hexadecimal};
 pub use first_returns::first_returns_csv;
 pub use footprint::footprint_geojson;
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
@@ -55,7 +54,6 @@ pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_
 pub use picture_boxes::picture_boxes_csv;
 pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::qgis_style;
-pub use run_folder::{RunFolder, STEMS};
 pub use summary::Summary;
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};

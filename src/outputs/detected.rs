@@ -1,8 +1,9 @@
 //! What a search alone writes: `detections.*` and `chips`, into a folder that may hold the files of a run.
 
 use super::detections::{Proposed, write_detections};
+use super::run_folder::RunFolder;
 use crate::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
-use crate::export::{self, RunFolder};
+use crate::export;
 use crate::pipeline::Products;
 use crate::progress::Progress;
 use crate::survey::Survey;

@@ -6,13 +6,14 @@
 use super::Product;
 use super::depth::write_depth;
 use super::record::write_record;
+use super::run_folder::RunFolder;
 use crate::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
 use crate::calibration::Calibration;
 use crate::cloud::{CloudPoint, PointCloud, Residuals};
-use crate::export::{self, Fingerprint, RunFolder};
+use crate::export;
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Input, Products, Report, Settings};
+use crate::pipeline::{Fingerprint, Input, Products, Report, Settings};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Projection, Survey, Track};
 use serde::Serialize;

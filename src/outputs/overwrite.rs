@@ -1,6 +1,7 @@
 //! No file is written over one that it is made from.
 
-use crate::export::{STEMS, is_same_file};
+use super::run_folder::STEMS;
+use crate::export::is_same_file;
 use crate::pipeline::Products;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};

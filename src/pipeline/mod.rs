@@ -3,11 +3,12 @@
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
 //! stages and what they made, `engine` runs them on a worker for the window. `depth` makes the depth map and what follows from it,
 //! `agreement` tells how points differ from a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
-//! up. Nothing is written here: see `outputs`.
+//! up, `fingerprint` tells versions of files apart. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod depth;
 mod engine;
+mod fingerprint;
 mod log_settings;
 mod mosaic;
 mod placing;
@@ -21,13 +22,14 @@ pub use depth::{
     depth_surface,
 };
 pub use engine::{Engine, EngineStatus};
+pub use fingerprint::{Fingerprint, Input};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
 pub use mosaic::mosaic_layout;
 pub use placing::Placing;
 pub use products::{Products, Stage, run};
-pub use report::{CalibrationReport, Input, Report, warnings};
+pub use report::{CalibrationReport, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
 
 use crate::geo::MapPlane;

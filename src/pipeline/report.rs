@@ -1,19 +1,13 @@
 //! `report.json`: what went in, with which settings, what came out, and how far to trust it.
 
+use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{Residuals, TrackShare, residuals};
-use crate::export::{Fingerprint, in_hexadecimal};
 use crate::progress::{Cancelled, Progress};
-use crate::regular_file;
 use crate::survey::{Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use std::io::{self, Read as _};
-use std::path::Path;
-
-/// Bytes hashed between two looks at whether the work was cancelled.
-const CHUNK: usize = 1 << 20;
 
 /// Bytes of a hash that name a run.
 const RUN_BYTES: usize = 8;
@@ -51,17 +45,6 @@ pub struct Report {
     pub warnings: Vec<String>,
     /// The other files of the run, records among them: what is not listed here, or is another file by now, is not of this run.
     pub files: Vec<Fingerprint>,
-}
-
-/// One file read.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Input {
-    /// As it was named.
-    pub file: String,
-    /// Its size.
-    pub bytes: usize,
-    /// SHA-256, hexadecimal.
-    pub sha256: String,
 }
 
 /// How many of everything.
@@ -355,48 +338,4 @@ fn inputs(
         sha256: gauge.sha256.clone(),
     }));
     Ok(inputs)
-}
-
-pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
-    progress.start(survey.bytes.iter().map(|bytes| bytes.len() as u64).sum());
-    let files = survey.source.files.iter().zip(&survey.bytes);
-    files
-        .map(|(path, bytes)| {
-            let mut hash = Sha256::new();
-            for chunk in bytes.chunks(CHUNK) {
-                progress.check()?;
-                hash.update(chunk);
-                progress.advance(chunk.len() as u64);
-            }
-            Ok(Input {
-                file: path.display().to_string(),
-                bytes: bytes.len(),
-                sha256: in_hexadecimal(&hash.finalize()),
-            })
-        })
-        .collect()
-}
-
-/// A file that is no log; the error is one sentence.
-pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, String> {
-    let fail = |error: io::Error| format!("cannot read the file: {error}: {}", path.display());
-    let mut file = regular_file::open(path).map_err(fail)?;
-    progress.start(file.metadata().map_err(fail)?.len());
-    let (mut hash, mut bytes) = (Sha256::new(), 0);
-    let mut chunk = vec![0; CHUNK];
-    loop {
-        progress.check().map_err(|error| error.to_string())?;
-        let count = file.read(&mut chunk).map_err(fail)?;
-        if count == 0 {
-            break;
-        }
-        hash.update(&chunk[..count]);
-        bytes += count;
-        progress.advance(count as u64);
-    }
-    Ok(Input {
-        file: path.display().to_string(),
-        bytes,
-        sha256: in_hexadecimal(&hash.finalize()),
-    })
 }

@@ -2,9 +2,8 @@
 
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
-use bathyscope::export::RunFolder;
 use bathyscope::first_return;
-use bathyscope::outputs::{self, Order, Product, Searched};
+use bathyscope::outputs::{self, Order, Product, RunFolder, Searched};
 use bathyscope::pipeline::{self, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;

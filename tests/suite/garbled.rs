@@ -3,10 +3,10 @@
 
 use crate::handmade::{self, Frame};
 use bathyscope::cloud::Geometry;
-use bathyscope::export::{RunFolder, points};
+use bathyscope::export::points;
 use bathyscope::first_return::{Method, SampleMode};
 use bathyscope::formats;
-use bathyscope::outputs::{self, Order, Product, Searched};
+use bathyscope::outputs::{self, Order, Product, RunFolder, Searched};
 use bathyscope::pipeline::{self, Preset, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};

@@ -3,7 +3,7 @@
 use crate::cloud::Correction;
 use crate::export::points::{Elevations, Plane, read_elevations};
 use crate::geo::{Crs, LocalFrame, LonLat};
-use crate::pipeline::report::{Input, hash_file, hash_inputs};
+use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
 use crate::pipeline::{Products, Settings, run};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;

@@ -1,7 +1,7 @@
 //! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next run leaves nothing over.
 
 use super::{run, simulated};
-use bathyscope::export::RunFolder;
+use bathyscope::outputs::RunFolder;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;

@@ -11,7 +11,8 @@
 mod earlier;
 mod journal;
 
-use super::{Fingerprint, chip_folder};
+use crate::export::{earlier_chips, remove_passing_chips};
+use crate::pipeline::Fingerprint;
 use crate::progress::Progress;
 use journal::Journal;
 use std::fs::{self, File, TryLockError};
@@ -90,7 +91,7 @@ impl RunFolder {
         // A journal that is not for this folder is not followed.
         empty(&side).map_err(fail)?;
         earlier::remove_parts(folder);
-        chip_folder::remove_passing(folder);
+        remove_passing_chips(folder);
         fs::create_dir(run.path()).map_err(fail)?;
         Ok(run)
     }
@@ -152,7 +153,7 @@ impl RunFolder {
         let mut files = names_in(&new).map_err(fail)?;
         let goes = |name: &str| is_of_ours(name) && !files.iter().any(|file| file == name);
         let mut remove = earlier::files(&self.folder, goes);
-        remove.extend(chip_folder::earlier_chips(&self.folder, &new, &remove));
+        remove.extend(earlier_chips(&self.folder, &new, &remove));
         remove.retain(|name| !files.contains(name));
         remove.sort_unstable();
         remove.dedup();

@@ -2,7 +2,7 @@
 
 use super::journal::is_plain;
 use super::{Fingerprint, MANIFESTS, STEMS};
-use crate::export::aside::remove_leftovers;
+use crate::export::remove_leftovers;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

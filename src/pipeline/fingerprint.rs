@@ -1,0 +1,124 @@
+//! What tells one version of a file from another.
+
+use crate::progress::{Cancelled, Progress};
+use crate::regular_file;
+use crate::survey::Survey;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Bytes hashed between two looks at whether the work was cancelled.
+const CHUNK: usize = 1 << 20;
+
+/// One file read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Input {
+    /// As it was named.
+    pub file: String,
+    /// Its size.
+    pub bytes: usize,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+/// A file of a folder, by name and content.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint {
+    /// Its name in the folder; with `/` before it the subfolder's.
+    pub file: String,
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256, hexadecimal.
+    pub sha256: String,
+}
+
+impl Fingerprint {
+    /// Reads a file of `folder`.
+    ///
+    /// # Errors
+    /// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
+    pub fn of(folder: &Path, file: &str, progress: &Progress) -> io::Result<Self> {
+        let from = File::open(folder.join(file))?;
+        let (bytes, sha256) = hash(from, || progress.check(), |_| ())?;
+        Ok(Self {
+            file: file.to_owned(),
+            bytes,
+            sha256,
+        })
+    }
+
+    /// Whether the file of that name in `folder` is still this one.
+    pub fn is_unchanged(&self, folder: &Path) -> bool {
+        let path = folder.join(&self.file);
+        let as_long = path
+            .symlink_metadata()
+            .is_ok_and(|there| there.is_file() && there.len() == self.bytes);
+        let again = || Self::of(folder, &self.file, &Progress::new());
+        as_long && again().is_ok_and(|again| again == *self)
+    }
+}
+
+/// The files of a log, read for their hashes.
+pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<Input>, Cancelled> {
+    progress.start(survey.bytes.iter().map(|bytes| bytes.len() as u64).sum());
+    let files = survey.source.files.iter().zip(&survey.bytes);
+    files
+        .map(|(path, bytes)| {
+            let sha256 = hash(
+                &bytes[..],
+                || progress.check(),
+                |count| progress.advance(count),
+            );
+            Ok(Input {
+                file: path.display().to_string(),
+                bytes: bytes.len(),
+                // Memory can be read, unless somebody says to stop.
+                sha256: sha256.map_err(|_| Cancelled)?.1,
+            })
+        })
+        .collect()
+}
+
+/// A file that is no log; the error is one sentence.
+pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, String> {
+    let fail = |error: io::Error| match progress.check() {
+        Err(cancelled) => cancelled.to_string(),
+        Ok(()) => format!("cannot read the file: {error}: {}", path.display()),
+    };
+    let from = regular_file::open(path).map_err(fail)?;
+    progress.start(from.metadata().map_err(fail)?.len());
+    let hashed = hash(from, || progress.check(), |count| progress.advance(count));
+    let (bytes, sha256) = hashed.map_err(fail)?;
+    Ok(Input {
+        file: path.display().to_string(),
+        bytes: bytes as usize,
+        sha256,
+    })
+}
+
+/// Length and SHA-256 of what is read; `check` may stop it.
+fn hash(
+    mut from: impl Read,
+    check: impl Fn() -> Result<(), Cancelled>,
+    on_read: impl Fn(u64),
+) -> io::Result<(u64, String)> {
+    let (mut hash, mut bytes) = (Sha256::new(), 0);
+    let mut chunk = vec![0; CHUNK];
+    loop {
+        check().map_err(io::Error::other)?;
+        let count = from.read(&mut chunk)?;
+        if count == 0 {
+            return Ok((bytes, in_hexadecimal(&hash.finalize())));
+        }
+        hash.update(&chunk[..count]);
+        bytes += count as u64;
+        on_read(count as u64);
+    }
+}
+
+/// Bytes of a hash as text.
+pub(super) fn in_hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
