@@ -1,6 +1,7 @@
 //! The squares that a surface is sampled on, and a mosaic drawn on.
 
 use super::DepthPoint;
+use crate::presentation::ticks;
 use rayon::prelude::*;
 
 /// No cell that is chosen is smaller than this, metres: recorders place their soundings no better.
@@ -104,7 +105,7 @@ pub fn suited_cell_m(points: &[DepthPoint], gap_m: f64) -> Option<f64> {
     let places = occupied(points, LEAST_CELL_M);
     let area_m2 = occupied(points, gap_m) as f64 * gap_m * gap_m;
     let half_m = 0.5 * (area_m2 / places as f64).sqrt();
-    (places > 0 && half_m.is_finite()).then(|| round_down(half_m).max(LEAST_CELL_M))
+    (places > 0 && half_m.is_finite()).then(|| ticks::round_down(half_m).max(LEAST_CELL_M))
 }
 
 /// Squares of a side, at least [`LEAST_CELL_M`], that hold a point.
@@ -117,14 +118,6 @@ fn occupied(points: &[DepthPoint], side_m: f64) -> usize {
     let mut squares: Vec<[i32; 2]> = points.iter().map(square).collect();
     squares.par_sort_unstable();
     squares.chunk_by(|a, b| a == b).count()
-}
-
-fn round_down(value: f64) -> f64 {
-    let decade = 10f64.powf(value.log10().floor());
-    // A hair more, so that 5.0 is not taken for 2 because of its last bit.
-    let digit = value / decade * (1.0 + 1e-9);
-    let step = [5.0, 2.0].into_iter().find(|step| *step <= digit);
-    decade * step.unwrap_or(1.0)
 }
 
 #[cfg(test)]

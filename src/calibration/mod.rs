@@ -137,6 +137,28 @@ pub struct FlatSpot {
     pub factor: Option<f64>,
 }
 
+impl FlatSpot {
+    /// How flat it is and what its first returns say, in three lines.
+    pub fn summary(&self) -> String {
+        let [port, starboard] = self.picks;
+        let scale = match self.ppd.zip(self.factor) {
+            Some((ppd, factor)) => format!(
+                "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}",
+                ppd.px_per_m, ppd.spread_px_per_m
+            ),
+            None => "too few for a scale".to_owned(),
+        };
+        format!(
+            "pings {}..{}, {:.2} m deep as recorded, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
+            self.pings.start,
+            self.pings.end,
+            self.depth_m,
+            100.0 * self.slope.abs(),
+            100.0 * self.scatter_m,
+        )
+    }
+}
+
 /// A scale with its spread, in u8 samples a metre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {

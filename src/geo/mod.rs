@@ -1,14 +1,13 @@
 //! WGS84 to metres and back, and units.
 //!
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
-//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position, `graticule` the round lines
-//! between them, `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
+//! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position,
+//! `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
 //! in, `map_plane` makes any of them a plane in metres.
 
 mod coordinates;
 mod crs;
 mod geodesic;
-mod graticule;
 mod local_frame;
 mod map_plane;
 mod mercator;
@@ -17,7 +16,6 @@ mod utm;
 pub use coordinates::CoordinateFormat;
 pub use crs::{Crs, CrsChoice, CrsError};
 pub use geodesic::{area_m2, course_rad, distance_m};
-pub use graticule::{Axis, Graticule};
 pub use local_frame::LocalFrame;
 pub use map_plane::MapPlane;
 pub use mercator::{

@@ -1,8 +1,9 @@
 //! The water below each level: two curves over the depth, and their table.
 
 use super::Handover;
-use super::text::{count, ticks};
 use crate::bathymetry::isobaths::{Storage, storage};
+use crate::presentation::text::typeset_count as count;
+use crate::presentation::ticks::ticks;
 use std::fmt::Write as _;
 
 /// Levels that the curves go through.
@@ -85,8 +86,7 @@ fn curve(
     let extent_m = (last.depth_m - first.depth_m).max(f64::MIN_POSITIVE);
     let x = |row: &Storage| left + of(row) / most * SIZE[0];
     let y = |depth_m: f64| 8.0 + (depth_m - first.depth_m) / extent_m * SIZE[1];
-    let amounts = ticks(0.0, most);
-    for amount in &amounts {
+    for (amount, _) in ticks(0.0, most) {
         let at = left + amount / most * SIZE[0];
         writeln!(
             drawn,
@@ -96,15 +96,14 @@ fn curve(
             count(amount.round() as usize),
         )?;
     }
-    for depth_m in ticks(first.depth_m, last.depth_m) {
+    for (depth_m, label) in ticks(first.depth_m, last.depth_m) {
         let at = y(depth_m);
         writeln!(
             drawn,
-            "<path d=\"M{left:.1} {at:.1}H{:.1}\" stroke=\"#dddddd\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            "<path d=\"M{left:.1} {at:.1}H{:.1}\" stroke=\"#dddddd\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
             left + SIZE[0],
             left - 5.0,
             at + 4.0,
-            (depth_m * 1e6).round() / 1e6,
         )?;
     }
     let mut path = String::new();

@@ -1,11 +1,11 @@
 //! The map of depths: colours, isobaths with their depths, track and objects.
 
 use super::frame::{Bounds, Frame};
-use super::text::ticks;
 use super::{Handover, raster};
 use crate::bathymetry::isobaths::{Isobath, isobaths};
 use crate::bathymetry::{Light, Surface, hill_shade};
 use crate::presentation::colours::{depth_colour, depth_share};
+use crate::presentation::ticks::ticks;
 use crate::progress::{Cancelled, Progress};
 use std::fmt::Write as _;
 
@@ -185,12 +185,11 @@ fn legend([least_m, most_m]: [f32; 2], frame: &Frame) -> String {
         writeln!(drawn, "<rect x=\"{x:.1}\" y=\"{top:.2}\" width=\"16\" height=\"{:.2}\" fill=\"rgb({r},{g},{b})\"/>", step + 0.5).ok();
     }
     let extent_m = f64::from(most_m - least_m).max(f64::MIN_POSITIVE);
-    for depth_m in ticks(f64::from(least_m), f64::from(most_m)) {
+    for (depth_m, label) in ticks(f64::from(least_m), f64::from(most_m)) {
         let at = y + 18.0 + (depth_m - f64::from(least_m)) / extent_m * height + 4.0;
-        let depth_m = (depth_m * 1e6).round() / 1e6;
         writeln!(
             drawn,
-            "<text x=\"{:.1}\" y=\"{at:.1}\">{depth_m}</text>",
+            "<text x=\"{:.1}\" y=\"{at:.1}\">{label}</text>",
             x + 22.0
         )
         .ok();

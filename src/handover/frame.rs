@@ -1,8 +1,9 @@
 //! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
 
-use super::text::one_two_five;
 use crate::export::xml;
-use crate::geo::{LonLat, MapPlane};
+use crate::geo::{CoordinateFormat, MapPlane};
+use crate::presentation::graticule::{Family, Net};
+use crate::presentation::ticks;
 use std::fmt::Write as _;
 
 /// Largest map, pixels.
@@ -16,10 +17,8 @@ const ABOVE_PX: f64 = 6.0;
 const RIGHT_PX: f64 = 96.0;
 /// Part of the extent that is left free on every side.
 const FREE: f64 = 0.04;
-/// Steps between lines of the graticule, degrees: seconds and minutes of arc that divide evenly.
-const STEPS_DEG: [f64; 12] = [
-    0.000_05, 0.000_1, 0.000_2, 0.000_5, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2,
-];
+/// Least distance between lines of the graticule, pixels.
+const BETWEEN_PX: f64 = 180.0;
 
 /// Bounds of a map: west, south, east, north, metres.
 pub type Bounds = [f64; 4];
@@ -144,30 +143,31 @@ impl Frame {
     fn graticule(&self, clip: &str) -> String {
         let (right, bottom) = (LEFT_PX + self.width_px, ABOVE_PX + self.height_px);
         let at = |x: f64, y: f64| self.map.to_lon_lat(self.metres([x, y]));
+        let net = Net::Degrees {
+            middle_deg: at(0.5 * (LEFT_PX + right), 0.5 * (ABOVE_PX + bottom)).lon_deg,
+            format: CoordinateFormat::Degrees,
+        };
         let corners = [
             at(LEFT_PX, ABOVE_PX),
             at(right, ABOVE_PX),
             at(LEFT_PX, bottom),
             at(right, bottom),
         ];
+        let Some(bounds) = net.bounds(corners) else {
+            return String::new();
+        };
+        let [west, south, east, north] = bounds;
+        let across_deg = (east - west) * BETWEEN_PX / self.width_px;
+        let up_deg = (north - south) * BETWEEN_PX / self.height_px;
         let mut drawn = String::new();
-        for axis in Axis::BOTH {
-            let along = corners.map(|corner| axis.of(corner));
-            let [low, high] = [
-                along.iter().copied().fold(f64::MAX, f64::min),
-                along.iter().copied().fold(f64::MIN, f64::max),
-            ];
-            let across = corners.map(|corner| axis.other().of(corner));
-            let length_px = match axis {
-                Axis::Lon => self.width_px,
-                Axis::Lat => self.height_px,
-            };
-            let step_deg = step_deg(high - low, length_px);
-            let first = (low / step_deg).ceil() as i64;
-            let last = (high / step_deg).floor() as i64;
-            for index in first..=last {
-                let value_deg = index as f64 * step_deg;
-                self.graticule_line(&mut drawn, clip, axis, value_deg, step_deg, across);
+        for (family, least_deg) in [(Family::Upright, across_deg), (Family::Level, up_deg)] {
+            for line in net.lines(family, bounds, least_deg) {
+                // All but straight within a survey.
+                let places = net.places(family, line.value, bounds, 2);
+                let ends: Vec<[f64; 2]> = places.map(|at| self.place(self.map.place(at))).collect();
+                if let [from, to] = ends[..] {
+                    self.graticule_line(&mut drawn, clip, family, &line.label, [from, to]);
+                }
             }
         }
         drawn
@@ -177,19 +177,13 @@ impl Frame {
         &self,
         drawn: &mut String,
         clip: &str,
-        axis: Axis,
-        value_deg: f64,
-        step_deg: f64,
-        across: [f64; 4],
+        family: Family,
+        text: &str,
+        [[x1, y1], [x2, y2]]: [[f64; 2]; 2],
     ) {
-        let low = across.iter().copied().fold(f64::MAX, f64::min);
-        let high = across.iter().copied().fold(f64::MIN, f64::max);
-        let ends = [low, high].map(|other| self.place(self.map.place(axis.at(value_deg, other))));
-        let [[x1, y1], [x2, y2]] = ends;
-        let text = axis.text(value_deg, step_deg);
-        let label = match axis {
-            // Where the line meets the lower edge, and the left one: it is all but straight within a survey.
-            Axis::Lon => {
+        let label = match family {
+            // Where the line meets the lower edge, and the left one.
+            Family::Upright => {
                 let bottom = ABOVE_PX + self.height_px;
                 let x = x1 + (bottom - y1) / (y2 - y1) * (x2 - x1);
                 let inside = (LEFT_PX + 20.0..LEFT_PX + self.width_px - 20.0).contains(&x);
@@ -200,7 +194,7 @@ impl Frame {
                     )
                 })
             }
-            Axis::Lat => {
+            Family::Level => {
                 let y = y1 + (LEFT_PX - x1) / (x2 - x1) * (y2 - y1);
                 let inside = (ABOVE_PX + 6.0..ABOVE_PX + self.height_px - 6.0).contains(&y);
                 inside.then(|| {
@@ -229,13 +223,10 @@ impl Frame {
         ]);
         let scale = self.map.area_scale_at(middle).sqrt();
         let px_per_ground_m = self.px_per_m * scale;
-        let length_m = one_two_five(0.25 * self.width_px / px_per_ground_m);
+        let length_m = ticks::round_down(0.25 * self.width_px / px_per_ground_m);
         let length_px = length_m * px_per_ground_m;
         let (x, y) = (LEFT_PX + 14.0, ABOVE_PX + self.height_px - 14.0);
-        let text = match length_m >= 1000.0 {
-            true => format!("{} km", length_m / 1000.0),
-            false => format!("{length_m} m"),
-        };
+        let text = ticks::bar_label(length_m);
         let (arrow_x, arrow_y) = (LEFT_PX + self.width_px - 20.0, ABOVE_PX + 14.0);
         format!(
             "<g stroke=\"#ffffff\" stroke-width=\"5\" stroke-opacity=\"0.8\" fill=\"none\"><path d=\"M{x} {y}h{length_px:.1}\"/></g>\
@@ -250,61 +241,10 @@ impl Frame {
     }
 }
 
-#[derive(Clone, Copy)]
-enum Axis {
-    Lon,
-    Lat,
-}
-
-impl Axis {
-    const BOTH: [Axis; 2] = [Axis::Lon, Axis::Lat];
-
-    fn of(self, position: LonLat) -> f64 {
-        match self {
-            Axis::Lon => position.lon_deg,
-            Axis::Lat => position.lat_deg,
-        }
-    }
-
-    fn other(self) -> Self {
-        match self {
-            Axis::Lon => Axis::Lat,
-            Axis::Lat => Axis::Lon,
-        }
-    }
-
-    fn at(self, value_deg: f64, other_deg: f64) -> LonLat {
-        let (lon_deg, lat_deg) = match self {
-            Axis::Lon => (value_deg, other_deg),
-            Axis::Lat => (other_deg, value_deg),
-        };
-        LonLat { lon_deg, lat_deg }
-    }
-
-    fn text(self, value_deg: f64, step_deg: f64) -> String {
-        let decimals = (-step_deg.log10()).ceil().clamp(0.0, 6.0) as usize;
-        let letter = match (self, value_deg < 0.0) {
-            (Axis::Lon, false) => 'E',
-            (Axis::Lon, true) => 'W',
-            (Axis::Lat, false) => 'N',
-            (Axis::Lat, true) => 'S',
-        };
-        format!("{:.decimals$}\u{b0} {letter}", value_deg.abs())
-    }
-}
-
-/// Step between lines about 180 pixels apart.
-fn step_deg(extent_deg: f64, length_px: f64) -> f64 {
-    let wanted = extent_deg * 180.0 / length_px;
-    let found = STEPS_DEG.into_iter().find(|step| *step >= wanted);
-    // A map of more than a few degrees is a damaged one; whole degrees then.
-    found.unwrap_or_else(|| one_two_five(wanted).max(1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geo::CrsChoice;
+    use crate::geo::{CrsChoice, LonLat};
 
     fn zone_12() -> MapPlane {
         let origin = LonLat {
@@ -342,11 +282,5 @@ mod tests {
         assert!((2..25).contains(&steps), "{path}");
         let [x, y] = frame.place([0.999, 0.0]);
         assert!(path.contains(&format!("L{x:.1} {y:.1}M")), "{path}");
-    }
-
-    #[test]
-    fn steps_are_round() {
-        assert_eq!(step_deg(0.004, 800.0), 0.001);
-        assert_eq!(Axis::Lon.text(-111.49, 0.005), "111.490\u{b0} W");
     }
 }

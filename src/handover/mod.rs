@@ -19,7 +19,6 @@ mod raster;
 mod strip;
 mod summary;
 mod tables;
-mod text;
 
 pub use page::page;
 

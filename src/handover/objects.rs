@@ -1,10 +1,10 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
 use super::frame::Frame;
-use super::text::{metres, position};
 use super::{Handover, raster};
 use crate::detection::review::State;
 use crate::export::{ObjectRow, chip, xml};
+use crate::presentation::text::{decimal, position};
 use crate::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -156,7 +156,7 @@ fn line(from: &Handover<'_>, row: &ObjectRow<'_>) -> String {
                 target.depth_m,
                 target.sigma_m,
             ];
-            let cells = sizes.map(|size_m| format!("<td>{}</td>", metres(size_m)));
+            let cells = sizes.map(|size_m| format!("<td>{}</td>", decimal(size_m, 2)));
             format!(
                 "<td class=\"text\">{}</td>{}",
                 position(target.position),

@@ -1,9 +1,11 @@
 //! What was surveyed and what came out, in a paragraph and a row of figures.
 
-use super::text::{area, count, date, duration, length, metres, position};
-use super::{Handover, objects, text};
+use super::{Handover, objects};
 use crate::calendar;
 use crate::export::xml;
+use crate::presentation::text::{
+    area, decimal, long_date, long_duration, position, typeset_count as count, way,
+};
 use crate::survey::PingNav;
 use std::fmt::Write as _;
 
@@ -34,7 +36,7 @@ fn sentences(from: &Handover<'_>) -> String {
             let clock = |time_s: f64| calendar::time_of_day(start_s + time_s)[..5].to_owned();
             format!(
                 " on {}, {} to {} UTC",
-                date(start_s + begin_s),
+                long_date(start_s + begin_s),
                 clock(begin_s),
                 clock(end_s)
             )
@@ -42,7 +44,7 @@ fn sentences(from: &Handover<'_>) -> String {
     );
     let mut told = format!(
         "Recorded{when} ({}), {}.",
-        duration(end_s - begin_s),
+        long_duration(end_s - begin_s),
         xml(&survey.source.format)
     );
     let place = survey.track.frame.origin();
@@ -54,7 +56,7 @@ fn sentences(from: &Handover<'_>) -> String {
         " {} side-scan pings and {} soundings along {} of track gave {} points; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
-        length(sailed_m(from)),
+        way(sailed_m(from)),
         count(counts.points),
         count(counts.outliers_removed),
         count(counts.side_scan_points),
@@ -74,7 +76,7 @@ fn sentences(from: &Handover<'_>) -> String {
         write!(
             told,
             " Over {} of the track ({:.0} %) depth rests on side-scan only.",
-            length(track.side_scan_only_m),
+            way(track.side_scan_only_m),
             100.0 * track.side_scan_only(),
         )
         .ok();
@@ -152,7 +154,7 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
             format!(
                 "{} \u{b1} {} m",
                 signed(residuals.median_m),
-                metres(residuals.sd_m)
+                decimal(residuals.sd_m, 2)
             ),
             "side-scan minus recorded elevation at the same ping (above 0 is shallower), median \u{b1} standard deviation",
         ));
@@ -162,7 +164,7 @@ fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
             true => "objects",
             false => "objects proposed, not reviewed",
         };
-        figures.push((text::count(objects::count(from)), what));
+        figures.push((count(objects::count(from)), what));
     }
     figures
 }

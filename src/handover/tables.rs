@@ -1,10 +1,10 @@
 //! Tables: how far to trust the depths, how they were made, from what, and what else was written.
 
 use super::Handover;
-use super::text::{bytes, count};
 use crate::calibration::ScaleMode;
 use crate::export::xml;
 use crate::pipeline::{CalibrationReport, Preset, Settings};
+use crate::presentation::text::{bytes, typeset_count as count};
 use std::fmt::Write as _;
 
 type Written = Result<(), std::fmt::Error>;

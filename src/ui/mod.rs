@@ -5,7 +5,6 @@ pub mod offscreen;
 mod panels;
 mod place;
 mod shell;
-mod text;
 pub mod theme;
 pub mod views;
 mod window;
@@ -14,6 +13,7 @@ pub use shell::{Alone, Shell};
 pub use window::open_window;
 
 use crate::app::{App, Command};
+use crate::presentation::text;
 
 /// What a panel or view gets: the state to read, the list to push wishes to.
 pub struct ViewContext<'a> {

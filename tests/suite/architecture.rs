@@ -15,7 +15,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("waterfall", &["survey", "first_return"]),
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
-    ("bathymetry", &["survey", "cloud"]),
+    ("bathymetry", &["survey", "cloud", "presentation"]),
     (
         "mosaic",
         &[

@@ -1,6 +1,7 @@
 //! Differences by what they may hang on, and how often each size of them occurs.
 
 use crate::cloud::Residuals;
+use crate::presentation::ticks;
 use serde::Serialize;
 
 /// Differences whose variable lies in one stretch.
@@ -45,11 +46,8 @@ pub fn suited_width(values: &mut [f64]) -> Option<f64> {
     if !(width > 1e-9 && width.is_finite()) {
         return None;
     }
-    let decade = 10f64.powf(width.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|step| step * decade >= 0.999 * width);
-    Some(step? * decade)
+    // A width a little narrower than that, rather than one twice as wide.
+    Some(ticks::round_up(0.999 * width))
 }
 
 /// How often differences of each size occur.

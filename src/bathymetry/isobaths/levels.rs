@@ -1,5 +1,6 @@
 //! Which depths isobaths are drawn at.
 
+use crate::presentation::ticks;
 use serde::{Deserialize, Serialize};
 
 /// More isobaths than this are a mistake, not a map.
@@ -63,14 +64,12 @@ impl IsobathSettings {
     }
 }
 
-/// The next of 1, 2, 5 times a power of ten.
+/// A round interval, at least so long; no number for a level bottom.
 fn readable(at_least_m: f64) -> f64 {
-    let decade = 10f64.powf(at_least_m.log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0].map(|step| tidy(step * decade));
-    steps
-        .into_iter()
-        .find(|step| *step >= at_least_m * (1.0 - 1e-9))
-        .unwrap_or(f64::NAN)
+    match at_least_m > 0.0 {
+        true => ticks::round_up(at_least_m),
+        false => f64::NAN,
+    }
 }
 
 /// To the micrometre: three times 0.1 is 0.3.

@@ -1,6 +1,7 @@
 //! Colours of differences: blue below zero, red above, light grey where there is none.
 
 use super::{Rgb, ramp};
+use crate::presentation::ticks;
 
 /// Moreland's "cool to warm" (2009) at every sixteenth of the way, as sRGB: even to the eye, safe for the colour-blind, and its
 /// middle is neither that of a dark canvas nor that of a light one.
@@ -26,8 +27,6 @@ const COOL_TO_WARM: [Rgb; 17] = [
 
 /// The least end of a scale, metres.
 const LEAST_M: f64 = 0.01;
-/// First digits of a round end of a scale.
-const ROUND: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// sRGB colour of a share of a scale that is symmetric about zero, 0 (lowest) to 1 (highest).
 pub fn difference_colour(share: f32) -> Rgb {
@@ -40,11 +39,7 @@ pub fn difference_reach_m(difference_m: f64) -> f64 {
     if !(wanted_m.is_finite() && wanted_m > LEAST_M) {
         return LEAST_M;
     }
-    let decade_m = 10f64.powf(wanted_m.log10().floor());
-    let steps = ROUND.into_iter().map(|step| step * decade_m);
-    // A hair above a round number is that number.
-    let mut enough = steps.filter(|reach_m| *reach_m >= wanted_m * (1.0 - 1e-9));
-    enough.next().unwrap_or(10.0 * decade_m)
+    ticks::scale_end(wanted_m)
 }
 
 #[cfg(test)]

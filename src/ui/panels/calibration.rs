@@ -229,7 +229,7 @@ fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &F
             ));
         let row = row.on_hover_text(format!(
             "{}\nClick to calibrate on it and show it in all views.",
-            text::flat_stretch(spot)
+            spot.summary()
         ));
         if row.clicked() {
             context.push(Command::CalibrateAt(range));

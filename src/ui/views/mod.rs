@@ -7,9 +7,9 @@ mod legend;
 mod map;
 mod picture;
 mod profile;
-mod ticks;
 pub(super) mod waterfall;
 
+use crate::presentation::ticks;
 pub use cloud::CloudView;
 pub use map::MapView;
 pub use profile::ProfileView;

@@ -3,6 +3,7 @@
 use super::columns::{Columns, resampled, span};
 use super::strips::Strips;
 use crate::app::{Command, Mark};
+use crate::presentation::ticks;
 use crate::ui::{ViewContext, text, theme};
 use egui::{Color32, Mesh, Pos2, Rect, Response, Stroke, Ui};
 
@@ -105,7 +106,7 @@ impl Frame {
             .and_then(|survey| survey.start_unix_s);
         // In a window too narrow for the strips their width is negative: no room for ticks, not for one a second.
         let width = f64::from(self.all.width().max(1.0));
-        let step_s = tick_step_s((strips.to_s - strips.from_s) * 90.0 / width);
+        let step_s = ticks::time_step_s((strips.to_s - strips.from_s) * 90.0 / width);
         let weak = ui.visuals().weak_text_color();
         let font = egui::FontId::proportional(10.0);
         // Ticks stand on round times of day when the recorder knew the time.
@@ -208,17 +209,6 @@ impl Frame {
     }
 }
 
-/// A round step in time that is at least `least_s` long.
-fn tick_step_s(least_s: f64) -> f64 {
-    const ROUND_S: [f64; 12] = [
-        1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0, 3600.0, 7200.0, 21_600.0, 86_400.0,
-    ];
-    ROUND_S
-        .into_iter()
-        .find(|step| *step >= least_s)
-        .unwrap_or(86_400.0 * (least_s / 86_400.0).ceil().max(1.0))
-}
-
 /// Where a series is drawn, and its scale: from nothing to `reach`, hanging from the top or standing on the bottom.
 struct Band {
     rect: Rect,
@@ -263,17 +253,4 @@ impl Band {
 
 fn sorted(a: f32, b: f32) -> std::ops::RangeInclusive<f32> {
     a.min(b)..=a.max(b)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::tick_step_s;
-
-    #[test]
-    fn ticks_are_round_and_never_too_close() {
-        assert_eq!(tick_step_s(0.3), 1.0);
-        assert_eq!(tick_step_s(12.0), 30.0);
-        assert_eq!(tick_step_s(4000.0), 7200.0);
-        assert_eq!(tick_step_s(100_000.0), 172_800.0);
-    }
 }

@@ -2,8 +2,8 @@
 
 use super::overlay::Scene;
 use crate::calibration::{FlatSpot, ScaleMode};
+use crate::ui::theme;
 use crate::ui::views::legend;
-use crate::ui::{text, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use std::ops::Range;
 
@@ -91,7 +91,7 @@ pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
 
 /// A few lines about a stretch.
 pub fn describe(rank: usize, spot: &FlatSpot) -> String {
-    format!("flat stretch {}: {}", rank + 1, text::flat_stretch(spot))
+    format!("flat stretch {}: {}", rank + 1, spot.summary())
 }
 
 fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {

@@ -134,10 +134,7 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
     for at in [start, end] {
         painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
     }
-    let text = match length_m >= 1000.0 {
-        true => format!("{} km", ticks::label(length_m / 1000.0, length_m / 1000.0)),
-        false => format!("{} m", ticks::label(length_m, length_m)),
-    };
+    let text = ticks::bar_label(length_m);
     let middle = start + vec2(0.5 * length, -4.0);
     painter.text(
         middle,

@@ -1,6 +1,7 @@
 //! The frame of the profile: intensity up, slant range to both sides.
 
 use crate::app::ViewOptions;
+use crate::presentation::ticks;
 use crate::ui::{text, theme};
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
@@ -52,7 +53,7 @@ impl Plot {
     /// Metres between ticks that leave room for their numbers.
     fn step_m(&self) -> f64 {
         let per_point = 2.0 * self.far_m / f64::from(self.area.width());
-        text::round_step(per_point * 44.0)
+        ticks::round_up(per_point * 44.0)
     }
 }
 

@@ -4,6 +4,7 @@ use super::labels::{INK, Labels};
 use super::lens::{Lens, Place, across_m};
 use crate::app::{Orientation, ViewOptions};
 use crate::cloud::Reduction;
+use crate::presentation::ticks;
 use crate::survey::{Side, SideSpan, Survey};
 use crate::ui::{text, theme};
 use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
@@ -36,7 +37,7 @@ struct RangeLine {
 impl RangeLines {
     /// The lines that a lens sees of a picture `far_m` wide on each side.
     pub fn in_view(lens: &Lens, survey: &Survey, reduction: Reduction<'_>, far_m: f64) -> Self {
-        let step_m = text::round_step(lens.metres_per_point() * LINE_POINTS);
+        let step_m = ticks::round_up(lens.metres_per_point() * LINE_POINTS);
         let seen = lens.metres();
         let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
         let visible = lens.visible(survey.side_scan.len());
@@ -135,7 +136,7 @@ pub(super) fn ticks(
     survey: &Survey,
     ink: Color32,
 ) {
-    let step = text::round_step((lens.pings_per_point() * TICK_POINTS).max(1.0)) as usize;
+    let step = ticks::round_up((lens.pings_per_point() * TICK_POINTS).max(1.0)) as usize;
     let seen = lens.visible(survey.side_scan.len());
     let metres = lens.metres();
     let (edge_m, inward, anchor) = match lens.orientation {

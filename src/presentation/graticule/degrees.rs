@@ -1,6 +1,6 @@
 //! Lines of a graticule: at round degrees, minutes or seconds, named with no more digits than that takes.
 
-use super::CoordinateFormat;
+use crate::geo::CoordinateFormat;
 
 /// Millionths of a second of arc in a degree, a minute, a second: what every step is a whole number of.
 const DEGREE: i64 = 3_600_000_000;

@@ -1,40 +1,65 @@
-//! Numbers, places and times as the analyst reads them.
+//! Numbers, places and times as the analyst reads them, in the window and in the report.
 
+use super::ticks;
 use crate::calendar;
-use crate::calibration::FlatSpot;
+use crate::geo::{CoordinateFormat, LonLat};
 
 /// What stands where there is no value.
 pub const NONE: &str = "–";
 
-/// A count with thin groups of three: `12 345`.
+/// A count in groups of three: `12 345`.
 pub fn count(number: usize) -> String {
+    grouped(number, ' ')
+}
+
+/// A count for a page that breaks its lines: the groups are set apart by a thin space that none breaks at.
+pub fn typeset_count(number: usize) -> String {
+    grouped(number, '\u{202f}')
+}
+
+fn grouped(number: usize, separator: char) -> String {
     let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3 * separator.len_utf8());
     for (index, digit) in digits.chars().enumerate() {
         if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
+            text.push(separator);
         }
         text.push(digit);
     }
     text
 }
 
-/// A number with a unit, or a dash when it is not a number.
-pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
-    if value.is_finite() {
-        format!("{value:.decimals$} {unit}")
-    } else {
-        NONE.to_owned()
+/// A number, or a dash when it is not a number.
+pub fn decimal(value: f64, decimals: usize) -> String {
+    match value.is_finite() {
+        true => format!("{value:.decimals$}"),
+        false => NONE.to_owned(),
     }
 }
 
-/// A length on the ground: metres, from a kilometre on kilometres.
+/// A number with a unit, or a dash when it is not a number.
+pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
+    match value.is_finite() {
+        true => format!("{value:.decimals$} {unit}"),
+        false => NONE.to_owned(),
+    }
+}
+
+/// A length that was measured on the ground: metres, from a kilometre on kilometres.
 pub fn length(value_m: f64) -> String {
     match value_m {
         _ if !value_m.is_finite() => NONE.to_owned(),
         ..100.0 => format!("{value_m:.2} m"),
         100.0..1000.0 => format!("{value_m:.1} m"),
         _ => format!("{:.3} km", value_m / 1000.0),
+    }
+}
+
+/// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on kilometres.
+pub fn way(length_m: f64) -> String {
+    match length_m < 2000.0 {
+        true => format!("{length_m:.0} m"),
+        false => format!("{:.2} km", length_m / 1000.0),
     }
 }
 
@@ -46,14 +71,14 @@ pub fn and_course(course_rad: f64) -> String {
     }
 }
 
-/// An area on the ground: square metres, from a tenth of a square kilometre on hectares, from ten on square kilometres.
+/// An area on the ground: square metres, from two hectares on hectares, from two square kilometres on square kilometres.
 pub fn area(value_m2: f64) -> String {
     match value_m2 {
         _ if !value_m2.is_finite() => NONE.to_owned(),
         ..1000.0 => format!("{value_m2:.1} m²"),
-        1000.0..1e5 => format!("{} m²", count(value_m2.round() as usize)),
-        1e5..1e7 => format!("{:.2} ha", value_m2 / 1e4),
-        _ => format!("{:.3} km²", value_m2 / 1e6),
+        1000.0..2e4 => format!("{} m²", count(value_m2.round() as usize)),
+        2e4..2e6 => format!("{:.2} ha", value_m2 / 1e4),
+        _ => format!("{:.2} km²", value_m2 / 1e6),
     }
 }
 
@@ -72,26 +97,6 @@ pub fn signed_difference(value_m: f64) -> String {
     format!("{sign}{}", difference(value_m))
 }
 
-/// How flat a stretch is and what its first returns say, in three lines.
-pub fn flat_stretch(spot: &FlatSpot) -> String {
-    let [port, starboard] = spot.picks;
-    let scale = match spot.ppd.zip(spot.factor) {
-        Some((ppd, factor)) => format!(
-            "PPD {:.2} ±{:.2} px/m, the recorded range times {factor:.3}",
-            ppd.px_per_m, ppd.spread_px_per_m
-        ),
-        None => "too few for a scale".to_owned(),
-    };
-    format!(
-        "pings {}..{}, {:.2} m deep as recorded, slope {:.1} %, scatter {:.1} cm\n{scale}\n{port} first returns to port, {starboard} to starboard",
-        spot.pings.start,
-        spot.pings.end,
-        spot.depth_m,
-        100.0 * spot.slope.abs(),
-        100.0 * spot.scatter_m,
-    )
-}
-
 /// Minutes and seconds, with hours when there are any: `2:30`, `1:02:30`.
 pub fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
@@ -105,6 +110,46 @@ pub fn duration(seconds: f64) -> String {
     } else {
         format!("{sign}{minutes}:{seconds:02}")
     }
+}
+
+/// `17 min`, `2 h 05 min`, `48 s`.
+pub fn long_duration(seconds: f64) -> String {
+    let whole = seconds.max(0.0).round() as u64;
+    match whole {
+        0..120 => format!("{whole} s"),
+        120..7200 => format!("{} min", (seconds / 60.0).round()),
+        _ => format!("{} h {:02} min", whole / 3600, whole / 60 % 60),
+    }
+}
+
+/// `8 September 2014`.
+pub fn long_date(unix_s: f64) -> String {
+    const MONTHS: [&str; 12] = [
+        "January",
+        "February",
+        "March",
+        "April",
+        "May",
+        "June",
+        "July",
+        "August",
+        "September",
+        "October",
+        "November",
+        "December",
+    ];
+    let (year, month, day) = calendar::civil_from_unix(unix_s);
+    let name = usize::try_from(month - 1)
+        .ok()
+        .and_then(|index| MONTHS.get(index));
+    format!("{day} {} {year}", name.unwrap_or(&""))
+}
+
+/// `36.932541° N, 111.488102° W`: a tenth of a metre.
+pub fn position(at: LonLat) -> String {
+    let format = CoordinateFormat::Degrees;
+    let (latitude, longitude) = (format.latitude(at.lat_deg), format.longitude(at.lon_deg));
+    format!("{latitude}, {longitude}")
 }
 
 /// Time of day in UTC when the recorder knew the time, else the time since the start of the log.
@@ -130,20 +175,9 @@ pub fn plural(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
-/// The smallest of 1, 2, 5, 10, 20, 50 ... and 0.5, 0.2, 0.1 ... that is at least `least`: the step between ticks.
-pub fn round_step(least: f64) -> f64 {
-    let decade = 10_f64.powf(least.max(1e-9).log10().floor());
-    [1.0, 2.0, 5.0]
-        .into_iter()
-        .map(|factor| factor * decade)
-        .find(|step| *step >= least * (1.0 - 1e-9))
-        .unwrap_or(10.0 * decade)
-}
-
 /// Metres at a tick, with as many decimals as the step between ticks needs.
 pub fn metres(value_m: f64, step_m: f64) -> String {
-    let decimals = (-step_m.log10().floor()).clamp(0.0, 3.0) as usize;
-    format!("{value_m:.decimals$} m")
+    format!("{} m", ticks::label(value_m, step_m))
 }
 
 #[cfg(test)]
@@ -166,7 +200,7 @@ mod tests {
             ["12.35 m", "99.99 m", "123.5 m", "999.9 m", "1.234 km", NONE]
         );
         let areas = [12.34, 12_345.6, 123_456.0, 2.5e7].map(area);
-        assert_eq!(areas, ["12.3 m²", "12 346 m²", "12.35 ha", "25.000 km²"]);
+        assert_eq!(areas, ["12.3 m²", "12 346 m²", "12.35 ha", "25.00 km²"]);
     }
 
     #[test]
@@ -178,18 +212,24 @@ mod tests {
     }
 
     #[test]
-    fn ticks_step_by_one_two_or_five_and_show_no_more() {
-        let steps = [
-            (0.03, 0.05),
-            (1.0, 1.0),
-            (1.1, 2.0),
-            (3.0, 5.0),
-            (7.0, 10.0),
-            (51.0, 100.0),
-        ];
-        for (least, step) in steps {
-            assert!((round_step(least) - step).abs() < 1e-12, "{least}");
-        }
+    fn a_page_says_it_in_words() {
+        assert_eq!(typeset_count(1_234_567), "1\u{202f}234\u{202f}567");
+        assert_eq!(long_date(1_410_181_021.0), "8 September 2014");
+        assert_eq!(
+            [48.0, 1020.0, 7500.0].map(long_duration),
+            ["48 s", "17 min", "2 h 05 min"]
+        );
+        assert_eq!([950.4, 2347.0].map(way), ["950 m", "2.35 km"]);
+        let place = LonLat {
+            lon_deg: -111.488_102,
+            lat_deg: 36.932_541,
+        };
+        assert_eq!(position(place), "36.932541° N, 111.488102° W");
+        assert_eq!([decimal(1.005, 1), decimal(f64::NAN, 2)], ["1.0", NONE]);
+    }
+
+    #[test]
+    fn ticks_show_no_more_than_their_step() {
         assert_eq!(metres(5.0, 5.0), "5 m");
         assert_eq!(metres(2.5, 0.5), "2.5 m");
         assert_eq!(metres(0.25, 0.05), "0.25 m");
