@@ -38,6 +38,8 @@ pub struct Crossing {
     pub passes: [Pass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
+    /// Slope of the bottom there, metres a metre, from the depths along both passes; NaN where they are too few.
+    pub slope: f64,
 }
 
 impl Crossing {
@@ -49,6 +51,9 @@ impl Crossing {
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
 pub const REACH_M: f64 = 0.5;
+/// Depths within this distance of a crossing, along their own track, tell the slope there, metres, and how many at least.
+const SLOPE_REACH_M: f64 = 3.0;
+const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that meet at a smaller angle run along each other: where they cross is chance, degrees.
 pub const LEAST_ANGLE_DEG: f64 = 20.0;
 /// A boat that has gone less far than this along its track since has not come back, it has stayed, metres.
@@ -151,7 +156,36 @@ struct Meeting<'a> {
     angle_deg: f64,
 }
 
+/// Slope of the straight line of depth against the way in a direction, by least squares; NaN of too few depths, or where they lie in
+/// one place.
+fn slope_along<'a>(
+    depths: impl Iterator<Item = &'a TrackDepth>,
+    place: [f64; 2],
+    direction: [f64; 2],
+) -> f64 {
+    let (mut count, mut sums) = (0, [0.0; 4]);
+    for depth in depths {
+        let way_m =
+            (depth.east_m - place[0]) * direction[0] + (depth.north_m - place[1]) * direction[1];
+        let added = [way_m, depth.depth_m, way_m * way_m, way_m * depth.depth_m];
+        sums = [0, 1, 2, 3].map(|index| sums[index] + added[index]);
+        count += 1;
+    }
+    if count < LEAST_FOR_SLOPE {
+        return f64::NAN;
+    }
+    let [way, depth, square, product] = sums.map(|sum| sum / count as f64);
+    (product - way * depth) / (square - way * way)
+}
+
 impl Piece {
+    /// Unit vector from its start to its end.
+    fn direction(&self) -> [f64; 2] {
+        let way = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
+        let length_m = way[0].hypot(way[1]);
+        way.map(|component| component / length_m)
+    }
+
     fn squares(&self) -> impl Iterator<Item = [i64; 2]> + use<> {
         let square = |metres: f64| (metres / SQUARE_M).floor() as i64;
         let span = |axis: usize| {
@@ -207,7 +241,38 @@ impl Meeting<'_> {
             place: self.place,
             passes,
             angle_deg: self.angle_deg,
+            slope: self.slope(tracks),
         }
+    }
+
+    /// The steepest slope of the plane that rises along both passes as their depths do.
+    fn slope(&self, tracks: &[Vec<TrackDepth>]) -> f64 {
+        let [a, b] = self.pieces.map(Piece::direction);
+        let [along_a, along_b] = [0, 1].map(|index| {
+            let (piece, share) = (self.pieces[index], self.shares[index]);
+            let middle = piece.ends[usize::from(share >= 0.5)];
+            let near = self.within(SLOPE_REACH_M, &tracks[piece.track], middle);
+            slope_along(near, self.place, piece.direction())
+        });
+        let cross = a[0] * b[1] - a[1] * b[0];
+        let east = (along_a * b[1] - along_b * a[1]) / cross;
+        let north = (along_b * a[0] - along_a * b[0]) / cross;
+        east.hypot(north)
+    }
+
+    /// The depths of a pass within a distance of the crossing: outwards from there, since the other pass may lie in the same track.
+    fn within<'a>(
+        &self,
+        reach_m: f64,
+        depths: &'a [TrackDepth],
+        middle: usize,
+    ) -> impl Iterator<Item = &'a TrackDepth> + use<'a> {
+        let place = self.place;
+        let near = move |depth: &&TrackDepth| {
+            (depth.east_m - place[0]).hypot(depth.north_m - place[1]) <= reach_m
+        };
+        let before = depths[..middle].iter().rev().take_while(near);
+        before.chain(depths[middle..].iter().take_while(near))
     }
 
     fn pass(&self, piece: &Piece, share: f64, depths: &[TrackDepth]) -> Pass {
@@ -216,15 +281,9 @@ impl Meeting<'_> {
             let [from, to] = ends.map(value);
             from + share * (to - from)
         };
-        let near = |depth: &&TrackDepth| {
-            let away_m = (depth.east_m - self.place[0]).hypot(depth.north_m - self.place[1]);
-            away_m <= REACH_M
-        };
-        // Outwards from the crossing: the other pass may lie in the same track.
         let middle = piece.ends[usize::from(share >= 0.5)];
-        let before = depths[..middle].iter().rev().take_while(near);
-        let after = depths[middle..].iter().take_while(near);
-        let mut values: Vec<f64> = before.chain(after).map(|depth| depth.depth_m).collect();
+        let near = self.within(REACH_M, depths, middle);
+        let mut values: Vec<f64> = near.map(|depth| depth.depth_m).collect();
         if values.is_empty() {
             values.push(between(|depth| depth.depth_m));
         }
@@ -288,6 +347,8 @@ mod tests {
             assert!(second.time_s > first.time_s);
             // The depths around a crossing are not quite even about it.
             assert!((one.difference_m() - expected_m).abs() < 0.006, "{one:?}");
+            // The bed falls 5 in the hundred to the east and rises 2 to the north.
+            assert!((one.slope - 0.0539).abs() < 0.004, "{one:?}");
         }
     }
 

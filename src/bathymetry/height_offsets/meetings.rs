@@ -1,0 +1,148 @@
+//! Places that two logs measured.
+
+use super::{Meeting, MeetingKind};
+use crate::bathymetry::crossings::{TrackDepth, crossings};
+use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
+use std::collections::{BTreeMap, HashMap};
+
+/// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
+const FEW_CROSSINGS: usize = 3;
+/// Side of the squares in which two logs measured the same, metres.
+const SQUARE_M: f64 = 1.0;
+/// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
+const BLOCK_SQUARES: i64 = 10;
+const LEAST_SQUARES: usize = 3;
+
+/// Crossings between logs; for pairs with fewer than three of them the blocks of 10 m in which both measured the same squares of 1 m
+/// too. By pair, in the order of the first log.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn meetings(
+    tracks: &[Vec<TrackDepth>],
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let found = crossings(tracks, progress)?;
+    let between = found
+        .iter()
+        .filter(|one| one.passes[0].track != one.passes[1].track);
+    let mut meetings: Vec<Meeting> = between
+        .map(|one| Meeting {
+            logs: one.passes.map(|pass| pass.track),
+            kind: MeetingKind::Crossing,
+            place: one.place,
+            difference_m: one.difference_m(),
+            slope: one.slope,
+        })
+        .collect();
+    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
+    for meeting in &meetings {
+        *counts.entry(meeting.logs).or_default() += 1;
+    }
+    let few = |logs: &[usize; 2]| counts.get(logs).copied().unwrap_or(0) < FEW_CROSSINGS;
+    meetings.extend(overlaps(tracks, few, progress)?);
+    meetings.sort_by_key(|meeting| meeting.logs);
+    Ok(meetings)
+}
+
+/// A square that two logs measured: depth by the first, and elevation by the second minus that by the first.
+struct Shared {
+    depth_m: f64,
+    difference_m: f64,
+}
+
+fn overlaps(
+    tracks: &[Vec<TrackDepth>],
+    is_wanted: impl Fn(&[usize; 2]) -> bool,
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let mut squares: BTreeMap<[i64; 2], Vec<(usize, f64)>> = BTreeMap::new();
+    for (log, depths) in tracks.iter().enumerate() {
+        progress.check()?;
+        for (square, depth_m) in by_square(depths) {
+            squares.entry(square).or_default().push((log, depth_m));
+        }
+    }
+    let mut blocks: BTreeMap<([usize; 2], [i64; 2]), Vec<Shared>> = BTreeMap::new();
+    for (square, logs) in &squares {
+        let block = square.map(|index| index.div_euclid(BLOCK_SQUARES));
+        for (rank, &(first, first_m)) in logs.iter().enumerate() {
+            let others = logs[rank + 1..].iter();
+            for &(second, second_m) in others.filter(|(second, _)| is_wanted(&[first, *second])) {
+                let shared = Shared {
+                    depth_m: first_m,
+                    difference_m: first_m - second_m,
+                };
+                blocks
+                    .entry(([first, second], block))
+                    .or_default()
+                    .push(shared);
+            }
+        }
+    }
+    let enough = blocks
+        .iter()
+        .filter(|(_, shared)| shared.len() >= LEAST_SQUARES);
+    Ok(enough
+        .map(|((logs, block), shared)| meeting(*logs, *block, shared))
+        .collect())
+}
+
+/// Median depth of every square of a log.
+fn by_square(depths: &[TrackDepth]) -> BTreeMap<[i64; 2], f64> {
+    let mut squares: BTreeMap<[i64; 2], Vec<f64>> = BTreeMap::new();
+    for depth in depths {
+        let square = [depth.east_m, depth.north_m].map(|metres| (metres / SQUARE_M).floor() as i64);
+        squares.entry(square).or_default().push(depth.depth_m);
+    }
+    let medians = squares.into_iter();
+    medians
+        .map(|(square, mut depths)| (square, median(&mut depths)))
+        .collect()
+}
+
+fn meeting(logs: [usize; 2], block: [i64; 2], shared: &[Shared]) -> Meeting {
+    let side_m = BLOCK_SQUARES as f64 * SQUARE_M;
+    let mut differences: Vec<f64> = shared.iter().map(|one| one.difference_m).collect();
+    let depths = shared.iter().map(|one| one.depth_m);
+    let (least, most) = depths.fold((f64::MAX, f64::MIN), |(least, most), depth_m| {
+        (least.min(depth_m), most.max(depth_m))
+    });
+    Meeting {
+        logs,
+        kind: MeetingKind::Overlap,
+        place: block.map(|index| (index as f64 + 0.5) * side_m),
+        difference_m: median(&mut differences),
+        slope: (most - least) / side_m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(north_m: f64, raised_m: f64) -> Vec<TrackDepth> {
+        (0..600)
+            .map(|index| TrackDepth {
+                time_s: 0.1 * f64::from(index),
+                east_m: 0.1 * f64::from(index),
+                north_m,
+                depth_m: 3.0 + 0.02 * 0.1 * f64::from(index) - raised_m,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn logs_along_the_same_line_meet_although_they_never_cross() {
+        let tracks = [line(0.2, 0.0), line(0.7, 0.15), line(20.0, 0.5)];
+        let found = meetings(&tracks, &Progress::new()).unwrap();
+        assert_eq!(found.len(), 6, "{found:?}");
+        for meeting in found {
+            assert_eq!(meeting.logs, [0, 1]);
+            assert_eq!(meeting.kind, MeetingKind::Overlap);
+            assert!((meeting.difference_m - 0.15).abs() < 1e-9, "{meeting:?}");
+            assert!((meeting.slope - 0.02).abs() < 0.005, "{meeting:?}");
+        }
+    }
+}

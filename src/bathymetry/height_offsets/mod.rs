@@ -1,0 +1,115 @@
+//! How much higher or lower the depths of one log are than those of the others, from where logs meet.
+//!
+//! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
+//! height. Where two logs measured the same place their depths differ by the difference of these heights, so all meetings together
+//! give the height of every log, but for one that they all share: the datum. `meetings` finds the places, `network` solves for the
+//! heights, `cholesky` is its linear algebra.
+
+mod cholesky;
+mod meetings;
+mod network;
+
+pub use meetings::meetings;
+pub use network::adjust;
+
+use super::crossings::TrackDepth;
+use crate::progress::{Cancelled, Progress};
+use serde::Serialize;
+
+/// What the heights of the logs count from: their differences say nothing about what all of them share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Datum {
+    /// The mean of the offsets of connected logs is zero: no log is taken for better than another.
+    #[default]
+    Mean,
+    /// The offset of this log is zero. Logs that are not connected with it have a mean of zero.
+    Log(usize),
+}
+
+/// How two logs meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeetingKind {
+    /// Their tracks cross.
+    Crossing,
+    /// They measured the same square metres without crossing: along the same line.
+    Overlap,
+}
+
+/// A place that two logs measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// Indices of the logs, the smaller first.
+    pub logs: [usize; 2],
+    /// How they meet.
+    pub kind: MeetingKind,
+    /// East and north, metres.
+    pub place: [f64; 2],
+    /// Elevation by the second log minus that by the first, metres.
+    pub difference_m: f64,
+    /// Slope of the bottom, metres a metre: an error of position becomes one of depth by it. NaN where it is not known.
+    pub slope: f64,
+}
+
+/// The height offset of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogOffset {
+    /// What is to be added to every elevation of the log, metres, so that it agrees with the others; 0 for a log that meets no other.
+    pub offset_m: f64,
+    /// Its standard error against the datum, metres; NaN for a log that meets no other.
+    pub standard_error_m: f64,
+    /// Logs of the same group are connected by meetings; groups are numbered by their first log. Heights of different groups cannot
+    /// be compared.
+    pub group: usize,
+    /// Meetings of the log with others.
+    pub meetings: usize,
+}
+
+/// How two logs differ.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairDifference {
+    /// Indices of the logs, the smaller first.
+    pub logs: [usize; 2],
+    /// How they meet.
+    pub kind: MeetingKind,
+    /// Places where they meet.
+    pub n: usize,
+    /// Median elevation by the second log minus that by the first, metres.
+    pub difference_m: f64,
+    /// Robust standard deviation (1.4826 MAD) of the differences, metres; NaN of fewer than two.
+    pub spread_m: f64,
+    /// Standard error of the median, metres.
+    pub standard_error_m: f64,
+    /// What is left of the median once the offsets of both logs are applied, metres.
+    pub residual_m: f64,
+}
+
+/// Height offsets of all logs, and what they come from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct HeightOffsets {
+    /// One a log.
+    pub logs: Vec<LogOffset>,
+    /// Every pair of logs that meet, in order.
+    pub pairs: Vec<PairDifference>,
+}
+
+impl HeightOffsets {
+    /// How many groups of connected logs there are; heights can be compared within a group only.
+    pub fn groups(&self) -> usize {
+        self.logs.iter().map(|log| log.group + 1).max().unwrap_or(0)
+    }
+}
+
+/// Finds where logs meet and solves for their heights. `tracks` holds the depths under the boat of every log in time order, all in
+/// one plane, corrected for what is known.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn height_offsets(
+    tracks: &[Vec<TrackDepth>],
+    datum: Datum,
+    progress: &Progress,
+) -> Result<HeightOffsets, Cancelled> {
+    let meetings = meetings(tracks, progress)?;
+    Ok(adjust(tracks.len(), &meetings, datum))
+}
