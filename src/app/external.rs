@@ -120,6 +120,7 @@ impl App {
         settings.water_level = WaterLevelSettings {
             file: Some(gauge.path.clone()),
             gauge: Some(Arc::new(gauge)),
+            ..settings.water_level
         };
         match Correction::new(settings.depth(), survey).refused() {
             Some(sentence) => self.tell(sentence.to_owned(), true),

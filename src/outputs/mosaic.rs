@@ -89,6 +89,7 @@ fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
             "cloud",
             "detector",
             "draft_m",
+            "height_offset_m",
             "isobaths",
             "outliers",
             "surface",

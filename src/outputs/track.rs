@@ -12,11 +12,12 @@ use std::path::Path;
 /// Red, which stays legible on a map and on a picture of the earth.
 const COLOUR: [u8; 3] = [214, 39, 40];
 /// What a track does not depend on.
-const REGARDLESS_OF: [&str; 12] = [
+const REGARDLESS_OF: [&str; 13] = [
     "calibration",
     "cloud",
     "detector",
     "draft_m",
+    "height_offset_m",
     "first_return",
     "image",
     "isobaths",

@@ -53,6 +53,9 @@ pub struct Settings {
     pub water_level_m: f64,
     /// `water_level.*`: readings over time.
     pub water_level: WaterLevelSettings,
+    /// What is added to every elevation of the log, metres, so that it agrees with others of its survey: `height_offsets` finds it
+    /// from crossings.
+    pub height_offset_m: f64,
     /// `sound_speed.*`.
     pub sound_speed: SoundSpeedSettings,
     /// `image.*`.
@@ -132,6 +135,7 @@ impl Settings {
             draft_m: self.draft_m,
             water_level_m: self.water_level_m,
             water_level: self.water_level.clone(),
+            height_offset_m: self.height_offset_m,
             sound_speed: self.sound_speed.clone(),
         }
     }
@@ -145,6 +149,7 @@ impl Settings {
         settings.draft_m = other.draft_m;
         settings.water_level_m = other.water_level_m;
         settings.water_level = other.water_level.clone();
+        settings.height_offset_m = other.height_offset_m;
         settings.sound_speed = other.sound_speed.clone();
         settings
     }

@@ -25,6 +25,9 @@ pub struct WaterLevelSettings {
     /// Readings of a gauge or tide over the time of the survey ([`Gauge::read`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
+    /// Added to the log's times to find their readings, seconds: how far the recorder's clock is behind UTC. An hour for one that
+    /// shows the local time of Central Europe is -3600.
+    pub clock_offset_s: f64,
     /// What the file holds, once [`WaterLevelSettings::load`] has read it.
     #[serde(skip)]
     pub gauge: Option<Arc<Gauge>>,
@@ -39,6 +42,11 @@ impl WaterLevelSettings {
     }
 }
 
+/// Most that a recorder's clock is wrong, seconds: more than a day is another day's log.
+const MOST_CLOCK_OFFSET_S: f64 = 10.0 * 86_400.0;
+/// Most that the heights of logs over one water differ, metres.
+const MOST_HEIGHT_OFFSET_M: f64 = 100.0;
+
 /// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
 pub(super) const LEVELS_M: std::ops::RangeInclusive<f64> = -1000.0..=10_000.0;
 
@@ -51,6 +59,9 @@ pub struct DepthSettings {
     pub water_level_m: f64,
     /// Readings of the water's height.
     pub water_level: WaterLevelSettings,
+    /// What is added to every elevation, metres, so that the log agrees with others of its survey
+    /// (`bathymetry::height_offsets`).
+    pub height_offset_m: f64,
     /// Sound speed.
     pub sound_speed: SoundSpeedSettings,
 }
@@ -64,18 +75,30 @@ impl DepthSettings {
         if !LEVELS_M.contains(&self.water_level_m) {
             return Err("water_level_m must lie between -1000 and 10000");
         }
+        let clock_offsets_s = -MOST_CLOCK_OFFSET_S..=MOST_CLOCK_OFFSET_S;
+        if !clock_offsets_s.contains(&self.water_level.clock_offset_s) {
+            return Err("water_level.clock_offset_s must lie between -864000 and 864000");
+        }
+        if !(-MOST_HEIGHT_OFFSET_M..=MOST_HEIGHT_OFFSET_M).contains(&self.height_offset_m) {
+            return Err("height_offset_m must lie between -100 and 100");
+        }
         self.sound_speed.check()
     }
 }
 
 /// What is done to the depths of one survey.
 ///
-/// With the sound speed `c`, that of the recorder `c0`, the draft `t` and the water's height `h` at the time, a depth `d` below the
-/// transducer becomes `d c / c0 + t - h`; a slant range `r` becomes `r c / c0`.
+/// With the sound speed `c`, that of the recorder `c0`, the draft `t`, the water's height `h` at the time and the height offset `o`, a
+/// depth `d` below the transducer becomes `d c / c0 + t - h - o`; a slant range `r` becomes `r c / c0`.
+///
+/// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times the rate at which the water rises:
+/// 1 cm for 6 minutes where it rises 10 cm an hour, and as much as the height of a tide for hours. What of it is the same all along
+/// the log is in the height offset that crossings show; what changes along the log stays, unless `water_level.clock_offset_s` says
+/// how far the clock is behind. Recorders take the time from the satellites, so a drift within a log is below a second.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correction {
     settings: DepthSettings,
-    /// Unix seconds of the log's time zero, where readings are in force.
+    /// Unix seconds of the log's time zero, its clock put right, where readings are in force.
     start_unix_s: Option<f64>,
     /// The water's height in the middle of the survey, metres.
     middle_level_m: f64,
@@ -118,12 +141,17 @@ impl Correction {
 
     /// Elevation of a place that lies `below_m` metres, by the true speed of sound, below the transducer at a time of the log.
     pub fn z_m(&self, time_s: f64, below_m: f64) -> f64 {
-        self.level_m(time_s) - self.settings.draft_m - below_m
+        self.level_m(time_s) + self.settings.height_offset_m - self.settings.draft_m - below_m
     }
 
     /// The depth that a recorded one means.
     pub fn depth_m(&self, time_s: f64, recorded_m: f64) -> f64 {
         -self.z_m(time_s, recorded_m * self.range_factor())
+    }
+
+    /// What is added to every elevation so that the log agrees with others, metres.
+    pub fn height_offset_m(&self) -> f64 {
+        self.settings.height_offset_m
     }
 
     /// The water's height in the middle of the survey, metres above the level that depths count from.
@@ -157,7 +185,10 @@ fn over_survey(level: &WaterLevelSettings, survey: &Survey) -> Result<Option<(f6
         .gauge
         .as_ref()
         .ok_or_else(|| fail("the readings of the water level have not been read".to_owned()))?;
-    let Some(start_unix_s) = survey.start_unix_s else {
+    let by_clock_s = survey
+        .start_unix_s
+        .map(|start_s| start_s + level.clock_offset_s);
+    let Some(start_unix_s) = by_clock_s else {
         let what = "the log does not know the time, so readings of the water level cannot be laid over it; give one water_level_m instead";
         return Err(fail(what.to_owned()));
     };

@@ -107,13 +107,23 @@ impl Correction {
                 0.0 => String::new(),
                 zero_m => format!(" and its zero at {zero_m} m"),
             };
+            let clock = match settings.water_level.clock_offset_s {
+                0.0 => String::new(),
+                offset_s => format!(", {offset_s} s later than the log's clock says,"),
+            };
             applied.push(format!(
-                "water level by the readings of {name}{zero} taken off"
+                "water level by the readings of {name}{zero}{clock} taken off"
             ));
         } else if settings.water_level_m != 0.0 {
             applied.push(format!(
                 "water level {} m taken off",
                 settings.water_level_m
+            ));
+        }
+        if settings.height_offset_m != 0.0 {
+            applied.push(format!(
+                "height offset {:+} m, so that the log agrees with others of its survey",
+                settings.height_offset_m
             ));
         }
         applied

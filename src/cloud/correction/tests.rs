@@ -20,7 +20,7 @@ fn readings(text: &str) -> WaterLevelSettings {
     std::fs::write(&path, text).unwrap();
     let mut settings = WaterLevelSettings {
         file: Some(path),
-        gauge: None,
+        ..WaterLevelSettings::default()
     };
     settings.load().unwrap();
     settings
@@ -38,13 +38,14 @@ fn everything_at_once_is_the_sum_of_its_parts() {
             m_s: Some(1485.0),
             ..SoundSpeedSettings::default()
         },
+        height_offset_m: -0.07,
     };
     let made = Correction::new(settings, &survey(Some(1_634_000_000.0)));
     assert_eq!(made.refused(), None);
     // 3 m at 0.99 of the speed, 0.4 m deeper, and the water half an hour later 102 m above the level.
     let depth_m = made.depth_m(1800.0, 3.0);
     assert!(
-        (depth_m - (3.0 * 0.99 + 0.4 - 102.0)).abs() < 1e-9,
+        (depth_m - (3.0 * 0.99 + 0.4 - 102.0 + 0.07)).abs() < 1e-9,
         "{depth_m}"
     );
     assert!((made.middle_level_m() - 101.75).abs() < 1e-9);
@@ -55,6 +56,7 @@ fn everything_at_once_is_the_sum_of_its_parts() {
         "draft 0.4 m",
         "gauge.csv",
         "100 m",
+        "height offset -0.07 m",
         "Not corrected: roll and pitch.",
     ] {
         assert!(said.contains(words), "{said}");
@@ -69,6 +71,34 @@ fn nothing_known_changes_nothing_and_says_so() {
         made.statement(),
         "Depths are below the transducer. Applied: nothing. Not corrected: draft, water level or tide, sound speed, roll and pitch."
     );
+}
+
+#[test]
+fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right() {
+    // The water rises 1 m an hour. A recorder whose clock is 6 minutes behind takes readings that are 10 cm too low.
+    let behind = survey(Some(1_634_000_000.0));
+    let with = |clock_offset_s| {
+        let settings = DepthSettings {
+            water_level: WaterLevelSettings {
+                clock_offset_s,
+                ..readings(HOUR)
+            },
+            ..DepthSettings::default()
+        };
+        Correction::new(settings, &behind)
+    };
+    let [wrong, right] = [with(0.0), with(360.0)];
+    for time_s in [0.0, 900.0, 1800.0] {
+        let off_m = wrong.depth_m(time_s, 3.0) - right.depth_m(time_s, 3.0);
+        assert!((off_m - 0.1).abs() < 1e-9, "{time_s}: {off_m}");
+    }
+    assert!(
+        right.statement().contains("360 s later"),
+        "{}",
+        right.statement()
+    );
+    // Put an hour ahead, the log ends after the last reading.
+    assert!(with(3600.0).refused().is_some());
 }
 
 #[test]
