@@ -24,6 +24,7 @@ mod golden;
 mod handmade;
 mod hostile;
 mod large_boxes;
+mod many_logs;
 mod map_layers;
 mod map_tools;
 mod missions;

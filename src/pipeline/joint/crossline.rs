@@ -1,0 +1,103 @@
+//! What crossing tracks say about the depths of one log and of several.
+
+use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
+use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
+use crate::cloud::{PointSource, Residuals};
+use crate::pipeline::ProcessedLog;
+use crate::progress::{Cancelled, Progress};
+use serde::Serialize;
+
+/// Crossings of all tracks with themselves and each other, in numbers: the later pass minus the earlier, or the second log minus the
+/// first, as elevations.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CrosslineAnalysis {
+    /// All crossings.
+    pub all: Residuals,
+    /// Those of two logs; `None` without any.
+    pub between_logs: Option<Residuals>,
+    /// Those of each log with itself: its repeatability; `None` for one that never crosses itself.
+    pub within_logs: Vec<Option<Residuals>>,
+}
+
+/// The depths under the boat of a log in time order, corrected as its cloud is: the kept soundings. A log without any gives the depths
+/// of its first returns.
+pub fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
+    let survey = &log.survey;
+    let soundings = log
+        .kept_points()
+        .filter(|point| point.source == PointSource::DownScan);
+    let depths = soundings.filter_map(|point| {
+        Some(TrackDepth {
+            time_s: survey.soundings.get(point.sounding?.get())?.time_s,
+            east_m: point.east_m,
+            north_m: point.north_m,
+            depth_m: -point.z_m,
+        })
+    });
+    let depths: Vec<TrackDepth> = depths.filter(is_finite).collect();
+    if !depths.is_empty() {
+        return depths;
+    }
+    let pings = survey.side_scan.iter().zip(log.products.depths.iter());
+    let placed = pings.zip(&log.products.navigation.pings);
+    let depths = placed.map(|((ping, depth), place)| TrackDepth {
+        time_s: ping.time_s,
+        east_m: place.east_m,
+        north_m: place.north_m,
+        depth_m: f64::from(depth.depth_m),
+    });
+    depths.filter(is_finite).collect()
+}
+
+fn is_finite(depth: &TrackDepth) -> bool {
+    [depth.east_m, depth.north_m, depth.depth_m]
+        .iter()
+        .all(|value| value.is_finite())
+}
+
+/// The height offset of every log (`height_offset_m`) by the meetings of their tracks, whatever offset is in force: what a log has
+/// already is part of what is found, so that applying it and asking again gives the same.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn height_offsets(
+    logs: &[ProcessedLog],
+    datum: Datum,
+    progress: &Progress,
+) -> Result<HeightOffsets, Cancelled> {
+    let without_offset = |log: &ProcessedLog| {
+        let in_force_m = log.products.correction.height_offset_m();
+        let mut depths = track_depths(log);
+        for depth in &mut depths {
+            depth.depth_m += in_force_m;
+        }
+        depths
+    };
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(without_offset).collect();
+    offsets::height_offsets(&tracks, datum, progress)
+}
+
+/// Crossings of all tracks; `None` where none crosses another or itself.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crossline_analysis(
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Option<CrosslineAnalysis>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let found = crossings(&tracks, progress)?;
+    let residuals = |of: &dyn Fn([usize; 2]) -> bool| {
+        let chosen = found
+            .iter()
+            .filter(|one| of(one.passes.map(|pass| pass.track)));
+        let mut differences: Vec<f64> = chosen.map(Crossing::difference_m).collect();
+        Residuals::of(&mut differences)
+    };
+    let within_logs = (0..logs.len()).map(|log| residuals(&|tracks| tracks == [log, log]));
+    Ok(residuals(&|_| true).map(|all| CrosslineAnalysis {
+        all,
+        between_logs: residuals(&|[a, b]| a != b),
+        within_logs: within_logs.collect(),
+    }))
+}

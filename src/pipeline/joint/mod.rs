@@ -1,0 +1,9 @@
+//! Results over all logs of a survey.
+//!
+//! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
+//! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` holds logs against each other where
+//! their tracks meet, and finds their height offsets.
+
+mod crossline;
+
+pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
