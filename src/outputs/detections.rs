@@ -141,6 +141,7 @@ pub(super) fn number_objects(
         .enumerate()
         .filter_map(|(row, one)| {
             let sighting = Sighting {
+                log: 0,
                 target: one.target.as_ref()?,
                 class: class_of(row)?,
                 // Who drew a box was sure of it.

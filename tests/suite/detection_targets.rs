@@ -279,6 +279,7 @@ fn claims<'a>(sailed: &Sailed, placed: &'a [(usize, Target, f64)]) -> Vec<Claim<
         let kind = sailed.truth.objects[*object].kind as usize;
         let confused = index % 5 == 4;
         Claim {
+            log: 0,
             target,
             class: if confused { (kind + 1) % 7 } else { kind },
             score: if confused { 0.5 } else { 0.8 },
@@ -336,7 +337,7 @@ fn an_object_seen_from_several_lines_is_one() {
         all_mixed += mixed;
         assert!(classed + 1 >= repeated && off_m < 0.4);
         for group in &groups {
-            assert!(group.covered(&sailed.survey, &sailed.navigation) >= group.members.len());
+            assert!(group.covered([(&sailed.survey, &sailed.navigation)]) >= group.members.len());
         }
     }
     // The end of a pipe beside a rock, taken for something else.

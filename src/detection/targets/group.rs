@@ -12,6 +12,9 @@ pub struct GroupSettings {
     pub sigmas: f64,
     /// Standard deviation of the receiver's own position between lines, metres: it is not in [`Target::sigma_m`].
     pub receiver_sigma_m: f64,
+    /// Standard deviation of the place of a whole log, metres: another day, another receiver. It counts between sightings of
+    /// different logs.
+    pub log_sigma_m: f64,
 }
 
 impl Default for GroupSettings {
@@ -19,6 +22,7 @@ impl Default for GroupSettings {
         Self {
             sigmas: 3.0,
             receiver_sigma_m: 0.3,
+            log_sigma_m: 1.0,
         }
     }
 }
@@ -26,6 +30,8 @@ impl Default for GroupSettings {
 /// One box that may show the same object as others.
 #[derive(Clone, Copy, Debug)]
 pub struct Sighting<'a> {
+    /// Which log of the survey saw it; places of all logs are in one plane.
+    pub log: usize,
     /// Where it lies.
     pub target: &'a Target,
     /// What it is taken for.
@@ -52,11 +58,16 @@ pub struct Group {
 }
 
 impl Group {
-    /// How many passes of the boat covered the place, those that saw it included: `seen n of m` is
+    /// How many passes of the boat over all logs covered the place, those that saw it included: `seen n of m` is
     /// `members.len()` of this.
-    pub fn covered(&self, survey: &Survey, navigation: &Navigation) -> usize {
-        let passes = passes_over(survey, navigation, [self.east_m, self.north_m]);
-        passes.len().max(self.members.len())
+    pub fn covered<'a>(
+        &self,
+        logs: impl IntoIterator<Item = (&'a Survey, &'a Navigation)>,
+    ) -> usize {
+        let place = [self.east_m, self.north_m];
+        let passes = logs.into_iter();
+        let count = passes.map(|(survey, navigation)| passes_over(survey, navigation, place).len());
+        count.sum::<usize>().max(self.members.len())
     }
 }
 
@@ -97,19 +108,26 @@ fn joins(
 ) -> bool {
     let seen_apart = ours.iter().any(|&one| {
         let mut others = theirs.iter();
-        others.any(|&other| same_pass(sightings[one].target, sightings[other].target))
+        others.any(|&other| same_pass(&sightings[one], &sightings[other]))
     });
     if seen_apart {
         return false;
     }
     let both = || ours.iter().chain(theirs);
     let (place, _) = common(both().map(|&index| sightings[index].target), settings);
+    let of_one_log = both().all(|&index| sightings[index].log == sightings[ours[0]].log);
+    let log_sigma_m = if of_one_log {
+        0.0
+    } else {
+        settings.log_sigma_m
+    };
     let size_m = both()
         .map(|&index| size_m(sightings[index].target))
         .fold(0.0, f64::max);
     both().all(|&index| {
         let target = sightings[index].target;
-        let spread = spread(target, settings).plus(Spread::round(size_m * size_m));
+        let either = size_m * size_m + log_sigma_m * log_sigma_m;
+        let spread = spread(target, settings).plus(Spread::round(either));
         let off_m = [target.east_m - place[0], target.north_m - place[1]];
         spread.squared_sigmas(off_m) < settings.sigmas * settings.sigmas
     })
@@ -177,6 +195,16 @@ mod tests {
     use crate::geo::LonLat;
     use crate::survey::Side;
 
+    /// Pings from the beginning of a log to that of the next.
+    const LOG_PINGS: usize = 1_000_000;
+
+    /// The same sighting in another log.
+    fn in_log(log: usize, mut target: Target) -> Target {
+        target.mark.pings.start += log * LOG_PINGS;
+        target.mark.pings.end += log * LOG_PINGS;
+        target
+    }
+
     /// A sighting by a boat that heads north: its place, how far it had sailed, and the standard deviation in metres.
     fn seen(east_m: f64, sailed_m: f64, sigma_m: f64) -> Target {
         let ping = (10.0 * sailed_m) as usize;
@@ -215,6 +243,7 @@ mod tests {
             .iter()
             .zip(claims)
             .map(|(target, &(class, score))| Sighting {
+                log: target.mark.pings.start / LOG_PINGS,
                 target,
                 class,
                 score,
@@ -243,6 +272,24 @@ mod tests {
             seen(0.4, 150.0, 0.3),
         ];
         assert_eq!(members(&targets), [vec![0, 2], vec![1, 3]]);
+    }
+
+    #[test]
+    fn logs_of_other_days_see_one_object_farther_apart_and_at_the_same_way_sailed() {
+        // At the same time of two logs, and 1.5 m apart: too far for two lines of one log.
+        let targets = [seen(0.0, 10.0, 0.3), seen(1.9, 10.0, 0.3)];
+        assert_eq!(members(&targets).len(), 2);
+        let [first, second] = targets.clone();
+        let logs = [in_log(0, first.clone()), in_log(1, second)];
+        assert_eq!(members(&logs), [vec![0, 1]]);
+        // Four logs see it; what one of them saw apart stays apart.
+        let others = [(1, 0.6), (2, -0.5), (3, 0.9), (0, 1.3)];
+        let others = others.map(|(log, east_m)| in_log(log, seen(east_m, 10.0, 0.3)));
+        let all = [vec![in_log(0, first)], others.to_vec()].concat();
+        let found = members(&all);
+        assert_eq!(found.len(), 2, "{found:?}");
+        let apart = |index: usize| found.iter().position(|group| group.contains(&index));
+        assert_ne!(apart(0), apart(4));
     }
 
     #[test]

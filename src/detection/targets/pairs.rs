@@ -18,7 +18,11 @@ const LARGEST_M: f64 = 4.0;
 
 /// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it;
 /// two boxes over the same echo, or two halves of it, at one time and one range, are no two objects.
-pub(super) fn same_pass(a: &Target, b: &Target) -> bool {
+pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
+    if one.log != other.log {
+        return false;
+    }
+    let (a, b) = (one.target, other.target);
     if a.mark.side != b.mark.side {
         return false;
     }
@@ -37,7 +41,12 @@ pub(super) fn size_m(target: &Target) -> f64 {
 /// Squared distance of two sightings in standard deviations, with their joint covariance; another class adds to it.
 fn apart(a: &Sighting<'_>, b: &Sighting<'_>, settings: &GroupSettings) -> (f64, Spread) {
     let size_m = size_m(a.target).max(size_m(b.target));
-    let either = 2.0 * settings.receiver_sigma_m.powi(2) + size_m * size_m;
+    let of_logs = if a.log == b.log {
+        0.0
+    } else {
+        2.0 * settings.log_sigma_m.powi(2)
+    };
+    let either = 2.0 * settings.receiver_sigma_m.powi(2) + of_logs + size_m * size_m;
     let spread = Spread::of(a.target)
         .plus(Spread::of(b.target))
         .plus(Spread::round(either));
@@ -57,8 +66,15 @@ pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec
         let [a, b] = [a, b].map(|index| sightings[index].target.east_m);
         a.total_cmp(&b)
     });
+    let of_one_log = sightings.iter().all(|one| one.log == sightings[0].log);
+    let log_sigma_m = if of_one_log {
+        0.0
+    } else {
+        settings.log_sigma_m
+    };
     let reach_m = |one: &Sighting<'_>| {
-        let sigma_m = one.target.sigma_m.hypot(settings.receiver_sigma_m);
+        let receiver_sigma_m = settings.receiver_sigma_m.hypot(log_sigma_m);
+        let sigma_m = one.target.sigma_m.hypot(receiver_sigma_m);
         settings.sigmas * (sigma_m + size_m(one.target))
     };
     let widest_m = 2.0 * sightings.iter().map(reach_m).fold(0.0, f64::max);
@@ -71,7 +87,7 @@ pub(super) fn pairs(sightings: &[Sighting<'_>], settings: &GroupSettings) -> Vec
         for &b in near {
             let other = &sightings[b];
             let (squared, spread) = apart(one, other, settings);
-            if squared < settings.sigmas * settings.sigmas && !same_pass(one.target, other.target) {
+            if squared < settings.sigmas * settings.sigmas && !same_pass(one, other) {
                 let unlikely = squared + spread.determinant().ln();
                 pairs.push((unlikely, a.min(b), a.max(b)));
             }
