@@ -3,25 +3,17 @@
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
 //! stages and what they made, `engine` runs them on a worker for the window. `depth` makes the depth map and what follows from it,
 //! `agreement` tells how points differ from a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
-//! up, `fingerprint` tells versions of files apart. Nothing is written here: see `outputs`.
-//! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the stages and what they made, `engine` runs them on a
-//! worker for the window. What `outputs` puts together is written here: `clouds` writes the files of points, `track` those of the
-//! boat's way, `mosaic` the side-scan mosaic, `depth` the depth map and what follows from it, `detections`
-//! searches for objects and writes them, `agreement` tells how points differ from a reference, `record` is what lies beside
-//! each file and `report` the whole. `boxes` writes what was decided about boxes, `lessons` as pictures for training, `merged` the
-//! depth map of several logs, `joint` what all logs of a survey give together.
+//! up, `fingerprint` tells versions of files apart, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod depth;
 mod engine;
 mod fingerprint;
 pub mod joint;
-mod lessons;
 mod log_settings;
 mod mosaic;
 mod placing;
 mod processed_log;
-mod product;
 mod products;
 mod report;
 mod settings;
@@ -39,7 +31,6 @@ pub use log_settings::{
 pub use mosaic::mosaic_layout;
 pub use placing::Placing;
 pub use processed_log::ProcessedLog;
-pub use product::Product;
 pub use products::{Products, Stage, run};
 pub use report::{CalibrationReport, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
