@@ -19,10 +19,11 @@ pub use build::{build, slant_range_m};
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use geometry::{Foot, beside, fixed_foot};
 pub use keep::keep_points;
-pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths};
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths, without_left_out};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals};
 
+use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};
 use std::num::NonZero;
 
@@ -179,6 +180,21 @@ impl PointCloud {
             let points = self.points[self.points.partition_point(before)..].iter();
             points.take_while(move |point| point.source == source && point.ping as usize == ping)
         })
+    }
+
+    /// The same without the points of pings and soundings that are left out.
+    #[must_use]
+    pub fn without(mut self, left_out: &LeftOut) -> Self {
+        if !left_out.is_empty() {
+            self.points.retain(|point| {
+                let reason = match point.sounding {
+                    Some(sounding) => left_out.sounding(sounding.get()),
+                    None => left_out.ping(point.ping as usize),
+                };
+                reason.is_none()
+            });
+        }
+        self
     }
 
     /// Side-scan points that are less sure than the least confidence of a point that is kept.

@@ -1,7 +1,7 @@
 //! The depth under the boat at every ping, and what it comes from.
 
 use super::{Correction, PointCloud, PointSource};
-use crate::survey::{PingNav, Survey};
+use crate::survey::{LeftOut, PingNav, Survey};
 use serde::Serialize;
 
 /// What the depth under the boat comes from.
@@ -53,6 +53,19 @@ pub fn ping_depths(
             // Of NaN and a depth, this is the depth.
             depth.depth_m = depth.depth_m.max(-point.z_m as f32);
             depth.source = DepthSource::SideScan;
+        }
+    }
+    depths
+}
+
+/// The same without a depth at the pings that are left out.
+pub fn without_left_out(mut depths: Vec<PingDepth>, left_out: &LeftOut) -> Vec<PingDepth> {
+    for (ping, depth) in depths.iter_mut().enumerate() {
+        if left_out.ping(ping).is_some() {
+            *depth = PingDepth {
+                depth_m: f32::NAN,
+                source: DepthSource::None,
+            };
         }
     }
     depths

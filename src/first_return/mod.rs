@@ -18,7 +18,7 @@ pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey};
+use crate::survey::{LeftOut, Side, Survey};
 use confidence::Found;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -138,6 +138,20 @@ impl FirstReturns {
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
+    }
+
+    /// The same without picks at the pings that are left out.
+    #[must_use]
+    pub fn without(&self, left_out: &LeftOut) -> Self {
+        let mut counted = self.clone();
+        for side in [&mut counted.port, &mut counted.starboard] {
+            for (ping, pick) in side.iter_mut().enumerate() {
+                if left_out.ping(ping).is_some() {
+                    *pick = Pick::NONE;
+                }
+            }
+        }
+        counted
     }
 
     /// The picks of one side.

@@ -3,12 +3,11 @@
 mod thinned;
 
 use super::altitude::altitudes_m;
-use super::course::turn_rates_deg_s;
 use super::{MosaicSettings, TILE_CELLS};
 use crate::bathymetry::Grid;
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, Side, Survey};
+use crate::survey::{LeftOut, Navigation, Side, Survey, turn_rates_deg_s};
 use std::collections::BTreeMap;
 
 /// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
@@ -119,7 +118,8 @@ impl Layout {
         settings: &MosaicSettings,
         plane: impl Fn([f64; 2]) -> [f64; 2],
     ) -> Self {
-        let turns = turn_rates_deg_s(survey, navigation);
+        let times_s: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
+        let turns = turn_rates_deg_s(&times_s, &navigation.pings);
         let placed: Vec<Option<Placed>> = navigation
             .pings
             .iter()
@@ -169,6 +169,24 @@ impl Layout {
             *altitude_m = (f64::from(*altitude_m) * factor) as f32;
         }
         self.far_m *= factor;
+        self.boxed()
+    }
+
+    /// The same without the pings that are left out, and without the ground between them and the next.
+    #[must_use]
+    pub fn without(mut self, left_out: &LeftOut) -> Self {
+        if left_out.is_empty() {
+            return self;
+        }
+        for (index, ping) in self.pings.iter().enumerate() {
+            if left_out.ping(*ping as usize).is_some() {
+                self.placed[index] = None;
+                self.joined[index] = false;
+                if let Some(before) = index.checked_sub(1) {
+                    self.joined[before] = false;
+                }
+            }
+        }
         self.boxed()
     }
 

@@ -15,7 +15,6 @@
 
 mod altitude;
 mod canvas;
-mod course;
 mod footprint;
 mod gain;
 mod layout;

@@ -14,20 +14,33 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 6] = [
+const OF_ONE_LOG: [&str; 10] = [
     "calibration.pings",
     "draft_m",
+    "height_offset_m",
+    "left_out.log",
+    "left_out.stretches",
     "track.file",
     "track.offset_s",
+    "water_level.clock_offset_s",
     "water_level.file",
     "water_level_m",
 ];
 /// Of these, the keys that say nothing about another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 3] = ["calibration.pings", "track.file", "track.offset_s"];
+const NEVER_SHARED: [&str; 6] = [
+    "calibration.pings",
+    "height_offset_m",
+    "left_out.log",
+    "left_out.stretches",
+    "track.file",
+    "track.offset_s",
+];
 /// The keys that have no value unless somebody gives one, beside those of [`OF_ONE_LOG`].
-const OPTIONAL: [&str; 5] = [
+const OPTIONAL: [&str; 7] = [
     "detector.model",
     "isobaths.interval_m",
+    "left_out.max_turn_deg_s",
+    "left_out.min_speed_mps",
     "sound_speed.m_s",
     "sound_speed.temperature_c",
     "surface.cell_m",
@@ -42,7 +55,8 @@ pub fn is_setting(key: &str) -> bool {
         || setting_values(&Settings::default()).contains_key(key)
 }
 
-/// Whether a change of this key is one of a single log, not of all: draft, water level, track and its clock, flat spot.
+/// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
+/// track and its clock, flat spot, left-out stretches.
 pub fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }

@@ -17,4 +17,5 @@ pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> La
         |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
     )
     .with_range_factor(products.correction.range_factor())
+    .without(&products.left_out)
 }

@@ -5,7 +5,7 @@ use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Navigation, Survey, navigate};
+use crate::survey::{LeftOut, Navigation, Survey, navigate};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -54,7 +54,7 @@ impl Stage {
             || old.bottom != new.bottom
         {
             Some(Stage::FirstReturn)
-        } else if old.calibration != new.calibration {
+        } else if old.calibration != new.calibration || old.left_out != new.left_out {
             Some(Stage::Calibration)
         } else if old.cloud != new.cloud || old.depth() != new.depth() {
             Some(Stage::Cloud)
@@ -73,6 +73,8 @@ pub struct Products {
     pub settings: Settings,
     /// Position and heading of every ping.
     pub navigation: Arc<Navigation>,
+    /// What counts for nothing: no point, depth, echo or box comes from there.
+    pub left_out: Arc<LeftOut>,
     /// Ranked flat stretches.
     pub flat_spots: Arc<Vec<FlatSpot>>,
     /// First returns as they were found.
@@ -139,6 +141,10 @@ pub fn run(
             Arc::new(navigate(survey, how, plane, progress)?)
         }
     };
+    let left_out = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {
+        Some(old) if old.settings.left_out == settings.left_out => old.left_out.clone(),
+        _ => Arc::new(LeftOut::new(survey, &navigation, &settings.left_out)),
+    };
     let found = match reuse(Stage::FirstReturn) {
         Some(old) => old.found.clone(),
         None => {
@@ -152,14 +158,21 @@ pub fn run(
         }
     };
     let returns = with_bottom(survey, settings, previous, &found);
+    let counted = match left_out.is_empty() {
+        true => returns.clone(),
+        false => Arc::new(returns.without(&left_out)),
+    };
     let (flat_spots, calibration) = match reuse(Stage::Calibration) {
         Some(old) => (old.flat_spots.clone(), old.calibration.clone()),
         None => {
             begin(Stage::Calibration)?;
-            let spots = rank(survey, previous, &navigation, &returns, progress)?;
+            let previous = previous.filter(|old| {
+                Arc::ptr_eq(&old.returns, &returns) && Arc::ptr_eq(&old.left_out, &left_out)
+            });
+            let spots = rank(survey, previous, &navigation, &counted, progress)?;
             let how = &settings.calibration;
             let made =
-                calibration::calibrate(survey, &navigation, &returns, &spots, how, progress)?;
+                calibration::calibrate(survey, &navigation, &counted, &spots, how, progress)?;
             (spots, Arc::new(made))
         }
     };
@@ -175,13 +188,13 @@ pub fn run(
             let made = cloud::build(
                 survey,
                 &navigation,
-                &returns,
+                &counted,
                 scale,
                 how,
                 &correction,
                 progress,
             )?;
-            Arc::new(made)
+            Arc::new(made.without(&left_out))
         }
     };
     let (kept, depths) = match reuse(Stage::Outliers) {
@@ -191,12 +204,14 @@ pub fn run(
             let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
             let kept = cloud::keep_points(&cloud, least, how, progress)?;
             let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
+            let depths = cloud::without_left_out(depths, &left_out);
             (Arc::new(kept), Arc::new(depths))
         }
     };
     Ok(Products {
         settings: settings.clone(),
         navigation,
+        left_out,
         flat_spots,
         found,
         returns,
@@ -228,18 +243,16 @@ fn with_bottom(
     Arc::new(returns)
 }
 
-/// The flat stretches. They depend on track and picks only: choosing one of them, or a scale, leaves the ranking as it is.
+/// The flat stretches; those of `previous`, results of the same picks, where the track is the same too. They depend on track and picks
+/// only: choosing one of them, or a scale, leaves the ranking as it is.
 fn rank(
     survey: &Survey,
     previous: Option<&Products>,
     navigation: &Arc<Navigation>,
-    returns: &Arc<FirstReturns>,
+    returns: &FirstReturns,
     progress: &Progress,
 ) -> Result<Arc<Vec<FlatSpot>>, Cancelled> {
-    let same_inputs = |old: &&Products| {
-        Arc::ptr_eq(&old.navigation, navigation) && Arc::ptr_eq(&old.returns, returns)
-    };
-    if let Some(old) = previous.filter(same_inputs) {
+    if let Some(old) = previous.filter(|old| Arc::ptr_eq(&old.navigation, navigation)) {
         return Ok(old.flat_spots.clone());
     }
     let spots = calibration::flat_spots(survey, navigation, returns, FLAT_SPOTS, progress)?;

@@ -5,7 +5,7 @@ use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{Residuals, TrackShare, residuals};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Side, Survey, Track};
+use crate::survey::{LeftOutStretch, Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -32,6 +32,8 @@ pub struct Report {
     pub settings: Settings,
     /// Counts.
     pub counts: Counts,
+    /// Stretches that count for nothing, in time order, and why.
+    pub left_out: Vec<LeftOutStretch>,
     /// Scales.
     pub calibration: CalibrationReport,
     /// What the depths along the track come from.
@@ -70,6 +72,10 @@ pub struct Counts {
     pub moving: usize,
     /// Pings without a heading.
     pub zero_heading: usize,
+    /// Side-scan pings that are left out.
+    pub left_out_pings: usize,
+    /// Soundings that are left out.
+    pub left_out_soundings: usize,
     /// Points before the outlier filter.
     pub points: usize,
     /// Points that are not soundings.
@@ -130,6 +136,7 @@ impl Report {
         let Products {
             settings,
             navigation,
+            left_out,
             returns,
             calibration,
             correction,
@@ -148,7 +155,7 @@ impl Report {
         let min_confidence = settings.first_return.min_confidence;
         let outliers = cloud.outliers(kept, min_confidence);
         let points = cloud.points.iter();
-        let left_out = points.filter(|point| settings.surface.leaves_out(point));
+        let without_canopy = points.filter(|point| settings.surface.leaves_out(point));
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -164,15 +171,18 @@ impl Report {
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 canopy: flagged(Side::Port) + flagged(Side::Starboard),
-                canopy_left_out: left_out.count(),
+                canopy_left_out: without_canopy.count(),
                 low_confidence: cloud.unsure(min_confidence),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
+                left_out_pings: left_out.ping_count(),
+                left_out_soundings: left_out.sounding_count(),
                 points: cloud.points.len(),
                 side_scan_points: outliers.side_scan,
                 outliers_removed: outliers.removed,
                 outliers_removed_share: outliers.share(),
             },
+            left_out: left_out.stretches.clone(),
             calibration: CalibrationReport::new(calibration),
             track: TrackShare::of(&products.depths, &navigation.pings),
             residuals: residuals(survey, cloud, correction, kept),
@@ -206,6 +216,7 @@ impl Report {
     pub fn summary(&self) -> String {
         let Self {
             counts,
+            left_out,
             calibration,
             track,
             residuals,
@@ -230,6 +241,14 @@ impl Report {
                 counts.zero_heading
             ),
         ];
+        if counts.left_out_pings + counts.left_out_soundings > 0 {
+            lines.push(format!(
+                "left out: {} stretches of {} pings and {} soundings",
+                left_out.len(),
+                counts.left_out_pings,
+                counts.left_out_soundings
+            ));
+        }
         lines.extend(calibration.summary());
         if track.side_scan_only_pings > 0 && counts.soundings > 0 {
             lines.push(format!(
@@ -310,6 +329,7 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     read.chain(products.returns.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(str::to_owned))
+        .chain(products.left_out.warnings.iter().cloned())
         .collect()
 }
 

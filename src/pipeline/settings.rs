@@ -9,7 +9,7 @@ use crate::detection::DetectorSettings;
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
-use crate::survey::{HeadingSettings, HeadingSource, Projection, TrackSettings};
+use crate::survey::{HeadingSettings, HeadingSource, LeftOutSettings, Projection, TrackSettings};
 use serde::{Deserialize, Serialize};
 
 /// Settings that cannot be understood, in one sentence.
@@ -73,6 +73,8 @@ pub struct Settings {
     pub heading: HeadingSettings,
     /// `track.*`, for a track from another receiver; it acts when the track is laid over the log, before any stage.
     pub track: TrackSettings,
+    /// `left_out.*`: turns, stops and other stretches that count for nothing.
+    pub left_out: LeftOutSettings,
     /// `outliers.*`.
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
@@ -146,6 +148,8 @@ impl Settings {
         settings.bottom = other.bottom.clone();
         settings.calibration.pings = other.calibration.pings;
         settings.track = other.track.clone();
+        settings.left_out.log = other.left_out.log.clone();
+        settings.left_out.stretches = other.left_out.stretches.clone();
         settings.draft_m = other.draft_m;
         settings.water_level_m = other.water_level_m;
         settings.water_level = other.water_level.clone();
@@ -207,6 +211,7 @@ impl Settings {
         let depth = self.depth().check();
         depth
             .and_then(|()| self.bottom.check())
+            .and_then(|()| self.left_out.check())
             .map_err(|rule| SettingsError(rule.to_owned()))?;
         let rules = [
             (

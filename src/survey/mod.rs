@@ -1,25 +1,30 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed, `identity` tells one log from another, `tracks_apart` how far two tracks of one boat lie apart. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! be believed, `identity` tells one log from another, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
+//! `left_out` which stretches count for nothing. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod fitted_track;
 mod identity;
+mod left_out;
 mod local_fit;
 mod navigation;
 mod nearest;
 mod samples;
 mod track;
 mod tracks_apart;
+mod turn_rate;
 
 pub use bottom_lock::mark_bottom_lock;
 pub use identity::Identity;
+pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, Stretch};
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
+pub use turn_rate::turn_rates_deg_s;
 
 use crate::geo::LocalFrame;
 use serde::{Deserialize, Serialize};

@@ -148,6 +148,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
     let depths = ping_depths(survey, &cloud, &[], &correction);
     Products {
         settings: Settings::default(),
+        left_out: Arc::default(),
         navigation: Arc::new(Navigation {
             pings: nav.clone(),
             soundings: nav,

@@ -146,6 +146,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
     Products {
         settings: Settings::default(),
+        left_out: Arc::default(),
         navigation: Arc::new(Navigation {
             pings: nav.clone(),
             soundings: nav,

@@ -1,16 +1,14 @@
 //! How fast the boat turns, from where it was a little before and where it is a little after.
 
-use crate::survey::{Navigation, PingNav, Survey};
+use super::PingNav;
 
 /// Time to look back and ahead, seconds.
 const LOOK_S: f64 = 2.0;
 /// Shortest way that has a direction, metres.
 const LEAST_WAY_M: f64 = 0.3;
 
-/// Turn rate at every ping, degrees a second; 0 where the boat hardly moves.
-pub fn turn_rates_deg_s(survey: &Survey, navigation: &Navigation) -> Vec<f32> {
-    let times_s: Vec<f64> = survey.side_scan.iter().map(|ping| ping.time_s).collect();
-    let places = &navigation.pings;
+/// Turn rate at every place, degrees a second; 0 where the boat hardly moves. Times rise, one for each place.
+pub fn turn_rates_deg_s(times_s: &[f64], places: &[PingNav]) -> Vec<f32> {
     let (mut before, mut after) = (0, 0);
     (0..times_s.len().min(places.len()))
         .map(|ping| {
@@ -44,22 +42,10 @@ fn turn_rad(before: &PingNav, here: &PingNav, after: &PingNav) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Projection, SidePing};
 
     #[test]
     fn a_circle_turns_at_its_rate_and_a_line_does_not() {
-        let ping = |time_s| SidePing {
-            time_s,
-            depth_m: f32::NAN,
-            depth_locked: false,
-            port: None,
-            starboard: None,
-        };
         let times: Vec<f64> = (0..200).map(|ping| 0.1 * f64::from(ping)).collect();
-        let survey = Survey {
-            side_scan: std::sync::Arc::new(times.iter().map(|&time_s| ping(time_s)).collect()),
-            ..Survey::default()
-        };
         // Ten seconds straight at 1.5 m/s, then a circle at 9 degrees a second.
         let rate = 9_f64.to_radians();
         let place = |time_s: f64| {
@@ -67,7 +53,7 @@ mod tests {
             let along = 1.5 * time_s.min(10.0) + 1.5 / rate * turned.sin();
             (along, 1.5 / rate * (1.0 - turned.cos()))
         };
-        let pings = times.iter().map(|&time_s| {
+        let places = times.iter().map(|&time_s| {
             let (north_m, east_m) = place(time_s);
             PingNav {
                 east_m,
@@ -76,14 +62,8 @@ mod tests {
                 speed_mps: 1.5,
             }
         });
-        let navigation = Navigation {
-            pings: pings.collect(),
-            soundings: Vec::new(),
-            projection: Projection::Enu,
-            zero_heading: 0,
-            moving: 0,
-        };
-        let rates = turn_rates_deg_s(&survey, &navigation);
+        let places: Vec<PingNav> = places.collect();
+        let rates = turn_rates_deg_s(&times, &places);
         assert!(rates[40] < 0.01, "{}", rates[40]);
         assert!((rates[150] - 9.0).abs() < 0.3, "{}", rates[150]);
     }
