@@ -4,21 +4,22 @@ use super::{ExportError, Summary, write_aside};
 use crate::calibration::Calibration;
 use crate::cloud::slant_range_m;
 use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, Side, Survey};
+use crate::survey::{LeftOut, LeftOutReason, Navigation, Side, Survey};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 const HEADER: &str = "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,\
-     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence";
+     port_sample,port_range_m,port_confidence,starboard_sample,starboard_range_m,starboard_confidence,left_out";
 
 /// Writes one line for each side-scan ping; a field is empty where there is no value. `*_sample` counts u8 samples outward
-/// from the middle, `*_range_m` is after calibration.
+/// from the middle, `*_range_m` is after calibration, `left_out` why a ping counts for nothing.
 pub fn first_returns_csv(
     path: &Path,
     survey: &Survey,
     navigation: &Navigation,
     returns: &FirstReturns,
     calibration: &Calibration,
+    left_out: &LeftOut,
 ) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
@@ -43,7 +44,8 @@ pub fn first_returns_csv(
                 number(&mut out, range_m, 4)?;
                 number(&mut out, confidence, 3)?;
             }
-            writeln!(out)?;
+            let reason = left_out.ping(index).map_or("", LeftOutReason::name);
+            writeln!(out, ",{reason}")?;
         }
         out.flush()?;
         Ok(summary)

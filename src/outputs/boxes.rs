@@ -1,6 +1,6 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
-use super::detections::number_objects;
+use super::detections::{is_left_out, number_objects};
 use super::lessons::Lessons;
 use crate::detection::Raster;
 use crate::detection::review::{Review, State};
@@ -78,7 +78,7 @@ pub fn write_boxes(
     })
 }
 
-/// A line for each box; sightings of one object share its number. The error is one sentence.
+/// A line for each box but those in stretches that are left out; sightings of one object share its number. The error is one sentence.
 pub fn reviewed_rows<'a>(
     survey: &Survey,
     products: &Products,
@@ -93,7 +93,11 @@ pub fn reviewed_rows<'a>(
         &products.correction,
     );
     let mut rows = Vec::with_capacity(review.boxes().len());
-    for one in review.boxes() {
+    let counted = || {
+        let boxes = review.boxes();
+        boxes.filter(|one| !is_left_out(products, &one.mark))
+    };
+    for one in counted() {
         progress.check().map_err(|error| error.to_string())?;
         rows.push(ObjectRow {
             id: one.id.0,
@@ -107,8 +111,7 @@ pub fn reviewed_rows<'a>(
         });
         progress.advance(1);
     }
-    let classes: Vec<Option<usize>> = review
-        .boxes()
+    let classes: Vec<Option<usize>> = counted()
         .map(|one| one.state.is_object().then_some(one.class))
         .collect();
     number_objects(&mut rows, |row| classes[row]);

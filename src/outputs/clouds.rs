@@ -24,6 +24,7 @@ pub fn write_tables(
 ) -> Result<Vec<Made>, String> {
     let Products {
         navigation,
+        left_out,
         returns,
         calibration,
         cloud,
@@ -33,9 +34,15 @@ pub fn write_tables(
     let fail = |error: ExportError| error.to_string();
     progress.check().map_err(|error| error.to_string())?;
     let name = "first_returns.csv";
-    let pings =
-        export::first_returns_csv(&folder.join(name), survey, navigation, returns, calibration)
-            .map_err(fail)?;
+    let pings = export::first_returns_csv(
+        &folder.join(name),
+        survey,
+        navigation,
+        returns,
+        calibration,
+        left_out,
+    )
+    .map_err(fail)?;
     let pings = Made {
         name,
         what: "First return on both sides, position and recorded depth of every side-scan ping",

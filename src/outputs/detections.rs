@@ -2,7 +2,7 @@
 
 use super::record::{Coordinates, Made};
 use crate::detection::targets::{GroupSettings, Sighting, group};
-use crate::detection::{Detection, DetectorSettings, Model, Raster, find, review::State};
+use crate::detection::{Detection, DetectorSettings, Mark, Model, Raster, find, review::State};
 use crate::export::{self, ObjectRow, Summary};
 use crate::pipeline::{Placing, Products};
 use crate::progress::Progress;
@@ -36,8 +36,9 @@ pub fn write_detections(
     progress: &Progress,
 ) -> Result<Proposed, String> {
     let navigation = &products.navigation;
-    let found = find(survey, navigation, model, settings, progress, |_| ())
+    let mut found = find(survey, navigation, model, settings, progress, |_| ())
         .map_err(|error| error.to_string())?;
+    found.retain(|one| !is_left_out(products, &one.mark));
     let raster = Raster::new(survey, navigation, model.pixel_m());
     let rows = proposed_rows(survey, products, model.names(), &found);
     export::chips(folder, survey, &raster, model.names(), &found, progress)
@@ -78,6 +79,12 @@ impl Proposed {
         });
         made.into()
     }
+}
+
+/// Whether the middle of a box lies in a stretch that is left out.
+pub(super) fn is_left_out(products: &Products, mark: &Mark) -> bool {
+    let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+    products.left_out.ping(middle).is_some()
 }
 
 /// Objects are numbered from 1 on.

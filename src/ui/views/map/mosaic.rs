@@ -64,7 +64,8 @@ pub fn source(
         &settings,
         |place| place,
     )
-    .with_range_factor(products.correction.range_factor());
+    .with_range_factor(products.correction.range_factor())
+    .without(&products.left_out);
     let Some(bounds) = layout.bounds() else {
         return Some(None);
     };
