@@ -24,16 +24,41 @@ const LONGEST_NOTE: usize = 10_000;
 
 /// A file that is no review, or not one of this log.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct ReviewError(String);
+#[error("{what}")]
+pub struct ReviewError {
+    what: String,
+    /// The box that makes no sense, where it is one.
+    pub id: Option<BoxId>,
+}
+
+impl ReviewError {
+    fn new(what: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            id: None,
+        }
+    }
+}
+
+/// What a review says, row by row, for the files that keep it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReviewRows {
+    /// Names of the classes.
+    pub classes: Vec<String>,
+    /// Which pings a model has searched.
+    pub searched: Vec<SearchRow>,
+    /// The boxes.
+    pub boxes: Vec<BoxRow>,
+}
 
 /// The text of a file about boxes, of a size that such a file can have. `what` is what it should be: `review`.
 ///
 /// # Errors
 /// A sentence with the path when it cannot be read, or is too large.
 pub fn read_text(path: &Path, what: &str) -> Result<String, ReviewError> {
-    let cannot =
-        |why: String| ReviewError(format!("cannot read the {what}: {why}: {}", path.display()));
+    let cannot = |why: String| {
+        ReviewError::new(format!("cannot read the {what}: {why}: {}", path.display()))
+    };
     regular_file::read_text(path, LARGEST_FILE).map_err(|error| cannot(error.to_string()))
 }
 
@@ -44,42 +69,48 @@ struct Stored {
     classes: Vec<String>,
     /// Which pings a model has searched; missing where nobody noted it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    searched: Vec<StoredSearch>,
-    boxes: Vec<StoredBox>,
+    searched: Vec<SearchRow>,
+    boxes: Vec<BoxRow>,
 }
 
-#[derive(Serialize, Deserialize)]
-struct StoredSearch {
-    model: String,
+/// Pings that a model has searched, as a file keeps them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SearchRow {
+    /// Name of the model.
+    pub model: String,
     /// First and last, the last excluded.
-    pings: [usize; 2],
+    pub pings: [usize; 2],
 }
 
-#[derive(Serialize, Deserialize)]
-struct StoredBox {
-    id: BoxId,
-    side: StoredSide,
+/// A box as a file keeps it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoxRow {
+    /// [`Reviewed::id`].
+    pub id: BoxId,
+    /// The side that it lies on.
+    pub side: Side,
     /// First and last, the last excluded.
-    pings: [usize; 2],
-    near_m: f64,
-    far_m: f64,
-    class: String,
+    pub pings: [usize; 2],
+    /// Nearest slant range, metres.
+    pub near_m: f64,
+    /// Farthest slant range, metres.
+    pub far_m: f64,
+    /// Name of its class.
+    pub class: String,
+    /// [`Reviewed::score`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    score: Option<f32>,
-    state: State,
+    pub score: Option<f32>,
+    /// [`Reviewed::state`].
+    pub state: State,
+    /// [`Reviewed::edited`].
     #[serde(default)]
-    edited: bool,
+    pub edited: bool,
+    /// [`Reviewed::note`].
     #[serde(default, skip_serializing_if = "String::is_empty")]
-    note: String,
+    pub note: String,
+    /// [`Reviewed::model`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    model: Option<String>,
-}
-
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum StoredSide {
-    Port,
-    Starboard,
+    pub model: Option<String>,
 }
 
 /// Only the layout's number, so that a newer file is told from a broken one.
@@ -91,29 +122,40 @@ struct Versioned {
 impl Review {
     /// The review as the text of a file.
     pub fn to_json(&self) -> String {
+        let ReviewRows {
+            classes,
+            searched,
+            boxes,
+        } = self.to_rows();
         let stored = Stored {
             version: VERSION,
             survey: self.identity.clone(),
-            classes: self.classes.clone(),
-            searched: (self.searched.iter())
-                .map(|one| StoredSearch {
-                    model: one.model.to_string(),
-                    pings: [one.pings.start, one.pings.end],
-                })
-                .collect(),
-            boxes: self.boxes().map(|one| self.stored(one)).collect(),
+            classes,
+            searched,
+            boxes,
         };
         // Strings, whole and finite numbers only: nothing here can fail to be written.
         serde_json::to_string_pretty(&stored).unwrap_or_default()
     }
 
-    fn stored(&self, one: &Reviewed) -> StoredBox {
-        StoredBox {
+    /// The review row by row.
+    pub fn to_rows(&self) -> ReviewRows {
+        let searched = self.searched.iter().map(|one| SearchRow {
+            model: one.model.to_string(),
+            pings: [one.pings.start, one.pings.end],
+        });
+        ReviewRows {
+            classes: self.classes.clone(),
+            searched: searched.collect(),
+            boxes: self.boxes().map(|one| self.row(one)).collect(),
+        }
+    }
+
+    /// The row of one of its boxes.
+    pub fn row(&self, one: &Reviewed) -> BoxRow {
+        BoxRow {
             id: one.id,
-            side: match one.mark.side {
-                Side::Port => StoredSide::Port,
-                Side::Starboard => StoredSide::Starboard,
-            },
+            side: one.mark.side,
             pings: [one.mark.pings.start, one.mark.pings.end],
             near_m: one.mark.near_m,
             far_m: one.mark.far_m,
@@ -132,8 +174,10 @@ impl Review {
     /// As [`Review::from_json`], with the path.
     pub fn open(path: &Path, of: &Identity) -> Result<Self, ReviewError> {
         let text = read_text(path, "review")?;
-        Self::from_json(&text, of)
-            .map_err(|ReviewError(text)| ReviewError(format!("{text}: {}", path.display())))
+        Self::from_json(&text, of).map_err(|error| ReviewError {
+            what: format!("{error}: {}", path.display()),
+            ..error
+        })
     }
 
     /// Reads the text of a file.
@@ -141,9 +185,9 @@ impl Review {
     /// # Errors
     /// A sentence when it is no review, of a newer layout, of another log than `of`, or when a box makes no sense.
     pub fn from_json(text: &str, of: &Identity) -> Result<Self, ReviewError> {
-        let refuse = |text: String| Err(ReviewError(text));
+        let refuse = |text: String| Err(ReviewError::new(text));
         let versioned: Versioned = serde_json::from_str(text)
-            .map_err(|error| ReviewError(format!("this is no review of boxes: {error}")))?;
+            .map_err(|error| ReviewError::new(format!("this is no review of boxes: {error}")))?;
         if versioned.version != VERSION {
             return refuse(format!(
                 "this review has layout {}, this program reads layout {VERSION}; use the program that wrote it",
@@ -151,63 +195,78 @@ impl Review {
             ));
         }
         let stored: Stored = serde_json::from_str(text)
-            .map_err(|error| ReviewError(format!("this review is damaged: {error}")))?;
+            .map_err(|error| ReviewError::new(format!("this review is damaged: {error}")))?;
         if !stored.survey.is_same_log(of) {
             return refuse(format!(
                 "this review belongs to another log, of {} pings and {} bytes; open that log first: {}",
                 stored.survey.pings, stored.survey.byte_count, stored.survey.file
             ));
         }
-        if stored.searched.len() > MOST_SEARCHED {
+        let rows = ReviewRows {
+            classes: stored.classes,
+            searched: stored.searched,
+            boxes: stored.boxes,
+        };
+        Self::from_rows(rows, of)
+    }
+
+    /// The review that rows from a file make.
+    ///
+    /// # Errors
+    /// A sentence when there are too many, or when one of them makes no sense for the log.
+    pub fn from_rows(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
+        let refuse = |text: String| Err(ReviewError::new(text));
+        if rows.searched.len() > MOST_SEARCHED {
             return refuse(format!(
                 "this review has {} stretches that were searched; at most {MOST_SEARCHED} are read",
-                stored.searched.len()
+                rows.searched.len()
             ));
         }
-        if stored.boxes.len() > MOST_BOXES || stored.classes.len() > MOST_CLASSES {
+        if rows.boxes.len() > MOST_BOXES || rows.classes.len() > MOST_CLASSES {
             return refuse(format!(
                 "this review has {} boxes of {} classes; at most {MOST_BOXES} of {MOST_CLASSES} are read",
-                stored.boxes.len(),
-                stored.classes.len()
+                rows.boxes.len(),
+                rows.classes.len()
             ));
         }
-        Self::check_classes(&stored.classes)?;
-        Self::collect(stored, of)
+        Self::check_classes(&rows.classes)?;
+        Self::collect(rows, of)
     }
 
     fn check_classes(classes: &[String]) -> Result<(), ReviewError> {
         let mut seen = HashSet::new();
         for class in classes {
             if !is_name(class) || !seen.insert(class) {
-                return Err(ReviewError(
-                    "this review is damaged: a class name is empty, too long or there twice".into(),
+                return Err(ReviewError::new(
+                    "this review is damaged: a class name is empty, too long or there twice",
                 ));
             }
         }
         Ok(())
     }
 
-    fn collect(stored: Stored, of: &Identity) -> Result<Self, ReviewError> {
-        let mut review = Review::new(of.clone(), stored.classes);
+    fn collect(rows: ReviewRows, of: &Identity) -> Result<Self, ReviewError> {
+        let mut review = Review::new(of.clone(), rows.classes);
         let mut seen = HashSet::new();
         let mut models: HashSet<Arc<str>> = HashSet::new();
-        for StoredSearch {
+        for SearchRow {
             model,
             pings: [start, end],
-        } in stored.searched
+        } in rows.searched
         {
             if !is_name(&model) || start >= end || end > of.pings {
-                return Err(ReviewError(
-                    "this review is damaged: the pings that were searched lie outside the log"
-                        .into(),
+                return Err(ReviewError::new(
+                    "this review is damaged: the pings that were searched lie outside the log",
                 ));
             }
             review.note_search(&shared(&mut models, model), start..end);
         }
-        for one in stored.boxes {
+        for one in rows.boxes {
             let id = one.id;
-            let wrong =
-                |what: &str| ReviewError(format!("this review is damaged: box {}: {what}", id.0));
+            let wrong = |what: &str| ReviewError {
+                what: format!("this review is damaged: box {}: {what}", id.0),
+                id: Some(id),
+            };
             if !seen.insert(id) || id.0 == u32::MAX {
                 return Err(wrong("its number is there twice or out of range"));
             }
@@ -220,13 +279,10 @@ impl Review {
         Ok(review)
     }
 
-    fn read_box(&self, one: StoredBox, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
+    fn read_box(&self, one: BoxRow, model: Option<Arc<str>>) -> Result<Reviewed, &'static str> {
         let [start, end] = one.pings;
         let mark = Mark {
-            side: match one.side {
-                StoredSide::Port => Side::Port,
-                StoredSide::Starboard => Side::Starboard,
-            },
+            side: one.side,
             pings: start..end,
             near_m: one.near_m,
             far_m: one.far_m,

@@ -12,7 +12,7 @@ mod searched;
 mod tiles;
 
 pub use edit::Edit;
-pub use file::{ReviewError, read_text};
+pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
 pub use queue::{Counts, Filter, Queue, Sort};
 pub use searched::Searched;
 pub use tiles::ReviewedTile;
