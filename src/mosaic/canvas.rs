@@ -24,16 +24,11 @@ pub struct Canvas {
 
 impl Canvas {
     /// For a window in the north-west of as many columns and rows of cells.
-    pub fn new(
-        window: Grid,
-        [columns, rows]: [usize; 2],
-        water_column: bool,
-        settings: &MosaicSettings,
-    ) -> Self {
+    pub fn new(window: Grid, [columns, rows]: [usize; 2], settings: &MosaicSettings) -> Self {
         Self {
             overlap: settings.overlap,
             nadir_gap: settings.nadir_gap_deg.to_radians().tan(),
-            water_column,
+            water_column: settings.water_column,
             window,
             stride: columns,
             sums: vec![[0.0; 2]; columns * rows],
@@ -100,9 +95,14 @@ impl Canvas {
             Overlap::Later => *sum = [level, 1.0],
             Overlap::Brighter if sum[1] == 0.0 || level > sum[0] => *sum = [level, 1.0],
             Overlap::Brighter => {}
+            Overlap::Middle => {
+                let weight = middle_weight(way);
+                if weight > sum[1] {
+                    *sum = [level * weight, weight];
+                }
+            }
             Overlap::Blend => {
-                let way = way.clamp(0.0, 1.0);
-                let weight = (4.0 * way * (1.0 - way)).max(EDGE_WEIGHT) as f32;
+                let weight = middle_weight(way);
                 *sum = [sum[0] + level * weight, sum[1] + weight];
             }
         }
@@ -119,6 +119,12 @@ impl Canvas {
         };
         self.sums.iter().map(level).collect()
     }
+}
+
+/// What a level counts at a share of the way out: most in the middle of the swath.
+fn middle_weight(way: f64) -> f32 {
+    let way = way.clamp(0.0, 1.0);
+    (4.0 * way * (1.0 - way)).max(EDGE_WEIGHT) as f32
 }
 
 /// The ground between two rays, on which one is turned and moved evenly into the other.

@@ -242,6 +242,15 @@ fn steadied<const COUNT: usize>(
 }
 
 impl GainTable {
+    /// The same, with all levels times a factor.
+    #[must_use]
+    pub fn brightened(self, factor: f32) -> Self {
+        Self {
+            stretch: self.stretch * factor,
+            ..self
+        }
+    }
+
     /// The factor that brings what is bright among some pings to one level.
     fn stretch(&self, survey: &Survey, layout: &Layout, pings: &[usize]) -> f32 {
         let mut counts = vec![0_u64; 1024];

@@ -300,17 +300,7 @@ impl Layout {
 
     /// The grid that holds every strip, its edges at whole cells; `None` when nothing is shown.
     pub fn grid(&self, cell_m: f64) -> Option<Grid> {
-        let [west, south, east, north] = self.bounds()?;
-        let west_m = (west / cell_m).floor() * cell_m;
-        let north_m = (north / cell_m).ceil() * cell_m;
-        let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
-        Some(Grid {
-            west_m,
-            north_m,
-            cell_m,
-            columns: cells(east - west_m),
-            rows: cells(north_m - south),
-        })
+        self.bounds().map(|bounds| grid_over(bounds, cell_m))
     }
 
     /// Which strips touch which tile of a grid.
@@ -416,6 +406,20 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
                 && near(ping)
         })
         .collect()
+}
+
+/// The grid over some ground, its edges at whole cells.
+pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid {
+    let west_m = (west / cell_m).floor() * cell_m;
+    let north_m = (north / cell_m).ceil() * cell_m;
+    let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
+    Grid {
+        west_m,
+        north_m,
+        cell_m,
+        columns: cells(east - west_m),
+        rows: cells(north_m - south),
+    }
 }
 
 /// The strips that touch each tile; tiles without any are not in it.

@@ -17,6 +17,7 @@ mod altitude;
 mod canvas;
 mod footprint;
 mod gain;
+mod joint;
 mod layout;
 mod line;
 mod paint;
@@ -24,8 +25,9 @@ mod scan;
 
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
+pub use joint::{joint_grid, match_levels};
 pub use layout::{Bounds, Layout, TileIndex};
-pub use paint::{TILE_CELLS, Tile, tile, window};
+pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, tile, window};
 
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};
@@ -39,6 +41,9 @@ pub enum Overlap {
     Later,
     /// The brighter echo: objects stay, shadows are lost.
     Brighter,
+    /// The echo that lies nearest to the middle of its swath, halfway out, where a side-scan hears the ground best: objects and shadows
+    /// stay, and a swath's weak ends show only where there is nothing else.
+    Middle,
     /// The mean, weighted towards the middle of each swath: smooth, but objects and shadows fade.
     Blend,
 }

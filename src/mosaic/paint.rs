@@ -8,6 +8,7 @@ use crate::bathymetry::Grid;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use std::convert::Infallible;
+use std::sync::Arc;
 
 /// Cells along a tile's side.
 pub const TILE_CELLS: usize = 256;
@@ -26,6 +27,26 @@ impl Tile {
     }
 }
 
+/// A log of a mosaic.
+#[derive(Clone, Debug)]
+pub struct MosaicLog {
+    /// The recording.
+    pub survey: Arc<Survey>,
+    /// Where its echoes lie, in the plane that all logs share.
+    pub layout: Layout,
+    /// What its levels are normalised by.
+    pub gain: GainTable,
+}
+
+/// One log in a tile.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    survey: &'a Survey,
+    layout: &'a Layout,
+    gain: &'a GainTable,
+    index: &'a TileIndex,
+}
+
 /// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
 pub fn tile(
     survey: &Survey,
@@ -33,6 +54,38 @@ pub fn tile(
     grid: &Grid,
     index: &TileIndex,
     gain: &GainTable,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Tile {
+    let part = Part {
+        survey,
+        layout,
+        gain,
+        index,
+    };
+    tile_of(std::iter::once(part), grid, settings, place)
+}
+
+/// The same of several logs, each with its index: one after the other by the rule of `mosaic.overlap`, so the last of them counts
+/// for the latest.
+pub fn joint_tile(
+    logs: &[(&MosaicLog, &TileIndex)],
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Tile {
+    let parts = logs.iter().map(|(log, index)| Part {
+        survey: &log.survey,
+        layout: &log.layout,
+        gain: &log.gain,
+        index,
+    });
+    tile_of(parts, grid, settings, place)
+}
+
+fn tile_of<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
     settings: &MosaicSettings,
     [row, column]: [usize; 2],
 ) -> Tile {
@@ -45,12 +98,16 @@ pub fn tile(
         columns: grid.columns.saturating_sub(first_column).min(TILE_CELLS),
         rows: grid.rows.saturating_sub(first_row).min(TILE_CELLS),
     };
-    let canvas = Canvas::new(window, [TILE_CELLS; 2], layout.water_column(), settings);
-    let strips = index.strips(row, column);
+    let mut canvas = Canvas::new(window, [TILE_CELLS; 2], settings);
     let go_on = || Ok::<(), Infallible>(());
-    let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
-    let Ok(levels) = draw(canvas, layout, &lines, strips, go_on);
-    Tile { levels }
+    for part in parts {
+        let strips = part.index.strips(row, column);
+        let lines = Lines::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
+        let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
+    }
+    Tile {
+        levels: canvas.finish(),
+    }
 }
 
 /// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
@@ -63,12 +120,7 @@ pub fn window(
     settings: &MosaicSettings,
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
-    let canvas = Canvas::new(
-        *grid,
-        [grid.columns, grid.rows],
-        layout.water_column(),
-        settings,
-    );
+    let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
     let ground = [
         grid.west_m,
         grid.north_m - grid.rows as f64 * grid.cell_m,
@@ -77,17 +129,18 @@ pub fn window(
     ];
     let strips = layout.strips_in(ground);
     let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
-    draw(canvas, layout, &lines, strips, || progress.check())
+    draw(&mut canvas, layout, &lines, strips, || progress.check())?;
+    Ok(canvas.finish())
 }
 
 /// Lays strips over each other. `check` is asked before each whether to go on.
 fn draw<E>(
-    mut canvas: Canvas,
+    canvas: &mut Canvas,
     layout: &Layout,
     lines: &Lines<'_>,
     strips: impl Iterator<Item = (usize, Side)>,
     check: impl Fn() -> Result<(), E>,
-) -> Result<Vec<u8>, E> {
+) -> Result<(), E> {
     // The last two pings of each side.
     let none = |side| [Line::none(side), Line::none(side)];
     let mut kept = [Side::Port, Side::Starboard].map(none);
@@ -108,7 +161,7 @@ fn draw<E>(
             canvas.paint(&layout.corners(&strip), &strip, both);
         }
     }
-    Ok(canvas.finish())
+    Ok(())
 }
 
 /// How far the boat goes along a strip, in the plane of the map.

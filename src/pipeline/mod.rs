@@ -21,7 +21,7 @@ mod settings;
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
 pub use depth::{
     Choice, Crossed, DepthChart, NamedComparison, Plane, choices, comparisons, crossed,
-    depth_surface,
+    depth_surface, joint_depth_surface,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input};

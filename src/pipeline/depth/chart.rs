@@ -3,7 +3,7 @@
 use super::plane::Plane;
 use crate::bathymetry::{Surface, surface};
 use crate::geo::MapPlane;
-use crate::pipeline::Products;
+use crate::pipeline::{ProcessedLog, Products};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
 use std::sync::Arc;
@@ -18,6 +18,29 @@ pub fn depth_surface(
     let points = plane.depth_points(products);
     progress.check()?;
     surface(points, &products.settings.surface, progress)
+}
+
+/// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*` settings of the first. Each log's
+/// points weigh what its own settings give them; where logs meet in a cell the weighted median stands, so that a log with many points
+/// there counts more. `None` where the depths span no surface.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_depth_surface(
+    logs: &[ProcessedLog],
+    map: &MapPlane,
+    progress: &Progress,
+) -> Result<Option<Surface>, Cancelled> {
+    let Some(first) = logs.first() else {
+        return Ok(None);
+    };
+    let mut points = Vec::new();
+    for log in logs {
+        progress.check()?;
+        let plane = Plane::new(&log.survey, &log.products, map.clone());
+        points.append(&mut plane.depth_points(&log.products));
+    }
+    surface(points, &first.products.settings.surface, progress)
 }
 
 /// The depth map of a survey.
@@ -37,15 +60,30 @@ impl DepthChart {
         products: &Products,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
-        let plane = Plane::or_utm(survey, products);
-        let made = depth_surface(&plane, products, progress)?;
+        let log = ProcessedLog {
+            survey: survey.clone(),
+            products: products.clone(),
+        };
+        Self::of_logs(&[log], progress)
+    }
+
+    /// Makes the map of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn of_logs(logs: &[ProcessedLog], progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        let Some(ProcessedLog { survey, products }) = logs.first() else {
+            return Ok(None);
+        };
+        let map = Plane::or_utm(survey, products).map;
+        let made = joint_depth_surface(logs, &map, progress)?;
         Ok(made.map(|surface| Self {
             surface: Surface {
                 // Millions of cells, and the window shows no spread.
                 spread_m: Vec::new(),
                 ..surface
             },
-            map: plane.map,
+            map,
             survey: survey.clone(),
             navigation: products.navigation.clone(),
         }))

@@ -7,7 +7,7 @@ mod crossed;
 mod plane;
 mod residuals;
 
-pub use chart::{DepthChart, depth_surface};
+pub use chart::{DepthChart, depth_surface, joint_depth_surface};
 pub use choices::{Choice, choices};
 pub use crossed::{Crossed, crossed};
 pub use plane::Plane;

@@ -32,7 +32,8 @@ impl<'a> Plane<'a> {
         Self::new(survey, products, map)
     }
 
-    fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
+    /// The cloud of one of several logs, in the plane that all of them share.
+    pub fn new(survey: &'a Survey, products: &'a Products, map: MapPlane) -> Self {
         Self {
             map,
             survey,

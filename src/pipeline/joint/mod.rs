@@ -2,8 +2,11 @@
 //!
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
 //! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` holds logs against each other where
-//! their tracks meet, and finds their height offsets.
+//! their tracks meet, and finds their height offsets, `mosaic` makes
+//! their side-scan one.
 
 mod crossline;
+mod mosaic;
 
 pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
+pub use mosaic::mosaic_logs;

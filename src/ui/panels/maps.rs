@@ -37,6 +37,11 @@ const OVERLAPS: &[Choice<Overlap>] = &[
         "The brighter echo counts: objects stay, shadows are lost.",
     ),
     (
+        Overlap::Middle,
+        "middle on top",
+        "The pass in the middle of whose swath the ground lies: weak ends show only where there is nothing else.",
+    ),
+    (
         Overlap::Blend,
         "blend",
         "The mean, weighted towards the middle of each swath: objects and shadows fade.",

@@ -89,6 +89,7 @@ pub fn note(settings: &MosaicSettings) -> &'static str {
     match settings.overlap {
         Overlap::Later => "mosaic: later\npass on top",
         Overlap::Brighter => "mosaic: brighter\npass on top",
+        Overlap::Middle => "mosaic: middle\nof the swath on top",
         Overlap::Blend => "mosaic: passes\nblended",
     }
 }
