@@ -3,14 +3,26 @@
 //! [`App::log`] is the one that waterfall, profile and panels show; the others wait beside it with their results, and maps, clouds and
 //! products are made of all that are visible.
 
+use super::open_log::log_colour;
 use super::reviewing::Parked;
 use super::{App, History, LogId, Mark, OpenLog};
-use crate::pipeline::{EngineStatus, Products, Settings};
+use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
 use crate::survey::Survey;
 use std::sync::Arc;
 
 /// Reviews of closed logs kept at hand while the window is open.
 const PARKED: usize = 10;
+
+/// A log that takes part in maps and clouds, with its results.
+#[derive(Clone, Debug)]
+pub struct ShownLog {
+    /// Which it is.
+    pub id: LogId,
+    /// Its colour where logs are told apart.
+    pub colour: [u8; 3],
+    /// The recording and what was made of it.
+    pub log: ProcessedLog,
+}
 
 /// The logs that are open beside the one that is shown.
 #[derive(Default)]
@@ -48,6 +60,21 @@ impl App {
     /// The logs that take part in maps, clouds and products, in the order of the list.
     pub fn visible_logs(&self) -> impl Iterator<Item = &OpenLog> {
         self.logs().filter(|log| log.is_visible)
+    }
+
+    /// The visible logs that have results, in the order of the list: what maps and clouds are made of.
+    pub fn shown_logs(&self) -> Vec<ShownLog> {
+        let shown = |log: &OpenLog| {
+            Some(ShownLog {
+                id: log.id,
+                colour: log.colour,
+                log: ProcessedLog {
+                    survey: log.survey.clone()?,
+                    products: log.products.clone()?,
+                },
+            })
+        };
+        self.visible_logs().filter_map(shown).collect()
     }
 
     /// How many logs are open.
@@ -126,6 +153,7 @@ impl App {
         let id = self.logs.next_id();
         self.logs.order.push(id);
         let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());
+        log.colour = log_colour(self.logs.order.len() - 1);
         log.reviewing.start(&survey, &mut self.logs.parked);
         log
     }

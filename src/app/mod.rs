@@ -37,6 +37,7 @@ pub use comparing::{Comparing, ReferenceBy, open_reference};
 pub use figures::Figures;
 pub use history::History;
 pub use loader::{LoadStatus, Origin};
+pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, FigureKind, Measure, Measuring};
 pub use open_log::{LogId, OpenLog};

@@ -13,12 +13,30 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LogId(pub u64);
 
+/// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell apart, without black.
+const COLOURS: [[u8; 3]; 7] = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [240, 228, 66],
+    [213, 94, 0],
+    [0, 114, 178],
+];
+
+/// The colour of a log by its number; they come again where there are more logs than colours.
+pub(super) fn log_colour(number: usize) -> [u8; 3] {
+    COLOURS[number % COLOURS.len()]
+}
+
 /// A log with its settings, its results and its boxes. The default one is that of an empty window.
 pub struct OpenLog {
     /// Which it is.
     pub id: LogId,
     /// The recording; `None` in an empty window.
     pub survey: Option<Arc<Survey>>,
+    /// Its colour where logs are told apart, red, green and blue.
+    pub colour: [u8; 3],
     /// Whether it takes part in maps, clouds and products.
     pub is_visible: bool,
     /// Shallowest and deepest sounding that the recorder had the bottom for, metres.
@@ -48,6 +66,7 @@ impl Default for OpenLog {
         Self {
             id: LogId::default(),
             survey: None,
+            colour: log_colour(0),
             is_visible: true,
             depth_span_m: None,
             lost_soundings: 0,
@@ -112,6 +131,7 @@ impl OpenLog {
         Self {
             id: self.id,
             survey: self.survey.clone(),
+            colour: self.colour,
             is_visible: self.is_visible,
             depth_span_m: self.depth_span_m,
             lost_soundings: self.lost_soundings,

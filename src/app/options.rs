@@ -175,6 +175,8 @@ impl Default for WaterfallOptions {
 pub struct MapOptions {
     /// What is drawn, in which order.
     pub layers: LayerStack,
+    /// Colour the tracks by the log that they are of, instead of by depth.
+    pub track_by_log: bool,
     /// Draw the ranked flat stretches.
     pub flat_spots: bool,
     /// Draw lines of round coordinates.
@@ -187,6 +189,7 @@ impl Default for MapOptions {
     fn default() -> Self {
         Self {
             layers: LayerStack::default(),
+            track_by_log: false,
             flat_spots: true,
             graticule: true,
             swipe: Swipe::default(),
@@ -202,6 +205,8 @@ pub enum CloudColour {
     Source,
     /// Depth.
     Depth,
+    /// The log that it is of.
+    Log,
 }
 
 /// Cloud display.

@@ -27,7 +27,7 @@ pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use joint::{joint_grid, match_levels};
 pub use layout::{Bounds, Layout, TileIndex};
-pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, tile, window};
+pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};
 
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};

@@ -120,6 +120,24 @@ pub fn window(
     settings: &MosaicSettings,
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
+    joint_window(
+        std::iter::once((survey, layout, gain)),
+        grid,
+        settings,
+        progress,
+    )
+}
+
+/// The same of several logs, one after the other by the rule of `mosaic.overlap`.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_window<'a>(
+    logs: impl Iterator<Item = (&'a Survey, &'a Layout, &'a GainTable)>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    progress: &Progress,
+) -> Result<Vec<u8>, Cancelled> {
     let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
     let ground = [
         grid.west_m,
@@ -127,9 +145,11 @@ pub fn window(
         grid.west_m + grid.columns as f64 * grid.cell_m,
         grid.north_m,
     ];
-    let strips = layout.strips_in(ground);
-    let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
-    draw(&mut canvas, layout, &lines, strips, || progress.check())?;
+    for (survey, layout, gain) in logs {
+        let strips = layout.strips_in(ground);
+        let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);
+        draw(&mut canvas, layout, &lines, strips, || progress.check())?;
+    }
     Ok(canvas.finish())
 }
 

@@ -28,7 +28,7 @@ pub use fingerprint::{Fingerprint, Input};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
-pub use mosaic::mosaic_layout;
+pub use mosaic::{mosaic_layout, mosaic_layout_by};
 pub use placing::Placing;
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, run};

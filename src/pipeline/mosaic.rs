@@ -8,13 +8,24 @@ use crate::survey::Survey;
 /// Where the echoes of a result fall in the plane of a map.
 pub fn mosaic_layout(survey: &Survey, products: &Products, map: &MapPlane) -> Layout {
     let navigation = &products.navigation;
+    mosaic_layout_by(survey, products, |[east_m, north_m]| {
+        map.place(navigation.to_lon_lat(&survey.track, east_m, north_m))
+    })
+}
+
+/// Where the echoes of a result fall in the plane that `place` leads to from that of the survey.
+pub fn mosaic_layout_by(
+    survey: &Survey,
+    products: &Products,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Layout {
     Layout::new(
         survey,
-        navigation,
+        &products.navigation,
         &products.returns,
         &products.calibration,
         &products.settings.mosaic,
-        |[east_m, north_m]| map.place(navigation.to_lon_lat(&survey.track, east_m, north_m)),
+        place,
     )
     .with_range_factor(products.correction.range_factor())
     .without(&products.left_out)

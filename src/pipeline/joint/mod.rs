@@ -11,4 +11,4 @@ mod mosaic;
 
 pub use comparison::compare_logs;
 pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
-pub use mosaic::mosaic_logs;
+pub use mosaic::{mosaic_logs, mosaic_logs_by};

@@ -1,7 +1,7 @@
 //! One mosaic of all logs.
 
 use crate::geo::MapPlane;
-use crate::mosaic::{MosaicLog, MosaicSettings, gain_table, match_levels};
+use crate::mosaic::{Layout, MosaicLog, MosaicSettings, gain_table, match_levels};
 use crate::pipeline::{ProcessedLog, mosaic_layout};
 use crate::progress::{Cancelled, Progress};
 
@@ -16,6 +16,20 @@ pub fn mosaic_logs(
     settings: &MosaicSettings,
     progress: &Progress,
 ) -> Result<Vec<MosaicLog>, Cancelled> {
+    let lay_out = |log: &ProcessedLog| mosaic_layout(&log.survey, &log.products, map);
+    mosaic_logs_by(logs, settings, lay_out, progress)
+}
+
+/// The same in the plane in which `lay_out` lays a log.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn mosaic_logs_by(
+    logs: &[ProcessedLog],
+    settings: &MosaicSettings,
+    lay_out: impl Fn(&ProcessedLog) -> Layout,
+    progress: &Progress,
+) -> Result<Vec<MosaicLog>, Cancelled> {
     let mut in_time: Vec<&ProcessedLog> = logs
         .iter()
         .filter(|log| log.survey.has_side_scan())
@@ -24,11 +38,11 @@ pub fn mosaic_logs(
     let start_s = |log: &ProcessedLog| log.survey.start_unix_s.unwrap_or(f64::NEG_INFINITY);
     in_time.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
     let mut made = Vec::with_capacity(in_time.len());
-    for ProcessedLog { survey, products } in in_time {
-        let layout = mosaic_layout(survey, products, map);
-        let gain = gain_table(survey, &layout, progress)?;
+    for log in in_time {
+        let layout = lay_out(log);
+        let gain = gain_table(&log.survey, &layout, progress)?;
         made.push(MosaicLog {
-            survey: survey.clone(),
+            survey: log.survey.clone(),
             layout,
             gain,
         });

@@ -10,6 +10,9 @@ use crate::ui::views::legend::{self, Scale};
 use crate::ui::{ViewContext, ViewRequest, theme};
 use egui::{Align2, Color32, Painter, Rect, Slider, Ui, UiBuilder, pos2, vec2};
 
+/// Most logs that the legend names.
+const MOST_LOGS: usize = 8;
+
 /// Least and most vertical exaggeration that the slider gives.
 const EXAGGERATIONS: std::ops::RangeInclusive<f32> = 1.0..=50.0;
 
@@ -159,6 +162,11 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
         }
         CloudColour::Depth => {
             kind(counts.kept(), "points", theme::canvas_text_colour(options));
+        }
+        CloudColour::Log => {
+            for (name, [r, g, b], kept) in scene.by_log().take(MOST_LOGS) {
+                kind(kept, name, Color32::from_rgb(r, g, b));
+            }
         }
     }
     let outliers = scene.outliers;

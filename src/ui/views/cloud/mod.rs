@@ -7,27 +7,22 @@ mod picture;
 mod pointer;
 mod scene;
 
-use super::background::{Background, Same};
+use super::background::Background;
 use super::empty;
 use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
-use crate::cloud::PointCloud;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::CloudPicture;
-use scene::CloudScene;
+use scene::{CloudScene, LogPoints};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
 
-type Key = (
-    Same<PointCloud>,
-    Same<Vec<bool>>,
-    (CloudColour, ThemeChoice, SideColours),
-);
+type Key = (Vec<LogPoints>, (CloudColour, ThemeChoice, SideColours));
 
 /// State of the cloud view: where it looks, and what was made for it.
 #[derive(Default)]
@@ -104,7 +99,7 @@ impl CloudView {
             empty::wait(ui, context, rect, "The point cloud is being built.");
             return "3D point cloud, being built".to_owned();
         };
-        self.ask_for_scene(context, &products);
+        self.ask_for_scene(context);
         let Some(scene) = self.scene.result().cloned() else {
             if !self.scene.is_running() {
                 empty::say(
@@ -148,26 +143,17 @@ impl CloudView {
         name(&scene)
     }
 
-    fn ask_for_scene(&mut self, context: &ViewContext<'_>, products: &Products) {
+    fn ask_for_scene(&mut self, context: &ViewContext<'_>) {
         let options = context.app.options.clone();
         let colours = (options.cloud.colour, options.theme, options.side_colours);
-        let (cloud, kept) = (Same(products.cloud.clone()), Same(products.kept.clone()));
-        let min_confidence = products.settings.first_return.min_confidence;
-        let key = (cloud.clone(), kept.clone(), colours);
+        let logs: Vec<LogPoints> = context.app.shown_logs().iter().map(LogPoints::of).collect();
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
+        let key = (logs.clone(), colours);
         self.scene.ask(key, context.app.jobs(), move |progress| {
-            let uploader = uploader.as_ref();
-            CloudScene::new(
-                cloud.0,
-                kept.0,
-                min_confidence,
-                &options,
-                uploader,
-                progress,
-            )
-            .map(Arc::new)
+            let scene = CloudScene::new(logs, &options, uploader.as_ref(), progress);
+            scene.map(Arc::new)
         });
     }
 

@@ -2,7 +2,7 @@
 
 use super::axes::Axes;
 use super::scene::CloudScene;
-use crate::app::{App, Command, Mark};
+use crate::app::{App, Command, LogId, Mark};
 use crate::pipeline::Products;
 use crate::render::OrbitCamera;
 use crate::ui::{ViewContext, theme};
@@ -123,10 +123,12 @@ impl Pointer {
             }
         });
         let mark = point.and_then(|point| scene.mark(point));
-        self.hover(context, mark);
+        // Other views show the log under the selection: what is hovered of another one is nowhere in them.
+        let here = mark.filter(|(log, _)| *log == context.app.log.id);
+        self.hover(context, here.map(|(_, mark)| mark));
         if response.clicked() {
             context.push(match mark {
-                Some(mark) => Command::Reveal(mark),
+                Some((log, mark)) => Command::RevealIn(log, mark),
                 None => Command::Select(None),
             });
         }
@@ -169,7 +171,7 @@ pub fn paint_marks(
         if let Some(mark) = mark {
             paint_mark(
                 painter,
-                &mark,
+                (app.log.id, &mark),
                 products,
                 scene,
                 axes,
@@ -181,13 +183,13 @@ pub fn paint_marks(
 
 fn paint_mark(
     painter: &Painter,
-    mark: &Mark,
+    (log, mark): (LogId, &Mark),
     products: &Products,
     scene: &CloudScene,
     axes: &Axes<'_>,
     stroke: Stroke,
 ) {
-    let of_ping = scene.of_ping(mark.ping);
+    let of_ping = scene.of_ping(log, mark.ping);
     let beside: Vec<Pos2> = of_ping.filter_map(|place| axes.at(place)).collect();
     for at in &beside {
         painter.circle_stroke(*at, 4.5, stroke);
@@ -220,6 +222,7 @@ mod tests {
     use crate::app::ViewOptions;
     use crate::cloud::{CloudPoint, PointCloud, PointSource};
     use crate::progress::Progress;
+    use crate::ui::views::cloud::scene::LogPoints;
     use std::sync::Arc;
 
     /// Two lines of points 40 m apart, and nothing between.
@@ -241,8 +244,16 @@ mod tests {
             points: (0..120).map(point).collect(),
             zero_heading: 0,
         };
-        let (kept, options) = (Arc::new(vec![true; 120]), ViewOptions::default());
-        let made = CloudScene::new(Arc::new(cloud), kept, 0.0, &options, None, &Progress::new());
+        let log = LogPoints {
+            id: LogId(1),
+            name: String::new(),
+            cloud: Arc::new(cloud),
+            kept: Arc::new(vec![true; 120]),
+            min_confidence: 0.0,
+            colour: [0; 3],
+        };
+        let options = ViewOptions::default();
+        let made = CloudScene::new(vec![log], &options, None, &Progress::new());
         made.expect("a scene")
     }
 

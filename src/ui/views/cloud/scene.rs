@@ -1,6 +1,6 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
-use crate::app::{CloudColour, Mark, ViewOptions};
+use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
 use crate::bathymetry;
 use crate::cloud::{CloudPoint, Outliers, PointCloud, PointSource};
 use crate::presentation::colours::{depth_colour, depth_share};
@@ -52,11 +52,63 @@ impl Counts {
     }
 }
 
-/// A cloud on the GPU with what belongs to it. The places of points are worked out from the cloud when they are asked for:
-/// a second copy of them all would be the largest thing in memory.
+/// The points of one log.
+#[derive(Clone)]
+pub struct LogPoints {
+    /// Which log.
+    pub id: LogId,
+    /// Its name.
+    pub name: String,
+    /// All its points.
+    pub cloud: Arc<PointCloud>,
+    /// One flag a point: kept.
+    pub kept: Arc<Vec<bool>>,
+    /// Points of first returns that are less sure are no outliers ([`PointCloud::outliers`]).
+    pub min_confidence: f32,
+    /// The log's colour where logs are told apart.
+    pub colour: [u8; 3],
+}
+
+impl LogPoints {
+    /// Of a log with its results.
+    pub fn of(shown: &ShownLog) -> Self {
+        let products = &shown.log.products;
+        Self {
+            id: shown.id,
+            name: shown.log.survey.name(),
+            cloud: products.cloud.clone(),
+            kept: products.kept.clone(),
+            min_confidence: products.settings.first_return.min_confidence,
+            colour: shown.colour,
+        }
+    }
+
+    /// Points that have a place and are kept, or are not, with their index.
+    fn points(&self, wanted: bool) -> impl Iterator<Item = (usize, &CloudPoint)> {
+        let all = self.cloud.points.iter().enumerate();
+        all.filter(move |(index, point)| {
+            self.kept.get(*index).copied().unwrap_or(true) == wanted && is_placed(point)
+        })
+    }
+}
+
+/// Two are the same when they hold the same results, not equal ones.
+impl PartialEq for LogPoints {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+            && Arc::ptr_eq(&self.cloud, &other.cloud)
+            && Arc::ptr_eq(&self.kept, &other.kept)
+            && self.min_confidence == other.min_confidence
+            && self.colour == other.colour
+    }
+}
+
+/// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
+/// asked for: a second copy of them all would be the largest thing in memory.
 pub struct CloudScene {
-    cloud: Arc<PointCloud>,
-    kept: Arc<Vec<bool>>,
+    logs: Vec<LogPoints>,
+    /// Number of the first point of each log: points are counted through all of them.
+    starts: Vec<usize>,
     /// What the vertices are relative to, metres east, north and up.
     pub origin_m: [f64; 3],
     /// The points on the GPU: kept ones first, then those that the filter would remove.
@@ -65,6 +117,8 @@ pub struct CloudScene {
     pub corners: [Vec3; 2],
     /// How many points there are.
     pub counts: Counts,
+    /// Kept points of each log.
+    kept: Vec<usize>,
     /// What the outlier filter removes.
     pub outliers: Outliers,
     /// Ends of the colour scale of depth, metres.
@@ -72,29 +126,39 @@ pub struct CloudScene {
 }
 
 impl CloudScene {
-    /// `None` when there is no point, or cancelled. Points below `min_confidence` are no outliers ([`PointCloud::outliers`]).
+    /// `None` when there is no point, or cancelled.
     pub fn new(
-        cloud: Arc<PointCloud>,
-        kept: Arc<Vec<bool>>,
-        min_confidence: f32,
+        logs: Vec<LogPoints>,
         options: &ViewOptions,
         uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
-        let counts = counts(&cloud, &kept);
+        let counts = counts(&logs);
         let in_box = counts.kept() > 0;
-        let first = points(&cloud, &kept, in_box).next()?.1;
-        let depths = points(&cloud, &kept, true).map(|(_, point)| -point.z_m as f32);
-        let range_m = bathymetry::depth_range(depths);
+        let first = logs.iter().find_map(|log| log.points(in_box).next())?.1;
+        let depths = logs.iter().flat_map(|log| log.points(true));
+        let range_m = bathymetry::depth_range(depths.map(|(_, point)| -point.z_m as f32));
+        let starts = logs.iter().scan(0, |sum, log| {
+            let start = *sum;
+            *sum += log.cloud.points.len();
+            Some(start)
+        });
+        let outliers = logs
+            .iter()
+            .map(|log| log.cloud.outliers(&log.kept, log.min_confidence));
         let mut scene = Self {
             origin_m: [first.east_m, first.north_m, 0.0],
             buffers: None,
             corners: [Vec3::ZERO; 2],
             counts,
-            outliers: cloud.outliers(&kept, min_confidence),
+            kept: logs.iter().map(|log| log.points(true).count()).collect(),
+            outliers: outliers.fold(Outliers::default(), |sum, one| Outliers {
+                side_scan: sum.side_scan + one.side_scan,
+                removed: sum.removed + one.removed,
+            }),
             range_m,
-            cloud,
-            kept,
+            starts: starts.collect(),
+            logs,
         };
         progress.check().ok()?;
         scene.corners = scene.corners(in_box);
@@ -106,6 +170,12 @@ impl CloudScene {
         Some(scene)
     }
 
+    /// Name, colour and kept points of every log.
+    pub fn by_log(&self) -> impl Iterator<Item = (&str, [u8; 3], usize)> {
+        let logs = self.logs.iter().zip(&self.kept);
+        logs.map(|(log, kept)| (log.name.as_str(), log.colour, *kept))
+    }
+
     /// How many points are drawn.
     pub fn shown(&self, outlier_preview: bool) -> usize {
         match outlier_preview {
@@ -114,12 +184,29 @@ impl CloudScene {
         }
     }
 
-    /// Index and place of every point that is drawn.
+    /// Number and place of every point that is drawn.
     pub fn places(&self, outlier_preview: bool) -> impl Iterator<Item = (usize, Vec3)> {
-        let kept = points(&self.cloud, &self.kept, true);
-        let removed = outlier_preview.then(|| points(&self.cloud, &self.kept, false));
-        kept.chain(removed.into_iter().flatten())
-            .map(|(index, point)| (index, self.place(point)))
+        let removed = outlier_preview.then(|| self.points(false));
+        let all = self.points(true).chain(removed.into_iter().flatten());
+        all.map(|(number, _, point)| (number, self.place(point)))
+    }
+
+    /// Points of all logs that are kept, or are not: their numbers, and the log of each.
+    fn points(&self, wanted: bool) -> impl Iterator<Item = (usize, &LogPoints, &CloudPoint)> {
+        let logs = self.logs.iter().zip(&self.starts);
+        logs.flat_map(move |(log, start)| {
+            let points = log.points(wanted);
+            points.map(move |(index, point)| (start + index, log, point))
+        })
+    }
+
+    /// The log of a point by its number, and its index there.
+    fn of_number(&self, number: usize) -> Option<(&LogPoints, usize)> {
+        let log = self
+            .starts
+            .partition_point(|start| *start <= number)
+            .checked_sub(1)?;
+        Some((self.logs.get(log)?, number - self.starts[log]))
     }
 
     /// A point's place in the scene.
@@ -127,9 +214,10 @@ impl CloudScene {
         self.local(point.east_m, point.north_m, point.z_m)
     }
 
-    /// Place of a point by its index in the cloud.
-    pub fn place_of(&self, index: usize) -> Option<Vec3> {
-        self.cloud.points.get(index).map(|point| self.place(point))
+    /// Place of a point by its number.
+    pub fn place_of(&self, number: usize) -> Option<Vec3> {
+        let (log, index) = self.of_number(number)?;
+        log.cloud.points.get(index).map(|point| self.place(point))
     }
 
     /// A place of the survey in the scene.
@@ -142,30 +230,50 @@ impl CloudScene {
         )
     }
 
-    /// Places of the side-scan points of a ping.
-    pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = Vec3> {
-        let points = self.cloud.of_ping(ping);
+    /// Places of the side-scan points of a log's ping.
+    pub fn of_ping(&self, log: LogId, ping: usize) -> impl Iterator<Item = Vec3> {
+        let log = self.logs.iter().find(move |one| one.id == log);
+        let points = log.into_iter().flat_map(move |log| log.cloud.of_ping(ping));
         points
             .filter(|point| is_placed(point))
             .map(|point| self.place(point))
     }
 
-    /// The mark of a point.
-    pub fn mark(&self, index: usize) -> Option<Mark> {
-        let point = self.cloud.points.get(index)?;
-        Some(Mark {
+    /// The log and the mark of a point by its number.
+    pub fn mark(&self, number: usize) -> Option<(LogId, Mark)> {
+        let (log, index) = self.of_number(number)?;
+        let point = log.cloud.points.get(index)?;
+        let mark = Mark {
             ping: point.ping as usize,
             side: side(point.source),
             sample: point.sample.is_finite().then_some(point.sample),
             point: Some(index),
-        })
+        };
+        Some((log.id, mark))
+    }
+
+    fn colour(&self, log: &LogPoints, point: &CloudPoint, options: &ViewOptions) -> egui::Color32 {
+        let [r, g, b] = match options.cloud.colour {
+            CloudColour::Source => {
+                return match side(point.source) {
+                    None => theme::down_scan_colour(options),
+                    Some(side) => theme::side_colour(options, side),
+                };
+            }
+            CloudColour::Depth => {
+                let depth_m = -point.z_m as f32;
+                let share = |range_m| depth_share(depth_m, range_m);
+                depth_colour(self.range_m.map_or(f32::NAN, share))
+            }
+            CloudColour::Log => log.colour,
+        };
+        egui::Color32::from_rgb(r, g, b)
     }
 
     /// The box around the kept points, or around the others.
     fn corners(&self, kept: bool) -> [Vec3; 2] {
         let start = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        let points = points(&self.cloud, &self.kept, kept);
-        points.fold(start, |[low, high], (_, point)| {
+        self.points(kept).fold(start, |[low, high], (_, _, point)| {
             let place = self.place(point);
             [low.min(place), high.max(place)]
         })
@@ -178,10 +286,10 @@ impl CloudScene {
         progress: &Progress,
     ) -> impl Iterator<Item = PointVertex> {
         let goes_on = |count: usize| !count.is_multiple_of(CHECK) || progress.check().is_ok();
-        let kept = points(&self.cloud, &self.kept, true)
-            .map(|(_, point)| (point, colour(point, options, self.range_m)));
-        let removed = points(&self.cloud, &self.kept, false)
-            .map(|(_, point)| (point, theme::outlier_colour()));
+        let kept = self.points(true);
+        let kept = kept.map(|(_, log, point)| (point, self.colour(log, point, options)));
+        let removed = self.points(false);
+        let removed = removed.map(|(_, _, point)| (point, theme::outlier_colour()));
         let all = kept.chain(removed).enumerate();
         all.map_while(move |(count, (point, colour))| {
             goes_on(count).then(|| PointVertex {
@@ -201,48 +309,24 @@ pub fn side(source: PointSource) -> Option<Side> {
     }
 }
 
-/// Points that have a place and are kept, or are not, with their index.
-fn points<'a>(
-    cloud: &'a PointCloud,
-    kept: &'a [bool],
-    wanted: bool,
-) -> impl Iterator<Item = (usize, &'a CloudPoint)> {
-    let all = cloud.points.iter().enumerate();
-    all.filter(move |(index, point)| {
-        kept.get(*index).copied().unwrap_or(true) == wanted && is_placed(point)
-    })
-}
-
 fn is_placed(point: &CloudPoint) -> bool {
     let place = [point.east_m, point.north_m, point.z_m];
     place.iter().all(|metres| metres.is_finite())
 }
 
-fn counts(cloud: &PointCloud, kept: &[bool]) -> Counts {
+fn counts(logs: &[LogPoints]) -> Counts {
     let mut counts = Counts::default();
     for wanted in [true, false] {
-        points(cloud, kept, wanted).for_each(|(_, point)| counts.add(point.source, wanted));
+        let points = logs.iter().flat_map(|log| log.points(wanted));
+        points.for_each(|(_, point)| counts.add(point.source, wanted));
     }
     counts
-}
-
-fn colour(point: &CloudPoint, options: &ViewOptions, range_m: Option<[f32; 2]>) -> egui::Color32 {
-    match options.cloud.colour {
-        CloudColour::Source => match side(point.source) {
-            None => theme::down_scan_colour(options),
-            Some(side) => theme::side_colour(options, side),
-        },
-        CloudColour::Depth => {
-            let share = range_m.map_or(f32::NAN, |range_m| depth_share(-point.z_m as f32, range_m));
-            let [r, g, b] = depth_colour(share);
-            egui::Color32::from_rgb(r, g, b)
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::CloudOptions;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {
@@ -274,8 +358,50 @@ mod tests {
         let kept = [true, false, true, true];
         let options = ViewOptions::default();
         let progress = Progress::new();
-        let kept = Arc::new(kept.to_vec());
-        let scene = CloudScene::new(Arc::new(cloud), kept, 0.0, &options, None, &progress).unwrap();
+        let first = LogPoints {
+            id: LogId(4),
+            name: String::new(),
+            cloud: Arc::new(cloud),
+            kept: Arc::new(kept.to_vec()),
+            min_confidence: 0.0,
+            colour: [1, 2, 3],
+        };
+        let second = LogPoints {
+            id: LogId(2),
+            cloud: Arc::new(PointCloud {
+                points: vec![point(PointSource::Port, 4, -1.0)],
+                zero_heading: 0,
+            }),
+            kept: Arc::new(vec![true]),
+            colour: [7, 8, 9],
+            ..first.clone()
+        };
+        let both = CloudScene::new(vec![first.clone(), second], &options, None, &progress).unwrap();
+        let numbers = both.places(true).map(|(number, _)| number);
+        assert_eq!(
+            numbers.collect::<Vec<_>>(),
+            [0, 3, 4, 1],
+            "kept ones of all logs first"
+        );
+        let (log, mark) = both.mark(4).unwrap();
+        assert_eq!(
+            (log, mark.point),
+            (LogId(2), Some(0)),
+            "a point knows its log"
+        );
+        assert_eq!(both.of_ping(LogId(2), 4).count(), 1);
+        let by_log = ViewOptions {
+            cloud: CloudOptions {
+                colour: CloudColour::Log,
+                ..options.cloud.clone()
+            },
+            ..options.clone()
+        };
+        let colours = both
+            .vertices(&by_log, &progress)
+            .map(|vertex| vertex.colour[0]);
+        assert_eq!(colours.collect::<Vec<_>>()[..3], [1, 1, 7]);
+        let scene = CloudScene::new(vec![first], &options, None, &progress).unwrap();
         let order = |preview| scene.places(preview).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
@@ -285,15 +411,15 @@ mod tests {
             side_scan: 3,
         };
         assert_eq!(scene.outliers, removed, "as the panel and the report count");
-        let depths: Vec<f32> = scene.of_ping(4).map(|place| place.z).collect();
+        let depths: Vec<f32> = scene.of_ping(LogId(4), 4).map(|place| place.z).collect();
         assert_eq!(depths, [-9.0, -3.0]);
-        assert_eq!(scene.of_ping(5).count(), 0);
+        assert_eq!(scene.of_ping(LogId(4), 5).count(), 0);
         let drawn: Vec<f32> = scene
             .vertices(&options, &progress)
             .map(|vertex| vertex.place[2])
             .collect();
         assert_eq!(drawn, [-2.0, -3.0, -9.0]);
-        let mark = scene.mark(3).unwrap();
+        let (_, mark) = scene.mark(3).unwrap();
         assert_eq!(
             (mark.ping, mark.side, mark.point),
             (4, Some(Side::Starboard), Some(3))

@@ -4,64 +4,140 @@ use super::lines::Line;
 use super::ping_boxes::PingBoxes;
 use super::relief::colour_range_m;
 use super::transform::GroundBounds;
-use crate::cloud::DepthSource;
-use crate::pipeline::Products;
+use crate::app::{LogId, ShownLog};
+use crate::cloud::{Correction, DepthSource, PingDepth};
+use crate::pipeline::ProcessedLog;
 use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
-use crate::survey::{PingNav, Sounding, Survey};
+use crate::survey::{Navigation, PingNav, Sounding, Survey};
+use crate::ui::views::background::Same;
+use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
 const BREAK_S: f64 = 10.0;
 /// Where depth rests on side-scan only, the track shows it in dashes so long, with so much grey between, metres.
 const DASH_M: [f64; 2] = [5.0, 2.5];
 
-/// The track, ready to draw and to search.
+/// What the tracks of some logs are made of; equal keys give equal tracks.
+#[derive(PartialEq)]
+pub struct TrackKey {
+    logs: Vec<LogKey>,
+    by_log: bool,
+}
+
+#[derive(PartialEq)]
+struct LogKey {
+    id: LogId,
+    colour: [u8; 3],
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    depths: Same<Vec<PingDepth>>,
+    correction: Arc<Correction>,
+}
+
+impl TrackKey {
+    /// Of these logs; `by_log` colours by log instead of depth.
+    pub fn of(logs: &[ShownLog], by_log: bool) -> Self {
+        let key = |shown: &ShownLog| LogKey {
+            id: shown.id,
+            colour: shown.colour,
+            survey: Same(shown.log.survey.clone()),
+            navigation: Same(shown.log.products.navigation.clone()),
+            depths: Same(shown.log.products.depths.clone()),
+            correction: shown.log.products.correction.clone(),
+        };
+        Self {
+            logs: logs.iter().map(key).collect(),
+            by_log,
+        }
+    }
+}
+
+/// The tracks of all logs, ready to draw and to search.
 pub struct TrackLayer {
-    /// All of the track.
+    /// All of the tracks.
     pub bounds: GroundBounds,
     /// Ends of the colour scale, metres.
     pub range_m: Option<[f32; 2]>,
     /// Whether depth rests on side-scan only somewhere.
     pub side_scan_only: bool,
+    /// Names and colours of the logs, where the tracks are coloured by log.
+    pub logs: Vec<(String, [u8; 3])>,
     /// The line.
     pub line: Line,
-    boxes: PingBoxes,
+    boxes: Vec<(LogId, PingBoxes)>,
 }
 
 impl TrackLayer {
-    /// Its depths are corrected as those of the depth map are. `None` when nothing has a
-    /// position, or cancelled.
+    /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or cancelled.
     pub fn new(
-        survey: &Survey,
-        products: &Products,
+        logs: &[ShownLog],
+        by_log: bool,
         uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
-        let range_m = colour_range_m(survey, products);
-        let records = records(survey, products);
-        let bounds = bounds(records.iter().map(|record| record.place))?;
+        let range_m = colour_range_m(logs);
+        let each = || logs.iter().map(|shown| (shown, records(&shown.log)));
+        let places = each().filter_map(|(_, records)| bounds(records.iter().map(|one| one.place)));
+        let bounds = places.reduce(joined)?;
         let origin_m = [0.5 * (bounds[0] + bounds[2]), 0.5 * (bounds[1] + bounds[3])];
+        let (mut line, mut side_scan_only) = (Vec::new(), false);
+        for (shown, records) in each() {
+            progress.check().ok()?;
+            let by_side_scan = |record: &Record<'_>| record.source == DepthSource::SideScan;
+            side_scan_only |= records.iter().any(by_side_scan);
+            let colouring = match by_log {
+                true => Colouring::Log(shown.colour),
+                false => Colouring::Depth(range_m),
+            };
+            line.extend(vertices(&records, origin_m, &colouring));
+        }
+        let line = Line::new(origin_m, line, Specks::Kept, uploader);
         progress.check().ok()?;
-        let side_scan_only = records
-            .iter()
-            .any(|record| record.source == DepthSource::SideScan);
-        let vertices = vertices(&records, origin_m, range_m);
-        let line = Line::new(origin_m, vertices, Specks::Kept, uploader);
-        progress.check().ok()?;
+        let boxes = logs.iter().map(|shown| {
+            let navigation = shown.log.products.navigation.clone();
+            (shown.id, PingBoxes::new(navigation))
+        });
+        let named = logs.iter().filter(|_| by_log);
         Some(Self {
             bounds,
-            range_m,
-            side_scan_only,
+            range_m: range_m.filter(|_| !by_log),
+            side_scan_only: side_scan_only && !by_log,
+            logs: named
+                .map(|shown| (shown.log.survey.name(), shown.colour))
+                .collect(),
             line,
-            boxes: PingBoxes::new(products.navigation.clone()),
+            boxes: boxes.collect(),
         })
     }
 
-    /// The ping nearest to a place, if one is within `reach_m`.
-    pub fn nearest_ping(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
-        self.boxes.nearest(place, reach_m)
+    /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones that of the log `first`.
+    pub fn nearest_ping(
+        &self,
+        place: [f64; 2],
+        reach_m: f64,
+        first: LogId,
+    ) -> Option<(LogId, usize)> {
+        let near = self.boxes.iter().filter_map(|(id, boxes)| {
+            let (ping, away_m) = boxes.nearest(place, reach_m)?;
+            Some((away_m, *id != first, *id, ping))
+        });
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
+        Some((nearest.2, nearest.3))
     }
+}
+
+/// What the colour of a track says.
+enum Colouring {
+    /// Depth, between the ends of the scale, metres.
+    Depth(Option<[f32; 2]>),
+    /// Which log it is.
+    Log([u8; 3]),
+}
+
+fn joined([west, south, east, north]: GroundBounds, [w, s, e, n]: GroundBounds) -> GroundBounds {
+    [west.min(w), south.min(s), east.max(e), north.max(n)]
 }
 
 /// A place of the track and the depth there.
@@ -74,7 +150,7 @@ struct Record<'a> {
 }
 
 /// Along the track: of the side-scan pings, or of the soundings in a log without.
-fn records<'a>(survey: &Survey, products: &'a Products) -> Vec<Record<'a>> {
+fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Record<'a>> {
     let (navigation, correction) = (&products.navigation, &products.correction);
     if navigation.pings.is_empty() {
         let soundings = survey.soundings.iter().zip(&navigation.soundings);
@@ -103,7 +179,7 @@ fn records<'a>(survey: &Survey, products: &'a Products) -> Vec<Record<'a>> {
 fn vertices(
     records: &[Record<'_>],
     [east_m, north_m]: [f64; 2],
-    range_m: Option<[f32; 2]>,
+    colouring: &Colouring,
 ) -> Vec<Vertex> {
     let mut line = Vec::with_capacity(records.len() + 1);
     let mut last_s = f64::NEG_INFINITY;
@@ -122,11 +198,13 @@ fn vertices(
         way_m += step_m.max(0.0);
         let [dash_m, gap_m] = DASH_M;
         let is_gap = record.source == DepthSource::SideScan && way_m % (dash_m + gap_m) > dash_m;
-        let share = match range_m {
-            Some(range_m) if !is_gap => depth_share(record.depth_m, range_m),
-            _ => f32::NAN,
+        let [r, g, b] = match *colouring {
+            Colouring::Log(colour) => colour,
+            Colouring::Depth(Some(range_m)) if !is_gap => {
+                depth_colour(depth_share(record.depth_m, range_m))
+            }
+            Colouring::Depth(_) => depth_colour(f32::NAN),
         };
-        let [r, g, b] = depth_colour(share);
         line.push(Vertex {
             place: [
                 (place.east_m - east_m) as f32,

@@ -27,27 +27,18 @@ mod track_picture;
 mod transform;
 mod warp;
 
-use super::background::{Background, Same};
+use super::background::Background;
 use super::empty;
-use crate::app::{App, Command, MapLayer};
-use crate::cloud::{Correction, PingDepth};
+use crate::app::{App, Command, MapLayer, Reviewing};
 use crate::pipeline::Products;
 use crate::render::Uploader;
-use crate::survey::{Navigation, Survey};
+use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
-use layers::TrackLayer;
+use layers::{TrackKey, TrackLayer};
 use stack::Layers;
 use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
-
-/// What a track is made of.
-type Key = (
-    Same<Survey>,
-    Same<Navigation>,
-    Same<Vec<PingDepth>>,
-    Arc<Correction>,
-);
 
 /// State of the map view: where it looks, and what was made for it.
 #[derive(Default)]
@@ -62,7 +53,7 @@ pub struct MapView {
     visible: Option<GroundBounds>,
     /// The ground that the first frame is to show.
     aim: Option<GroundBounds>,
-    track: Background<Key, Arc<TrackLayer>>,
+    track: Background<TrackKey, Arc<TrackLayer>>,
     layers: Layers,
     pointer: pointer::Pointer,
     measure: measure::MeasureTool,
@@ -205,7 +196,7 @@ impl MapView {
         if !context.app.is_picture {
             toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
         }
-        name(&survey, &products, &track) + &boxes(context) + &layers(context)
+        name(context.app, &products, &track) + &boxes(context) + &layers(context)
     }
 
     fn ask_for_layers(
@@ -217,19 +208,15 @@ impl MapView {
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
-        let key = (
-            Same(survey.clone()),
-            Same(products.navigation.clone()),
-            Same(products.depths.clone()),
-            products.correction.clone(),
-        );
-        let (survey_now, products_now) = (survey.clone(), products.clone());
+        let by_log = context.app.options.map.track_by_log;
+        let logs = context.app.shown_logs();
+        let key = TrackKey::of(&logs, by_log);
+        let tracked = logs.clone();
         self.track.ask(key, context.app.jobs(), move |progress| {
-            let uploader = uploader.as_ref();
-            let track = TrackLayer::new(&survey_now, &products_now, uploader, progress);
+            let track = TrackLayer::new(&tracked, by_log, uploader.as_ref(), progress);
             track.map(Arc::new)
         });
-        self.layers.ask(context, survey, products);
+        self.layers.ask(context, survey, products, &logs);
     }
 
     /// Moves the view as asked by keys, wheel, drag and reveals.
@@ -308,11 +295,12 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
 }
 
 fn boxes(context: &ViewContext<'_>) -> String {
-    let reviewing = &context.app.log.reviewing;
-    let placed = reviewing
-        .in_line()
-        .filter(|one| reviewing.placed(one.id).is_some());
-    match reviewing.has_boxes() {
+    let logs = || context.app.visible_logs().map(|log| &log.reviewing);
+    let placed = logs().flat_map(|reviewing| {
+        let boxes = reviewing.in_line();
+        boxes.filter(|one| reviewing.placed(one.id).is_some())
+    });
+    match logs().any(Reviewing::has_boxes) {
         true => format!(", {}", text::plural(placed.count(), "box", "boxes")),
         false => String::new(),
     }
@@ -332,14 +320,16 @@ fn layers(context: &ViewContext<'_>) -> String {
     }
 }
 
-fn name(survey: &Survey, products: &Products, track: &TrackLayer) -> String {
+fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference().name();
+    let surveys = app.visible_logs().filter_map(|log| log.survey.as_ref());
+    let pings = surveys.map(|survey| survey.side_scan.len()).sum();
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         format!(", depth {shallow:.1} to {deep:.1} m {reference}")
     });
     format!(
         "Map, track of {} pings{depths}, {} flat stretches",
-        text::count(survey.side_scan.len()),
+        text::count(pings),
         products.flat_spots.len()
     )
 }

@@ -1,7 +1,7 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
 use super::overlay::Scene;
-use crate::app::{App, MapLayer, Placed};
+use crate::app::{App, LogId, MapLayer, OpenLog, Placed};
 use crate::detection::review::{BoxId, Reviewed, State};
 use crate::ui::theme;
 use crate::ui::views::legend;
@@ -15,28 +15,52 @@ const REACH: f32 = 8.0;
 /// Longer side of a footprint on the screen from which it is drawn, points.
 const FOOTPRINT: f32 = 12.0;
 
-/// Boxes of the queue with their place, the selected one last.
-fn placed<'a>(
-    scene: &Scene<'_>,
-    app: &'a App,
-) -> impl Iterator<Item = (&'a Reviewed, &'a Arc<Placed>, Pos2)> {
-    let reviewing = &app.log.reviewing;
-    let others = reviewing.in_line();
-    let others = others.filter(|one| Some(one.id) != reviewing.selected);
-    let all = others.chain(reviewing.selected_box());
+/// Boxes of all visible logs that are in the queue, with their place; those of the log that the panels show last, the selected one at the end.
+fn placed<'a>(scene: &Scene<'_>, app: &'a App) -> impl Iterator<Item = Seen<'a>> {
     let (rect, transform) = (scene.rect.expand(2.0 * HALF), scene.transform);
     let frame = scene.rect;
-    all.filter_map(move |one| {
-        let placed = reviewing.placed(one.id)?;
-        let at = transform.to_screen(frame, [placed.target.east_m, placed.target.north_m]);
-        rect.contains(at).then_some((one, placed, at))
+    let own = app.visible_logs().filter(|log| log.id == app.log.id);
+    let logs = app
+        .visible_logs()
+        .filter(|log| log.id != app.log.id)
+        .chain(own);
+    logs.flat_map(move |log| {
+        let reviewing = &log.reviewing;
+        let others = reviewing.in_line();
+        let others = others.filter(|one| Some(one.id) != reviewing.selected);
+        let all = others.chain(reviewing.selected_box());
+        all.filter_map(move |one| {
+            let placed = reviewing.placed(one.id)?;
+            let at = transform.to_screen(frame, [placed.target.east_m, placed.target.north_m]);
+            rect.contains(at).then_some(Seen {
+                log,
+                one,
+                placed,
+                at,
+            })
+        })
     })
+}
+
+/// A box on the map.
+struct Seen<'a> {
+    log: &'a OpenLog,
+    one: &'a Reviewed,
+    placed: &'a Arc<Placed>,
+    /// Its middle on the screen.
+    at: Pos2,
 }
 
 /// Draws them.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
-    for (one, placed, at) in placed(scene, app) {
-        let is_selected = Some(one.id) == app.log.reviewing.selected;
+    for seen in placed(scene, app) {
+        let Seen {
+            log,
+            one,
+            placed,
+            at,
+        } = seen;
+        let is_selected = log.id == app.log.id && Some(one.id) == log.reviewing.selected;
         let colour = theme::box_colour_on_panel(scene.options.theme, one.state);
         let footprint = placed.corners.map(|corner| scene.at(corner));
         if Rect::from_points(&footprint).size().max_elem() >= FOOTPRINT {
@@ -60,7 +84,7 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
                 let faint = Stroke::new(1.0, theme::selection_colour().gamma_multiply(0.6));
                 painter.circle_stroke(at, sigma, faint);
             }
-            let name = app.log.reviewing.review.class_name(one.class);
+            let name = log.reviewing.review.class_name(one.class);
             let corner = at + vec2(HALF + 8.0, 0.0);
             legend::plate(
                 painter,
@@ -101,13 +125,13 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
     }
 }
 
-/// The box whose mark is under the pointer.
-pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<BoxId> {
+/// The box whose mark is under the pointer, and its log.
+pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<(LogId, BoxId)> {
     if !scene.shows(MapLayer::Boxes) {
         return None;
     }
     placed(scene, app)
-        .map(|(one, _, place)| (one.id, place.distance(at)))
+        .map(|seen| ((seen.log.id, seen.one.id), seen.at.distance(at)))
         .filter(|(_, distance)| *distance <= REACH)
         .min_by(|(_, a), (_, b)| a.total_cmp(b))
         .map(|(id, _)| id)

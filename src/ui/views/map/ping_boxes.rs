@@ -24,8 +24,8 @@ impl PingBoxes {
         }
     }
 
-    /// The ping nearest to a place, if one is within `reach_m`.
-    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<usize> {
+    /// The ping nearest to a place and its distance, metres, if one is within `reach_m`.
+    pub fn nearest(&self, place: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
         let away = self.boxes.iter().map(|bounds| away_square(place, bounds));
         let away = away.enumerate();
         // The nearest box first: what it holds rules out most of the others.
@@ -37,7 +37,7 @@ impl PingBoxes {
                 self.look_into(index, place, &mut best);
             }
         }
-        best.1
+        Some((best.1?, best.0.sqrt()))
     }
 
     fn look_into(
@@ -123,7 +123,9 @@ mod tests {
             let found = boxes.nearest(at, 20.0);
             assert_eq!(found.is_some(), least_m <= 20.0, "{at:?}");
             assert!(
-                found.is_none_or(|ping| off(&pings[ping]) == least_m),
+                found.is_none_or(|(ping, away_m)| {
+                    off(&pings[ping]) == least_m && (away_m - least_m).abs() < 1e-9
+                }),
                 "{at:?}"
             );
         }

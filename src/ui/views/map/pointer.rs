@@ -3,7 +3,7 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, objects};
-use crate::app::{App, Command, Mark};
+use crate::app::{App, Command, LogId, Mark};
 use crate::calibration::PingRange;
 use crate::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
@@ -28,8 +28,8 @@ pub struct Pointer {
     pub calibrating: bool,
     /// The hover in the app is ours to take back.
     hovering: bool,
-    /// Position and ping under the pointer when the menu was opened.
-    menu_at: Option<(LonLat, Option<usize>)>,
+    /// Position, log and ping under the pointer when the menu was opened.
+    menu_at: Option<(LonLat, Option<(LogId, usize)>)>,
     /// The numbered stretch that was clicked.
     offered: Option<usize>,
 }
@@ -75,12 +75,15 @@ impl Pointer {
         let at = response.hover_pos();
         // A measuring tool in hand has a use of its own for the pointer.
         let is_measuring = context.app.measuring.tool.is_some();
-        let ping = at
-            .and_then(|at| nearest(scene, at))
+        let near = at
+            .and_then(|at| nearest(scene, context.app, at))
             .filter(|_| !is_measuring);
+        // Other views show the log under the selection: a ping of another one is nowhere in them.
+        let here = near.filter(|(log, _)| *log == context.app.log.id);
+        let ping = here.map(|(_, ping)| ping);
         self.hover(context, ping);
         if let Some(at) = at {
-            self.show_under(ui, context, scene, at, ping);
+            self.show_under(ui, context, scene, at, near);
         }
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
@@ -90,7 +93,7 @@ impl Pointer {
         }
         if response.secondary_clicked() {
             let at = response.interact_pointer_pos();
-            self.menu_at = at.map(|at| (scene.position(at), nearest(scene, at)));
+            self.menu_at = at.map(|at| (scene.position(at), nearest(scene, context.app, at)));
         }
         self.menu(context, response);
         self.offer(ui, context, scene);
@@ -106,12 +109,14 @@ impl Pointer {
     }
 
     fn click(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, at: Pos2) {
-        let ping = nearest(scene, at);
+        let near = nearest(scene, context.app, at);
         let spot = flat_spots::under(scene, at);
         if self.calibrating {
             let pings = match spot {
                 Some(rank) => range_of(scene, rank),
-                None => ping.and_then(|ping| context.app.stretch_around(ping)),
+                None => {
+                    own_ping(context.app, near).and_then(|ping| context.app.stretch_around(ping))
+                }
             };
             if let Some(pings) = pings {
                 context.push(Command::CalibrateAt(pings));
@@ -119,21 +124,22 @@ impl Pointer {
             }
             return;
         }
-        if let Some(id) = objects::under(scene, context.app, at) {
+        if let Some((log, id)) = objects::under(scene, context.app, at) {
+            context.push(Command::ShowLog(log));
             context.push(Command::SelectBox(Some(id)));
             return;
         }
         self.offered = spot;
         if spot.is_none() {
-            context.push(match ping {
-                Some(ping) => Command::Reveal(Mark::ping(ping)),
+            context.push(match near {
+                Some((log, ping)) => Command::RevealIn(log, Mark::ping(ping)),
                 None => Command::Select(None),
             });
         }
     }
 
     fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
-        let Some((position, ping)) = self.menu_at else {
+        let Some((position, near)) = self.menu_at else {
             return;
         };
         response.context_menu(|ui| {
@@ -144,19 +150,20 @@ impl Pointer {
                 ui.copy_text(position);
                 ui.close();
             }
-            let Some(ping) = ping else {
+            let Some((log, ping)) = near else {
                 return;
             };
             ui.separator();
-            ui.label(format!("ping {ping}"));
-            if ui.button("Calibrate here").clicked() {
+            ui.label(named_ping(context.app, (log, ping)));
+            let is_own = log == context.app.log.id;
+            if is_own && ui.button("Calibrate here").clicked() {
                 if let Some(pings) = context.app.stretch_around(ping) {
                     context.push(Command::CalibrateAt(pings));
                 }
                 ui.close();
             }
             if ui.button("Show in the other views").clicked() {
-                context.push(Command::Reveal(Mark::ping(ping)));
+                context.push(Command::RevealIn(log, Mark::ping(ping)));
                 ui.close();
             }
         });
@@ -204,10 +211,10 @@ impl Pointer {
         context: &ViewContext<'_>,
         scene: &Scene<'_>,
         at: Pos2,
-        ping: Option<usize>,
+        near: Option<(LogId, usize)>,
     ) {
         let painter = ui.painter_at(scene.rect);
-        let text = read_out(context.app, scene, at, ping);
+        let text = read_out(context.app, scene, at, near);
         let corner = scene.rect.left_top() + vec2(6.0, 34.0);
         let colour = theme::canvas_text_colour(scene.options);
         let plate = legend::plate(
@@ -232,17 +239,33 @@ impl Pointer {
                 );
             }
         } else if self.calibrating
-            && let Some(pings) = ping.and_then(|ping| context.app.stretch_around(ping))
+            && let Some(pings) =
+                own_ping(context.app, near).and_then(|ping| context.app.stretch_around(ping))
         {
             flat_spots::preview(&painter, scene, &(pings.start..pings.end));
         }
     }
 }
 
-fn nearest(scene: &Scene<'_>, at: Pos2) -> Option<usize> {
+/// The nearest ping and its log.
+fn nearest(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<(LogId, usize)> {
     let place = scene.transform.to_ground(scene.rect, at);
     let reach_m = f64::from(REACH) * scene.transform.metres_per_point;
-    scene.track.nearest_ping(place, reach_m)
+    scene.track.nearest_ping(place, reach_m, app.log.id)
+}
+
+/// The ping, if it is one of the log that the panels show.
+fn own_ping(app: &App, near: Option<(LogId, usize)>) -> Option<usize> {
+    near.filter(|(log, _)| *log == app.log.id)
+        .map(|(_, ping)| ping)
+}
+
+/// A ping, with the name of its log where several are open.
+fn named_ping(app: &App, (log, ping): (LogId, usize)) -> String {
+    match app.open_log(log).filter(|_| app.log_count() > 1) {
+        Some(log) => format!("{}, ping {ping}", log.name()),
+        None => format!("ping {ping}"),
+    }
 }
 
 fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
@@ -253,7 +276,7 @@ fn range_of(scene: &Scene<'_>, rank: usize) -> Option<PingRange> {
     })
 }
 
-fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> String {
+fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>) -> String {
     let [east_m, north_m] = scene.transform.to_ground(scene.rect, at);
     // In one line a narrow map would run under the north arrow, or out of its tile.
     let gap = |needed: f32| match scene.rect.width() < needed {
@@ -279,8 +302,9 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, ping: Option<usize>) -> Stri
         text += gap(ONE_LINE);
         text += &format!("residual {difference_m:+.3} m");
     }
-    if let Some(ping) = ping {
-        text += &format!("   ping {ping}");
+    if let Some(near) = near {
+        text += "   ";
+        text += &named_ping(app, near);
     }
     text
 }

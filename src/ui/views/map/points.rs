@@ -2,9 +2,8 @@
 
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
-use crate::app::{SideColours, ThemeChoice, ViewOptions};
+use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
-use crate::pipeline::Products;
 use crate::progress::Progress;
 use crate::survey::Side;
 use crate::ui::theme;
@@ -17,18 +16,20 @@ const CHECK: usize = 1 << 14;
 /// What the points are drawn from, and in which colours.
 #[derive(Clone, PartialEq)]
 pub struct PointKey {
-    cloud: Same<PointCloud>,
-    kept: Same<Vec<bool>>,
+    logs: Vec<(Same<PointCloud>, Same<Vec<bool>>)>,
     side_colours: SideColours,
     theme: ThemeChoice,
 }
 
 impl PointKey {
     /// Of the last results.
-    pub fn of(products: &Products, options: &ViewOptions) -> Self {
+    pub fn of(logs: &[ShownLog], options: &ViewOptions) -> Self {
+        let key = |shown: &ShownLog| {
+            let products = &shown.log.products;
+            (Same(products.cloud.clone()), Same(products.kept.clone()))
+        };
         Self {
-            cloud: Same(products.cloud.clone()),
-            kept: Same(products.kept.clone()),
+            logs: logs.iter().map(key).collect(),
             side_colours: options.side_colours,
             theme: options.theme,
         }
@@ -45,14 +46,13 @@ pub fn note(colours: SideColours) -> &'static str {
 
 /// The tiles of all kept points; inner `None` where there is none, outer when cancelled.
 pub fn source(
-    products: &Products,
+    logs: &[ShownLog],
     options: &ViewOptions,
     progress: &Progress,
 ) -> Option<Option<Arc<dyn TileSource>>> {
-    let flagged = products.cloud.points.iter().zip(products.kept.iter());
-    let kept = flagged.filter(|(_, kept)| **kept);
+    let kept = logs.iter().flat_map(|shown| shown.log.kept_points());
     let mut dots = Vec::new();
-    for (index, (point, _)) in kept.enumerate() {
+    for (index, point) in kept.enumerate() {
         if index % CHECK == 0 {
             progress.check().ok()?;
         }

@@ -3,10 +3,11 @@
 use super::relief_tiles::{DepthTiles, ShadeTiles};
 use super::tiles::TileSource;
 use super::transform::GroundBounds;
+use crate::app::ShownLog;
 use crate::bathymetry::{self, Light, SurfaceSettings, hill_shade};
 use crate::cloud::PointCloud;
 use crate::geo::CrsChoice;
-use crate::pipeline::{DepthChart, Products};
+use crate::pipeline::{DepthChart, ProcessedLog};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Sounding, Survey};
 use crate::ui::views::background::Same;
@@ -14,7 +15,10 @@ use std::sync::Arc;
 
 /// What a depth map is made of; equal keys give equal maps.
 #[derive(Clone, PartialEq)]
-pub struct ReliefKey {
+pub struct ReliefKey(Vec<LogKey>);
+
+#[derive(Clone, PartialEq)]
+struct LogKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
     cloud: Same<PointCloud>,
@@ -24,22 +28,32 @@ pub struct ReliefKey {
 }
 
 impl ReliefKey {
-    /// Of the last results.
-    pub fn of(survey: &Arc<Survey>, products: &Products) -> Self {
-        Self {
-            survey: Same(survey.clone()),
-            navigation: Same(products.navigation.clone()),
-            cloud: Same(products.cloud.clone()),
-            kept: Same(products.kept.clone()),
-            crs: products.settings.crs,
-            surface: products.settings.surface.clone(),
-        }
+    /// Of the last results of some logs.
+    pub fn of(logs: &[ShownLog]) -> Self {
+        let key = |shown: &ShownLog| {
+            let ProcessedLog { survey, products } = &shown.log;
+            LogKey {
+                survey: Same(survey.clone()),
+                navigation: Same(products.navigation.clone()),
+                cloud: Same(products.cloud.clone()),
+                kept: Same(products.kept.clone()),
+                crs: products.settings.crs,
+                surface: products.settings.surface.clone(),
+            }
+        };
+        Self(logs.iter().map(key).collect())
     }
 }
 
-/// Ends of the colour scale of depth: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
-/// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives.
-pub fn colour_range_m(survey: &Survey, products: &Products) -> Option<[f32; 2]> {
+/// Ends of the colour scale of depth over all logs, metres: from the least to the greatest that one of them needs.
+pub fn colour_range_m(logs: &[ShownLog]) -> Option<[f32; 2]> {
+    let each = logs.iter().filter_map(|shown| range_of_log_m(&shown.log));
+    each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
+}
+
+/// The 2nd and 98th percentile of the soundings that the recorder had the bottom for, as corrected. The others would stretch the
+/// colours. In a log without such soundings, those of the depths that side-scan gives.
+fn range_of_log_m(ProcessedLog { survey, products }: &ProcessedLog) -> Option<[f32; 2]> {
     let correction = &products.correction;
     let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
     let depth_m = |sounding: &Sounding| {
@@ -76,8 +90,8 @@ pub struct Made {
 
 impl Relief {
     /// Makes it; `None` when cancelled.
-    pub fn new(survey: &Arc<Survey>, products: &Products, progress: &Progress) -> Option<Self> {
-        let made = Made::new(survey, products, progress).ok()?.map(Arc::new);
+    pub fn new(logs: &[ShownLog], progress: &Progress) -> Option<Self> {
+        let made = Made::new(logs, progress).ok()?.map(Arc::new);
         let tiles = made.clone().map(|made| {
             let depth: Arc<dyn TileSource> = Arc::new(DepthTiles(made.clone()));
             let shade: Arc<dyn TileSource> = Arc::new(ShadeTiles(made));
@@ -85,7 +99,7 @@ impl Relief {
         });
         Some(Self {
             made,
-            gap_m: products.settings.surface.max_gap_m,
+            gap_m: gap_m(logs),
             tiles,
         })
     }
@@ -105,16 +119,13 @@ impl Relief {
 }
 
 impl Made {
-    fn new(
-        survey: &Arc<Survey>,
-        products: &Products,
-        progress: &Progress,
-    ) -> Result<Option<Self>, Cancelled> {
-        let Some(chart) = DepthChart::new(survey, products, progress)? else {
+    fn new(logs: &[ShownLog], progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        let processed: Vec<ProcessedLog> = logs.iter().map(|shown| shown.log.clone()).collect();
+        let Some(chart) = DepthChart::of_logs(&processed, progress)? else {
             return Ok(None);
         };
         let surface = &chart.surface;
-        let range_m = colour_range_m(survey, products)
+        let range_m = colour_range_m(logs)
             .or_else(|| bathymetry::depth_range(surface.depth_m.iter().copied()));
         let Some(range_m) = range_m else {
             return Ok(None);
@@ -125,10 +136,15 @@ impl Made {
             light,
             range_m,
             bounds: bounds(&chart),
-            gap_m: products.settings.surface.max_gap_m as f32,
+            gap_m: gap_m(logs) as f32,
             chart,
         }))
     }
+}
+
+/// Nothing is interpolated farther than this from a depth, metres: by the first log, whose settings all share.
+fn gap_m(logs: &[ShownLog]) -> f64 {
+    (logs.first()).map_or(0.0, |shown| shown.log.products.settings.surface.max_gap_m)
 }
 
 /// West, south, east and north of a chart in the plane of the survey.

@@ -12,7 +12,7 @@ use super::residuals::ResidualLayer;
 use super::tiles::{TileLayer, TileSource};
 use super::transform::GroundBounds;
 use super::{objects, track_picture};
-use crate::app::{LayerStack, MapLayer};
+use crate::app::{LayerStack, MapLayer, ShownLog};
 use crate::pipeline::{Agreement, Products};
 use crate::render::Uploader;
 use crate::survey::Survey;
@@ -79,32 +79,38 @@ impl Default for Layers {
 
 impl Layers {
     /// Makes sure that what the visible layers need is there or under way.
-    pub fn ask(&mut self, context: &ViewContext<'_>, survey: &Arc<Survey>, products: &Products) {
+    pub fn ask(
+        &mut self,
+        context: &ViewContext<'_>,
+        survey: &Arc<Survey>,
+        products: &Products,
+        logs: &[ShownLog],
+    ) {
         let stack = &context.app.options.map.layers;
         self.relief_shown = FROM_RELIEF.iter().any(|layer| stack.is_visible(*layer))
             || context.app.measuring.shows_profile();
         if self.relief_shown {
-            let (survey, products) = (survey.clone(), products.clone());
-            let key = ReliefKey::of(&survey, &products);
+            let key = ReliefKey::of(logs);
+            let logs = logs.to_vec();
             self.relief.ask(key, context.app.jobs(), move |progress| {
-                Relief::new(&survey, &products, progress).map(Arc::new)
+                Relief::new(&logs, progress).map(Arc::new)
             });
         }
         if stack.is_visible(MapLayer::Isobaths) {
             self.ask_for_isobaths(context, products);
         }
         if stack.is_visible(MapLayer::Mosaic) {
-            let (survey, products) = (survey.clone(), products.clone());
-            let key = MosaicKey::of(&survey, &products);
+            let key = MosaicKey::of(logs);
+            let logs = logs.to_vec();
             self.mosaic.ask(key, context.app.jobs(), move |progress| {
-                mosaic::source(&survey, &products, progress)
+                mosaic::source(&logs, progress)
             });
         }
         if stack.is_visible(MapLayer::Points) {
-            let (products, options) = (products.clone(), context.app.options.clone());
-            let key = PointKey::of(&products, &options);
+            let (logs, options) = (logs.to_vec(), context.app.options.clone());
+            let key = PointKey::of(&logs, &options);
             self.points.ask(key, context.app.jobs(), move |progress| {
-                points::source(&products, &options, progress)
+                points::source(&logs, &options, progress)
             });
         }
         self.ask_for_residuals(context);
