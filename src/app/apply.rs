@@ -25,6 +25,8 @@ impl App {
                 let place = Place::Beside { shown: true };
                 self.load(paths.into_iter().map(Origin::Path), place);
             }
+            Command::MatchHeights => self.match_heights(),
+            Command::ApplyHeights => self.apply_heights(),
             Command::ShowLog(id) => self.show_log(id),
             Command::CloseLog(id) => self.close_log(id),
             Command::MoveLog(id, by) => self.move_log(id, by),

@@ -25,6 +25,10 @@ pub enum Command {
     Add(Vec<PathBuf>),
     /// Show another of the open logs in waterfall, profile and panels.
     ShowLog(LogId),
+    /// Find by how much the heights of the logs differ.
+    MatchHeights,
+    /// Add the height offsets that were found to the elevations of their logs.
+    ApplyHeights,
     /// Close a log.
     CloseLog(LogId),
     /// Move a log down the list by so many places, or up.

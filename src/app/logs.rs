@@ -290,6 +290,12 @@ impl App {
         }
     }
 
+    /// Whether a log is being processed.
+    pub fn is_processing(&self, id: LogId) -> bool {
+        let processed = self.processing.as_ref().map(|(processed, ..)| *processed);
+        processed == Some(id) && self.engine_status() != EngineStatus::Idle
+    }
+
     /// Whether [`App::log`] is the log that is shown.
     pub(super) fn is_shown(&self) -> bool {
         self.log.id == self.logs.shown

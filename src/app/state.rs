@@ -3,6 +3,7 @@
 use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
 use super::exporting::Exporting;
+use super::heights::Heights;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
@@ -122,6 +123,7 @@ pub struct App {
     pub(super) loading: Option<Loading>,
     pub(super) to_load: VecDeque<Request>,
     pub(super) tabulating: Tabulating,
+    pub(super) heights: Heights,
     pub(super) exporting: Option<Exporting>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
     pub(super) jobs: Jobs,
@@ -160,6 +162,7 @@ impl App {
             loading: None,
             to_load: VecDeque::new(),
             tabulating: Tabulating::default(),
+            heights: Heights::default(),
             exporting: None,
             opening_base_map: None,
             jobs,
@@ -217,6 +220,7 @@ impl App {
             && self.engine_status() == EngineStatus::Idle
             && !self.previewer.is_busy()
             && !self.tabulating.is_busy()
+            && !self.heights.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()

@@ -30,6 +30,7 @@ impl App {
         }
         self.poll_comparing();
         self.poll_tables();
+        self.poll_heights();
         self.poll_export();
         self.each_log(App::poll_log);
         self.poll_base_map();

@@ -4,6 +4,7 @@ pub mod calibration;
 pub mod cloud;
 pub mod external_track;
 pub mod first_return;
+pub mod logs;
 pub mod maps;
 pub mod notices;
 pub mod objects;
@@ -31,6 +32,7 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     if context.app.log.survey.is_none() {
         return;
     }
+    logs::ui(ui, context);
     first_return::ui(ui, context);
     calibration::ui(ui, context);
     cloud::ui(ui, context);

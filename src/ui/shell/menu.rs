@@ -6,7 +6,14 @@ use crate::geo::CoordinateFormat;
 use crate::ui::ViewContext;
 use egui::{Button, Ui};
 
-const FILE: &[Action] = &[Action::Open, Action::OpenPath, Action::OpenDemo];
+const FILE: &[Action] = &[
+    Action::Open,
+    Action::OpenFolder,
+    Action::OpenPath,
+    Action::OpenDemo,
+    Action::AddLog,
+    Action::CloseLog,
+];
 const BASE_MAP: &[Action] = &[Action::OpenBaseMap, Action::CloseBaseMap];
 /// What other instruments recorded of the open survey.
 const EXTERNAL: &[Action] = &[

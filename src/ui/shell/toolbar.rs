@@ -39,7 +39,7 @@ pub fn ui(ui: &mut Ui, view: View, context: &mut ViewContext<'_>) {
 fn controls(ui: &mut Ui, view: View, context: &mut ViewContext<'_>, options: &mut ViewOptions) {
     match view {
         View::Waterfall => waterfall(ui, context, options),
-        View::Map => map(ui, options),
+        View::Map => map(ui, context, options),
         View::Cloud => cloud(ui, context, options),
     }
 }
@@ -126,8 +126,16 @@ pub fn levels(ui: &mut Ui, options: &mut WaterfallOptions) {
     }
 }
 
-fn map(ui: &mut Ui, options: &mut ViewOptions) {
+fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {
     let shown = &mut options.map;
+    if context.app.log_count() > 1 || shown.track_by_log {
+        switch(
+            ui,
+            &mut shown.track_by_log,
+            "By log",
+            "Colours the tracks by the log that they are of, instead of by depth.",
+        );
+    }
     switch(
         ui,
         &mut shown.flat_spots,
@@ -161,9 +169,20 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         "By depth",
         "Colours the points by depth instead of by side.",
     );
-    shown.colour = if by_depth {
-        CloudColour::Depth
-    } else {
-        CloudColour::Source
+    let mut by_log = shown.colour == CloudColour::Log;
+    let was = [shown.colour == CloudColour::Depth, by_log];
+    if context.app.log_count() > 1 || by_log {
+        switch(
+            ui,
+            &mut by_log,
+            "By log",
+            "Colours the points by the log that they are of.",
+        );
+    }
+    // The switch that was just turned on turns the other off.
+    shown.colour = match (by_depth && !(by_log && !was[1]), by_log) {
+        (true, _) => CloudColour::Depth,
+        (false, true) => CloudColour::Log,
+        (false, false) => CloudColour::Source,
     };
 }

@@ -62,7 +62,7 @@ pub struct TrackLayer {
     pub range_m: Option<[f32; 2]>,
     /// Whether depth rests on side-scan only somewhere.
     pub side_scan_only: bool,
-    /// Names and colours of the logs, where the tracks are coloured by log.
+    /// Names and colours of the logs; empty where the tracks are coloured by depth.
     pub logs: Vec<(String, [u8; 3])>,
     /// The line.
     pub line: Line,

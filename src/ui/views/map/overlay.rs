@@ -77,6 +77,7 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
         corner.y = last.top() - 3.0;
     }
     covered.extend(scales);
+    covered.extend(log_names(painter, scene));
     let room = corner.y - scene.rect.top() - BELOW_ARROW;
     if let Some(text) = notes::fitting(painter, scene, room) {
         let (anchor, colour) = (Align2::RIGHT_BOTTOM, scene.text_colour());
@@ -84,6 +85,27 @@ pub fn furniture(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
         covered.push(plate);
     }
     covered
+}
+
+/// Most logs that the legend names.
+const MOST_LOGS: usize = 12;
+
+/// The names of the logs beside their colours, where the tracks are coloured by log; what they cover.
+fn log_names(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
+    if !scene.shows(MapLayer::Track) {
+        return Vec::new();
+    }
+    let mut at = scene.rect.left_bottom() + vec2(22.0, -54.0);
+    let logs = scene.track.logs.iter().take(MOST_LOGS).rev();
+    let name = |(name, [r, g, b]): &(String, [u8; 3])| {
+        let (anchor, colour) = (Align2::LEFT_BOTTOM, scene.text_colour());
+        let plate = legend::plate(painter, scene.options, at, anchor, name, colour);
+        let dot = plate.left_center() - vec2(8.0, 0.0);
+        painter.circle_filled(dot, 4.0, Color32::from_rgb(*r, *g, *b));
+        at.y = plate.top() - 1.0;
+        plate
+    };
+    logs.map(name).collect()
 }
 
 /// The scales of depths and of residuals, side by side from the right; what they cover.

@@ -1,0 +1,119 @@
+//! Height differences between logs: found where their tracks meet, and taken off their depths when the analyst asks for it.
+
+use super::{App, LogId, Outcome, Task};
+use crate::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
+use crate::pipeline::joint::height_offsets;
+use crate::pipeline::{LogSettings, ProcessedLog};
+use std::sync::Arc;
+use toml::Value;
+
+/// The setting that carries the offset of a log.
+const KEY: &str = "height_offset_m";
+/// Offsets are told and applied in tenths of a millimetre: finer than any of them is certain.
+const STEP_M: f64 = 1e-4;
+
+/// The offsets of some logs.
+#[derive(Clone, Debug)]
+pub struct FoundHeights {
+    ids: Vec<LogId>,
+    offsets: HeightOffsets,
+}
+
+impl FoundHeights {
+    /// Every log with its offset, in the order of the list when they were found.
+    pub fn logs(&self) -> impl Iterator<Item = (LogId, &LogOffset)> {
+        self.ids.iter().copied().zip(&self.offsets.logs)
+    }
+
+    /// All of it: the logs by their number in [`FoundHeights::logs`].
+    pub fn offsets(&self) -> &HeightOffsets {
+        &self.offsets
+    }
+
+    /// How many groups of connected logs there are.
+    pub fn groups(&self) -> usize {
+        self.offsets.groups()
+    }
+}
+
+/// Offsets, and the work on them.
+#[derive(Default)]
+pub(super) struct Heights {
+    task: Option<Task<Option<FoundHeights>>>,
+    found: Option<FoundHeights>,
+}
+
+impl Heights {
+    /// Whether offsets are being looked for.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_some()
+    }
+}
+
+impl App {
+    /// Whether heights are being compared.
+    pub fn is_matching_heights(&self) -> bool {
+        self.heights.is_busy()
+    }
+
+    /// By how much the heights of the logs differ, once that was asked for.
+    pub fn height_offsets(&self) -> Option<&FoundHeights> {
+        self.heights.found.as_ref()
+    }
+
+    /// Starts to compare the heights of the visible logs.
+    pub(super) fn match_heights(&mut self) {
+        let shown = self.shown_logs();
+        if shown.len() < 2 {
+            let text =
+                "heights are compared between logs: open two or more, and wait for their results";
+            return self.tell(text.to_owned(), true);
+        }
+        let ids = shown.iter().map(|log| log.id).collect();
+        let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
+        self.heights.task = Some(Task::start(&self.jobs, move |progress| {
+            let offsets = height_offsets(&logs, Datum::Mean, progress).ok()?;
+            Some(FoundHeights { ids, offsets })
+        }));
+    }
+
+    /// Collects what was found.
+    pub(super) fn poll_heights(&mut self) {
+        match self.heights.task.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => return,
+            Some(Outcome::Done(Some(found))) => {
+                if found.logs().all(|(_, offset)| offset.meetings == 0) {
+                    let text = "the tracks of these logs meet nowhere, so their heights cannot be compared";
+                    self.tell(text.to_owned(), true);
+                }
+                self.heights.found = Some(found);
+            }
+            Some(Outcome::Done(None)) => {}
+            Some(Outcome::Failed) => {
+                self.tell("comparing heights failed unexpectedly".to_owned(), true);
+            }
+        }
+        self.heights.task = None;
+    }
+
+    /// Adds the offsets to the elevations of their logs, as one undo step.
+    pub(super) fn apply_heights(&mut self) {
+        let Some(found) = self.heights.found.clone() else {
+            let text = "compare the heights of the logs first";
+            return self.tell(text.to_owned(), true);
+        };
+        let before = self.step_now();
+        for (id, offset) in found.logs().filter(|(_, offset)| offset.meetings > 0) {
+            let offset_m = (offset.offset_m / STEP_M).round() * STEP_M;
+            self.with_log(id, |app| {
+                let mut own = LogSettings::clone(&app.log.own);
+                own.set(KEY, Value::Float(offset_m));
+                app.set_own(Arc::new(own), false);
+            });
+        }
+        let after = self.step_now();
+        self.history
+            .record(&before, &after, "height offsets", false);
+        self.process();
+    }
+}

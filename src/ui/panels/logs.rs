@@ -1,0 +1,218 @@
+//! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
+
+use super::parts::{Section, fact, remark, section};
+use crate::app::{Action, App, Command, LogId, OpenLog};
+use crate::ui::{ViewContext, text, theme};
+use egui::{Button, Color32, RichText, Sense, Ui};
+
+/// Draws the section while a log is open.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Logs",
+        stage: None,
+    };
+    section(ui, context, &heading, |ui, context| {
+        let app = context.app;
+        let last = app.log_count().saturating_sub(1);
+        for (place, log) in app.logs().enumerate() {
+            let commands = row(ui, app, log, [place > 0, place < last]);
+            context.commands.extend(commands);
+        }
+        add(ui, context);
+        if app.log_count() > 1 {
+            heights(ui, context);
+        }
+    });
+}
+
+fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let action = Action::AddLog;
+    let keys = action.keys().unwrap_or_default();
+    let button = Button::new(action.label()).small();
+    let hint = format!("{} ({keys})", action.hint());
+    if ui.add(button).on_hover_text(hint).clicked() {
+        context.push(Command::Do(action));
+    }
+}
+
+/// One log; what was asked for on its row.
+fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -> Option<Command> {
+    let (id, name) = (log.id, log.name());
+    let mut command = None;
+    let mut ask = |clicked: bool, wanted: Command| {
+        if clicked {
+            command = Some(wanted);
+        }
+    };
+    ui.horizontal(|ui| {
+        let mut visible = log.is_visible;
+        let tick = ui.checkbox(&mut visible, "");
+        let tick = accessible(
+            tick,
+            egui::Role::CheckBox,
+            &format!("Show {name} on the map"),
+        );
+        let hint = "Takes part in map, cloud, depth map, mosaic and products.";
+        ask(
+            tick.on_hover_text(hint).changed(),
+            Command::SetLogVisible(id, visible),
+        );
+        let (swatch, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
+        let [r, g, b] = log.colour;
+        ui.painter()
+            .rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let mut button = |ui: &mut Ui, sign: &str, what: &str, enabled: bool| {
+                let button = ui.add_enabled(enabled, Button::new(sign).small().frame(false));
+                let named = format!("{what} {name}");
+                accessible(button, egui::Role::Button, &named)
+                    .on_hover_text(what)
+                    .clicked()
+            };
+            ask(button(ui, "✕", "Close", true), Command::CloseLog(id));
+            ask(
+                button(ui, "⏷", "Move down", can_sink),
+                Command::MoveLog(id, 1),
+            );
+            ask(
+                button(ui, "⏶", "Move up", can_rise),
+                Command::MoveLog(id, -1),
+            );
+            if app.is_processing(id) {
+                ui.add(egui::Spinner::new().size(12.0));
+            }
+            let warnings = log
+                .survey
+                .as_ref()
+                .map_or(0, |survey| survey.warnings.len());
+            if warnings > 0 {
+                let colour = theme::stale_colour(app.options.theme);
+                ui.colored_label(colour, "⚠")
+                    .on_hover_text(text::plural(warnings, "warning", "warnings"));
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let title = RichText::new(&name);
+                let label = Button::selectable(id == app.log.id, title).truncate();
+                let label = ui.add(label);
+                let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
+                let shown = label.on_hover_ui(|ui| describe(ui, log));
+                ask(shown.clicked(), Command::ShowLog(id));
+            });
+        });
+    });
+    command
+}
+
+fn accessible(response: egui::Response, role: egui::Role, name: &str) -> egui::Response {
+    response.widget_info(|| egui::WidgetInfo::labeled(role, true, name));
+    response
+}
+
+/// Date, length, depths and warnings of a log.
+fn describe(ui: &mut Ui, log: &OpenLog) {
+    let Some(survey) = &log.survey else {
+        return;
+    };
+    if let Some(start) = survey.start_unix_s {
+        let day = crate::calendar::date(start);
+        fact(
+            ui,
+            "Start, UTC",
+            "",
+            format!("{day} {}", text::clock(Some(start), 0.0)),
+        );
+    }
+    let length = survey
+        .time_span_s()
+        .map(|(from, to)| text::duration(to - from));
+    fact(ui, "Length", "", length.unwrap_or(text::NONE.to_owned()));
+    let pings = text::plural(survey.side_scan.len(), "ping", "pings");
+    fact(ui, "Side-scan", "", pings);
+    let depths = log
+        .depth_span_m
+        .map(|[low, high]| format!("{low:.1} to {high:.1} m"));
+    fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
+    for file in &survey.source.files {
+        ui.label(file.display().to_string());
+    }
+    for warning in survey.warnings.iter().take(8) {
+        remark(ui, warning.text.clone());
+    }
+}
+
+/// Height differences between the logs, where their tracks meet.
+fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    ui.horizontal(|ui| {
+        let find = ui.add_enabled(
+            !app.is_matching_heights(),
+            Button::new("Compare heights").small(),
+        );
+        let hint = "Finds from where the tracks meet by how much each log lies too high or too deep: another draft, another water level.";
+        if find.on_hover_text(hint).clicked() {
+            context.commands.push(Command::MatchHeights);
+        }
+        let known = app.height_offsets().is_some();
+        let apply = ui.add_enabled(known, Button::new("Apply").small());
+        let hint = "Takes the offsets off the depths of the logs (height_offset_m); every record says so, and undo takes it back.";
+        if apply.on_hover_text(hint).clicked() {
+            context.commands.push(Command::ApplyHeights);
+        }
+        if app.is_matching_heights() {
+            ui.add(egui::Spinner::new().size(12.0));
+        }
+    });
+    let Some(found) = app.height_offsets() else {
+        return;
+    };
+    egui::Grid::new("height offsets")
+        .num_columns(4)
+        .spacing([8.0, 2.0])
+        .striped(true)
+        .show(ui, |ui| {
+            for (title, hint) in [
+                ("Log", ""),
+                (
+                    "offset",
+                    "How much deeper the log's depths are than the common level, metres.",
+                ),
+                ("±", "Standard error, metres."),
+                (
+                    "meets",
+                    "Places at which its track meets those of other logs.",
+                ),
+            ] {
+                ui.label(RichText::new(title).small().strong())
+                    .on_hover_text(hint);
+            }
+            ui.end_row();
+            for (id, offset) in found.logs() {
+                ui.add(egui::Label::new(RichText::new(name_of(app, id)).small()).truncate());
+                let (value, error) = match offset.meetings {
+                    0 => (text::NONE.to_owned(), text::NONE.to_owned()),
+                    _ => (
+                        format!("{:+.3} m", offset.offset_m),
+                        format!("{:.3}", offset.standard_error_m),
+                    ),
+                };
+                ui.label(RichText::new(value).small());
+                ui.label(RichText::new(error).small());
+                ui.label(RichText::new(offset.meetings.to_string()).small());
+                ui.end_row();
+            }
+        });
+    if found.groups() > 1 {
+        remark(
+            ui,
+            format!(
+                "The logs fall into {} groups whose tracks never meet: each has a level of its own.",
+                found.groups()
+            ),
+        );
+    }
+}
+
+fn name_of(app: &App, id: LogId) -> String {
+    app.open_log(id).map_or_else(String::new, OpenLog::name)
+}
