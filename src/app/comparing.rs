@@ -3,8 +3,8 @@
 use super::tabulating::{Of, Tabulating};
 use super::{App, MapLayer, Outcome, Task};
 use crate::bathymetry::compare::Matching;
-use crate::export::points::is_named_as_elevations;
 use crate::formats;
+use crate::formats::points::is_named_as_elevations;
 use crate::pipeline::{Agreement, Products, Reference, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;

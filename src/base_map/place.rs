@@ -1,20 +1,13 @@
-//! Where the pixels of a GeoTIFF lie: its geo keys and its transform, as OGC 19-008 defines them.
+//! Where the pixels of a base map lie.
 
+use crate::formats::geotiff::{GeoKeys, Placing};
 use crate::geo::{Crs, LonLat};
 use std::io::{Read, Seek};
 use tiff::decoder::Decoder;
-use tiff::tags::Tag;
 
-const MODEL_TYPE: u16 = 1024;
-const RASTER_TYPE: u16 = 1025;
-const GEOGRAPHIC: u16 = 2048;
-const PROJECTED: u16 = 3072;
 /// Degrees of WGS84, ETRS89 and NAD83.
 const WGS84: u16 = 4326;
 const DEGREES: [u16; 3] = [WGS84, 4258, 4269];
-/// Values of the two types.
-const IS_GEOGRAPHIC: u16 = 2;
-const IS_POINT: u16 = 2;
 
 /// Where the pixels of a picture lie, north up.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,19 +39,10 @@ impl Place {
 
     /// Reads keys and transform of the picture that the decoder is at. The error is a sentence without the path.
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
-        let keys = decoder
-            .get_tag_u16_vec(Tag::GeoKeyDirectoryTag)
-            .unwrap_or_default();
-        // Entries are a key, where its value lies (0: here), how many, and the value; the first is a header.
-        let key = |wanted: u16| {
-            let mut entries = keys.chunks_exact(4).skip(1);
-            entries
-                .find(|entry| entry[0] == wanted && entry[1] == 0)
-                .map(|entry| entry[3])
-        };
-        let code = match key(MODEL_TYPE) {
-            Some(IS_GEOGRAPHIC) => key(GEOGRAPHIC),
-            _ => key(PROJECTED).or(key(GEOGRAPHIC)),
+        let keys = GeoKeys::read(decoder);
+        let code = match keys.is_geographic() {
+            true => keys.geographic(),
+            false => keys.projected(),
         };
         let Some(epsg) = code else {
             return Err("the picture does not say where on Earth it lies; a GeoTIFF with an EPSG number does".to_owned());
@@ -68,45 +52,25 @@ impl Place {
         let crs = Crs::from_epsg(known).map_err(|_| {
             format!("the base map is in EPSG:{epsg}, which is not known here; turn it into WGS84, web Mercator or a UTM zone with gdalwarp")
         })?;
-        let (corner, pixel) = transform(decoder)?;
-        let half = match key(RASTER_TYPE) {
-            Some(IS_POINT) => 0.5,
-            _ => 0.0,
+        let Some(placing) = Placing::read(decoder, &keys) else {
+            return Err(
+                "the picture does not say where on Earth it lies; it has no transform".to_owned(),
+            );
         };
+        let ([width, down], [across, height]) = (placing.per_column, placing.per_row);
+        let is_turned = down != 0.0 || across != 0.0;
+        let pixel = [width, -height];
         let place = Self {
             crs,
-            corner: [corner[0] - half * pixel[0], corner[1] + half * pixel[1]],
+            corner: placing.of_corners().origin,
             pixel,
         };
         let numbers = [place.corner, place.pixel].concat();
         let usable =
             numbers.iter().all(|number| number.is_finite()) && pixel.iter().all(|side| *side > 0.0);
-        match usable {
+        match usable && !is_turned {
             true => Ok(place),
             false => Err("the base map is not north up; turn it with gdalwarp".to_owned()),
         }
-    }
-}
-
-/// Upper left corner and size of a pixel, from a tie point and a scale or from a matrix without rotation.
-fn transform<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<([f64; 2], [f64; 2]), String> {
-    let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
-    let (scale, tie) = (
-        numbers(Tag::ModelPixelScaleTag),
-        numbers(Tag::ModelTiepointTag),
-    );
-    if let ([width, height, ..], [column, row, _, x, y, ..]) = (&scale[..], &tie[..]) {
-        let corner = [x - column * width, y + row * height];
-        return Ok((corner, [*width, *height]));
-    }
-    let matrix = numbers(Tag::ModelTransformationTag);
-    match matrix[..] {
-        [width, across, _, x, down, height, _, y, ..] if across == 0.0 && down == 0.0 => {
-            Ok(([x, y], [width, -height]))
-        }
-        [] => {
-            Err("the picture does not say where on Earth it lies; it has no transform".to_owned())
-        }
-        _ => Err("the base map is not north up; turn it with gdalwarp".to_owned()),
     }
 }

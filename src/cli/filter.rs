@@ -3,7 +3,8 @@
 use super::output;
 use super::status_line::StatusLine;
 use crate::cloud::outliers;
-use crate::export::points::{self, split_columns};
+use crate::export::kept_points;
+use crate::formats::points::{self, PointFormat, split_columns};
 use crate::progress::Progress;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -47,7 +48,7 @@ pub fn run(args: FilterArgs) -> Result<(), String> {
         min_neighbors,
     } = args;
     let (path, columns) = split_columns(&cloud);
-    points::check_name(&destination).map_err(|error| error.to_string())?;
+    let format = PointFormat::of(&destination).map_err(|error| error.to_string())?;
     let file = points::read(&path, columns.as_ref()).map_err(|error| error.to_string())?;
     if let Some(note) = &file.note {
         output::tell(format_args!("warning: {note}: {}", path.display()));
@@ -58,8 +59,7 @@ pub fn run(args: FilterArgs) -> Result<(), String> {
     let kept = outliers::keep(&file.points, radius, min_neighbors, &progress)
         .map_err(|error| error.to_string())?;
     status.step("writing");
-    file.write_kept(&destination, &kept)
-        .map_err(|error| error.to_string())?;
+    kept_points(&destination, format, &file, &kept).map_err(|error| error.to_string())?;
     drop(status);
     let count = kept.iter().filter(|&&kept| kept).count();
     output::results(format_args!(

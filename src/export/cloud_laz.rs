@@ -1,10 +1,10 @@
 //! `cloud.laz`: kept points in a map's coordinates, for survey programs.
 
 use super::gps_time::adjusted_standard_s;
-use super::las_writer::{LasWriter, transforms};
 use super::{ExportError, Summary, colour, extra_bytes, write_aside};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::first_return::{FirstReturns, Pick};
+use crate::formats::points::{LasWriter, transforms};
 use crate::geo::Crs;
 use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};

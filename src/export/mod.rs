@@ -1,8 +1,8 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `geotiff` writes any raster, `qgis_style` its colours, `vector` lines and areas,
+//! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
-//! on, `points` reads and writes the point files of `bathyscope filter`.
+//! on, `points` what `bathyscope filter` kept. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod aside;
 mod chip_folder;
@@ -19,13 +19,12 @@ mod figure;
 mod first_returns;
 mod footprint;
 mod geojson;
-pub mod geotiff;
+mod geotiff;
 mod gps_time;
 mod isobaths;
-mod las_writer;
 mod objects;
 mod picture_boxes;
-pub mod points;
+mod points;
 mod profile_csv;
 mod qgis_style;
 mod rings;
@@ -34,7 +33,6 @@ mod track;
 mod vector;
 
 pub(crate) use aside::remove_leftovers;
-use aside::scratch_beside;
 pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
 pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
@@ -49,14 +47,19 @@ pub use differences_csv::differences_csv;
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
 pub use first_returns::first_returns_csv;
 pub use footprint::footprint_geojson;
+pub use geotiff::{RasterError, geotiff};
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
-pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml, xml};
+pub use objects::{ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml};
 pub use picture_boxes::picture_boxes_csv;
+pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::qgis_style;
 pub use summary::Summary;
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
+
+/// For all that is written as XML or HTML.
+pub use crate::printable::xml;
 
 use crate::cloud::PointSource;
 

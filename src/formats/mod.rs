@@ -1,21 +1,23 @@
-//! Bytes to [`Survey`]: every recorder's format, recognised by content.
+//! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other instruments and programs.
 //!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
 //! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `shelf` and `map` bring
 //! the bytes, `medium` takes those of a log on a card into memory, `foreign` knows by sight what is not read. `track_file` reads
-//! the track of another receiver.
+//! the track of another receiver, `points` and `geotiff` what other programs say of depths; both also lay out what is written so.
 
 mod assemble;
 mod clock;
 mod collected;
 mod depths;
 mod foreign;
+pub mod geotiff;
 pub mod humminbird;
 mod join;
 pub mod lowrance;
 mod map;
 mod medium;
+pub mod points;
 mod report;
 mod scalar;
 mod shelf;

@@ -2,8 +2,8 @@
 
 use super::record::{Coordinates, Made};
 use crate::bathymetry::Grid;
-use crate::export::Summary;
-use crate::export::geotiff::{self, Band, Cells, RASTER_TILE, RasterError, RasterSpec, geotiff};
+use crate::export::{RasterError, Summary, geotiff};
+use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::geo::MapPlane;
 use crate::mosaic::{Colours, TILE_CELLS, gain_table, tile};
 use crate::pipeline::{Products, map_plane, mosaic_layout};
@@ -108,7 +108,7 @@ const LEVEL: Band = Band {
 
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
-fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> geotiff::RasterSpec {
+fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> RasterSpec {
     // Levels are one band, which a map program can stretch; colours are a picture.
     let (cells, band) = match colours {
         Colours::Grey => (Cells::Level, Some(LEVEL)),

@@ -1,6 +1,7 @@
 //! Files that other programs open, read back; point files of other programs, filtered.
 
-use bathyscope::export::points;
+use bathyscope::export::kept_points;
+use bathyscope::formats::points::{self, PointFormat};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,11 @@ fn read(path: &Path) -> points::PointFile {
     points::read(path, None).unwrap_or_else(|error| panic!("{error}"))
 }
 
+fn write(file: &points::PointFile, path: &Path, kept: &[bool]) {
+    let format = PointFormat::of(path).expect("a known ending");
+    kept_points(path, format, file, kept).expect("written");
+}
+
 fn refusal(path: &Path, bytes: &[u8]) -> String {
     fs::write(path, bytes).expect("a written file");
     points::read(path, None).expect_err("a refusal").to_string()
@@ -38,12 +44,12 @@ fn points_survive_every_pair_of_formats() {
     assert_eq!(source.points, POINTS);
     for from in names {
         let from = folder.path().join(from);
-        source.write_kept(&from, &[true; 5]).expect("written");
+        write(&source, &from, &[true; 5]);
         let file = read(&from);
         assert_eq!(file.points, POINTS, "{}", from.display());
         for to in names {
             let to = folder.path().join(format!("kept-{to}"));
-            file.write_kept(&to, &KEPT).expect("written");
+            write(&file, &to, &KEPT);
             let kept = read(&to).points;
             let expected: Vec<[f64; 3]> = POINTS
                 .into_iter()
@@ -64,7 +70,7 @@ fn a_text_file_keeps_its_columns_comments_and_order() {
     let file = read(&path);
     assert_eq!(file.points, [[4.0, 5.0, -1.5], [6.0, 7.0, -2.5]]);
     let kept = folder.path().join("kept.csv");
-    file.write_kept(&kept, &[true, false]).expect("written");
+    write(&file, &kept, &[true, false]);
     let expected = "# survey of 2022\nId;Easting;Northing;\"Elevation\";Code\n1;4;5;-1.5;\"a;b\"\n";
     assert_eq!(fs::read_to_string(&kept).expect("text"), expected);
     let (file, columns) = points::split_columns("survey.csv:Northing, Easting,Id");
@@ -90,7 +96,7 @@ fn a_ply_file_keeps_its_colours() {
     let file = read(&path);
     assert_eq!(file.points, [[1.5, -2.0, 3.25], [2.5, 300.0, -4.0]]);
     let kept = folder.path().join("kept.ply");
-    file.write_kept(&kept, &[false, true]).expect("written");
+    write(&file, &kept, &[false, true]);
     assert_eq!(read(&kept).points, [[2.5, 300.0, -4.0]]);
     let written = fs::read(&kept).expect("bytes");
     assert_eq!(written[written.len() - 15], 9, "red goes with its point");

@@ -3,9 +3,12 @@
 
 use crate::handmade::{self, Frame};
 use bathyscope::cloud::Geometry;
-use bathyscope::export::points;
+use bathyscope::export::kept_points;
 use bathyscope::first_return::{Method, SampleMode};
-use bathyscope::formats;
+use bathyscope::formats::{
+    self,
+    points::{self, PointFormat},
+};
 use bathyscope::outputs::{self, Order, Product, RunFolder, Searched};
 use bathyscope::pipeline::{self, Preset, Settings};
 use bathyscope::progress::Progress;
@@ -358,7 +361,8 @@ fn damaged_point_files_are_read_or_refused() {
     let source = points::read(&whole, None).expect("points");
     for kind in ["ply", "las", "laz"] {
         let sound = folder.path().join(format!("sound.{kind}"));
-        source.write_kept(&sound, &[true; 300]).expect("points");
+        let format = PointFormat::of(&sound).expect("a format");
+        kept_points(&sound, format, &source, &[true; 300]).expect("points");
         let sound = fs::read(&sound).expect("points");
         let damaged = folder.path().join(format!("damaged.{kind}"));
         for at in (0..sound.len().min(900)).step_by(5) {

@@ -5,7 +5,7 @@ use crate::app::open_reference;
 use crate::cli::output;
 use crate::cli::settings::{Logs, SettingsArgs};
 use crate::cli::status_line::StatusLine;
-use crate::export::points::{Elevations, Plane};
+use crate::formats::points::{Elevations, Plane};
 use crate::outputs::{ComparisonRecord, write_differences};
 use crate::pipeline::{self, Agreement, Products};
 use crate::progress::Progress;

@@ -1,6 +1,6 @@
 //! Two files of points in one plane.
 
-use crate::export::points::{Elevations, Plane};
+use crate::formats::points::{Elevations, Plane};
 use crate::geo::{Crs, LocalFrame, LonLat};
 
 /// Puts both files into one plane: metres that say nothing else of themselves are taken as those of the other file; degrees, and metres

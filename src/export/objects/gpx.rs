@@ -1,7 +1,8 @@
 //! `objects.gpx` (GPX 1.1): one waypoint a box that has a place, as plotters read it.
 
-use super::{ObjectRow, xml};
+use super::ObjectRow;
 use crate::export::{ExportError, write_aside};
+use crate::printable::xml;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;

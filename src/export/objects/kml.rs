@@ -1,7 +1,8 @@
 //! `objects.kml` (KML 2.2): one placemark a box that has a place.
 
-use super::{ObjectRow, xml};
+use super::ObjectRow;
 use crate::export::{ExportError, write_aside};
+use crate::printable::xml;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;

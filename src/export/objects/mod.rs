@@ -69,23 +69,5 @@ impl ObjectRow<'_> {
     }
 }
 
-/// Text between the tags of an XML or HTML file: markup escaped, characters that XML 1.0 forbids left out.
-pub fn xml(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&apos;"),
-            '\t' | '\n' | '\r' => escaped.push(letter),
-            _ if letter.is_control() || matches!(letter, '\u{FFFE}' | '\u{FFFF}') => {}
-            _ => escaped.push(letter),
-        }
-    }
-    escaped
-}
-
 #[cfg(test)]
 mod tests;

@@ -2,8 +2,8 @@
 
 use super::DepthWritten;
 use crate::bathymetry::{Grid, Surface};
-use crate::export::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec, geotiff};
-use crate::export::{Summary, qgis_style};
+use crate::export::{Summary, geotiff, qgis_style};
+use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::record::{Coordinates, Made};
 use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};

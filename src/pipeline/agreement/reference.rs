@@ -1,7 +1,7 @@
 //! What a survey can be held against: points of a file, or another mission over the same water.
 
 use crate::cloud::Correction;
-use crate::export::points::{Elevations, Plane, read_elevations};
+use crate::formats::points::{Elevations, Plane, read_elevations};
 use crate::geo::{Crs, LocalFrame, LonLat};
 use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
 use crate::pipeline::{Products, Settings, run};

@@ -1,7 +1,7 @@
 //! Logs, base maps, points to compare with and tables of other instruments, dropped on the window.
 
 use crate::app::Command;
-use crate::export::points::is_named_as_elevations;
+use crate::formats::points::is_named_as_elevations;
 use egui::Ui;
 use std::path::{Path, PathBuf};
 

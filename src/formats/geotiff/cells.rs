@@ -1,8 +1,8 @@
 //! The cells of a GeoTIFF as points: one band of numbers, in strips or tiles, plain or packed with deflate or LZW.
 
-use super::elevations::Plane;
+use super::metadata::counts_downwards;
+use super::placing::{GeoKeys, Placing};
 use crate::contained::contained;
-use crate::export::geotiff;
 use crate::regular_file;
 use std::fs::File;
 use std::io::BufReader;
@@ -12,10 +12,13 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 /// What a raster holds.
-pub(super) struct RasterPoints {
+pub struct RasterPoints {
     /// x and y of the middle of each cell that has a value, and the value as stored.
     pub points: Vec<[f64; 3]>,
-    pub plane: Plane,
+    /// Whether x and y are degrees.
+    pub is_degrees: bool,
+    /// EPSG number of the projection, where the raster names one.
+    pub projected: Option<u16>,
     /// Whether the raster says of itself that its values count downwards, as the depths of `bathyscope process` do.
     pub downwards: bool,
 }
@@ -27,18 +30,14 @@ const MOST_CELLS: u64 = 50_000_000;
 const MOST_POINTS: usize = 4_000_000;
 /// Bytes of a strip or tile, unpacked.
 const LARGEST_BLOCK: usize = 256 << 20;
-/// Geo keys: kind of system, whether a value stands for a cell or its corner, and the systems' EPSG numbers.
-const MODEL_TYPE: u16 = 1024;
-const RASTER_TYPE: u16 = 1025;
-const GEOGRAPHIC: u16 = 2048;
-const PROJECTED: u16 = 3072;
-const IS_GEOGRAPHIC: u16 = 2;
 /// Tag in which GDAL keeps what it adds to a band.
 const GDAL_METADATA: u16 = 42_112;
-const IS_POINT: u16 = 2;
 
-/// Reads the first image of a file. The error is a sentence without the path.
-pub(super) fn read(path: &Path) -> Result<RasterPoints, String> {
+/// Reads the first image of a file.
+///
+/// # Errors
+/// A sentence without the path.
+pub fn read_cells(path: &Path) -> Result<RasterPoints, String> {
     contained(|| read_open(path))
         .unwrap_or_else(|| Err("the GeoTIFF cannot be read: it is damaged".to_owned()))
 }
@@ -63,11 +62,14 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
     if !matches!(colours, tiff::ColorType::Gray(_)) {
         return Err("the GeoTIFF is a picture, not one band of heights or depths".to_owned());
     }
-    let keys = GeoKeys::of(&mut decoder);
-    let place = Place::of(&mut decoder, keys.value(RASTER_TYPE) == Some(IS_POINT))?;
+    let keys = GeoKeys::read(&mut decoder);
+    let place = Placing::read(&mut decoder, &keys)
+        .ok_or("the TIFF does not say where it lies; write a GeoTIFF")?
+        .of_middles();
     let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
     let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    let downwards = counts_downwards(&mut decoder);
+    let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
+    let downwards = metadata.is_ok_and(|text| counts_downwards(&text));
     let known = |value: f64| value.is_finite() && nodata != Some(value);
     let mut points = Vec::new();
     each_block(
@@ -77,7 +79,7 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
             for (index, value) in values.iter().enumerate() {
                 if known(*value) {
                     let at = [column + index % width, row + index / width];
-                    let [x, y] = place.of_cell(at[0] as f64, at[1] as f64);
+                    let [x, y] = place.at(at.map(|index| index as f64));
                     points.push([x, y, *value]);
                 }
             }
@@ -91,23 +93,16 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
     )?;
     Ok(RasterPoints {
         points,
-        plane: keys.plane(),
+        is_degrees: keys.is_geographic(),
+        projected: keys.projected(),
         downwards,
     })
-}
-
-/// Whether values are depths: an item in GDAL's tag says so, or the description that older rasters of `bathyscope process` have.
-fn counts_downwards(decoder: &mut Tiff) -> bool {
-    let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
-    let description = decoder.get_tag_ascii_string(Tag::ImageDescription);
-    metadata.is_ok_and(|text| geotiff::counts_downwards(&text))
-        || description.is_ok_and(|text| text.starts_with("Depth in metres, positive down"))
 }
 
 /// Hands over one strip or tile after the other, so that the picture is never unpacked as a whole: column and row of its first cell,
 /// its width, and pieces of whole rows of it.
 fn each_block(
-    decoder: &mut Tiff,
+    decoder: &mut Decoder<BufReader<File>>,
     [columns, rows]: [u32; 2],
     mut take: impl FnMut([usize; 2], usize, &[f64]) -> Result<(), String>,
 ) -> Result<(), String> {
@@ -160,76 +155,4 @@ fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64
             );
         }
     })
-}
-
-/// Where cells lie: `ModelPixelScale` with `ModelTiepoint`, or `ModelTransformation`.
-struct Place {
-    origin: [f64; 2],
-    per_column: [f64; 2],
-    per_row: [f64; 2],
-}
-
-type Tiff = Decoder<BufReader<File>>;
-
-impl Place {
-    /// `is_point`: the numbers place the middle of a cell, not its corner.
-    fn of(decoder: &mut Tiff, is_point: bool) -> Result<Self, String> {
-        let mut numbers = |tag| decoder.get_tag_f64_vec(tag).unwrap_or_default();
-        let (scale, tie) = (
-            numbers(Tag::ModelPixelScaleTag),
-            numbers(Tag::ModelTiepointTag),
-        );
-        let matrix = numbers(Tag::ModelTransformationTag);
-        let mut made = match (scale.as_slice(), tie.as_slice(), matrix.as_slice()) {
-            ([dx, dy, ..], [column, row, _, x, y, ..], _) => Self {
-                origin: [x - column * dx, y + row * dy],
-                per_column: [*dx, 0.0],
-                per_row: [0.0, -dy],
-            },
-            (_, _, [a, b, _, x, c, d, _, y, ..]) => Self {
-                origin: [*x, *y],
-                per_column: [*a, *c],
-                per_row: [*b, *d],
-            },
-            _ => return Err("the TIFF does not say where it lies; write a GeoTIFF".to_owned()),
-        };
-        if !is_point {
-            made.origin = made.of_cell(0.5, 0.5);
-        }
-        Ok(made)
-    }
-
-    fn of_cell(&self, column: f64, row: f64) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            self.origin[axis] + column * self.per_column[axis] + row * self.per_row[axis]
-        })
-    }
-}
-
-/// The keys of the system that have short values.
-struct GeoKeys(Vec<u16>);
-
-impl GeoKeys {
-    fn of(decoder: &mut Tiff) -> Self {
-        let keys = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag);
-        Self(keys.unwrap_or_default())
-    }
-
-    /// Entries are a key, where its value lies (0: here), how many, and the value.
-    fn value(&self, key: u16) -> Option<u16> {
-        let entries = self.0.chunks_exact(4).skip(1);
-        let found = entries
-            .into_iter()
-            .find(|entry| entry[0] == key && entry[1] == 0);
-        found.map(|entry| entry[3])
-    }
-
-    fn plane(&self) -> Plane {
-        let is_geographic = self.value(MODEL_TYPE) == Some(IS_GEOGRAPHIC)
-            || self.value(PROJECTED).is_none() && self.value(GEOGRAPHIC).is_some();
-        match is_geographic {
-            true => Plane::Degrees,
-            false => Plane::of_epsg(self.value(PROJECTED).map(u32::from), Plane::Metres),
-        }
-    }
 }

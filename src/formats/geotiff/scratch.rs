@@ -1,10 +1,8 @@
 //! Where packed tiles wait until it is known how long all of them are.
 
 use super::pack::Packed;
-use crate::export::scratch_beside;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
-use std::path::Path;
 
 /// Where some bytes lie in the scratch file.
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +26,9 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// A new file beside the one that is written, where there is room for it.
-    pub fn beside(path: &Path) -> io::Result<Self> {
-        Ok(Self {
-            file: scratch_beside(path)?,
-            end: 0,
-        })
+    /// In an empty file.
+    pub fn new(file: File) -> Self {
+        Self { file, end: 0 }
     }
 
     /// Adds a tile.

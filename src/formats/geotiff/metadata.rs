@@ -2,7 +2,7 @@
 
 use super::statistics::Statistics;
 use super::{Band, RasterSpec};
-use crate::export::xml;
+use crate::printable::xml;
 use std::fmt::Write as _;
 
 /// Name of the item that says which way values count, as the CF conventions name it, and what it says of depths.

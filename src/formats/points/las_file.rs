@@ -1,8 +1,8 @@
 //! Points in LAS and LAZ.
 
 use super::las_claims;
+use super::las_writer::{LasWriter, transforms};
 use crate::contained::contained;
-use crate::export::las_writer::{LasWriter, transforms};
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;
 use std::io;

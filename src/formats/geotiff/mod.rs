@@ -9,22 +9,27 @@
 //! draw --pack--> tiles in a scratch file --overview--> coarser tiles there --writer--> directories, then all tiles in order
 //! ```
 //!
-//! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures.
+//! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
+//! back as points; `placing` is where its cells lie, also for the pixels of a base map.
 
+mod cells;
 mod directory;
 mod metadata;
 mod overview;
 mod pack;
+mod placing;
 mod scratch;
 mod statistics;
 mod writer;
 
-use super::{ExportError, write_aside};
+pub use cells::{RasterPoints, read_cells};
+pub use placing::{GeoKeys, Placing};
+
 use crate::geo::Crs;
-use crate::progress::{Cancelled, Progress};
-pub use metadata::counts_downwards;
+use crate::progress::Progress;
 use scratch::Scratch;
-use std::path::Path;
+use std::fs::File;
+use std::io;
 use writer::Writer;
 
 /// Rows and columns of a tile.
@@ -99,37 +104,26 @@ pub struct RasterSpec {
     pub description: String,
 }
 
-/// Why there is no raster.
-#[derive(Debug, thiserror::Error)]
-pub enum RasterError {
-    /// The file could not be written.
-    #[error(transparent)]
-    Write(#[from] ExportError),
-    /// Told to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-/// Writes a GeoTIFF. `tiles` are those that hold something, as row and column; `draw` makes one, [`RASTER_TILE`] rows of as
-/// many cells, and is called from several threads. What lies beyond the raster's edge in the last tiles must be empty.
-/// Fails beyond 4 GB, which is as far as the format reaches. On the way the tiles lie in a second file beside the first.
-pub fn geotiff(
-    path: &Path,
+/// Writes a GeoTIFF into a file that is open for it. `tiles` are those that hold something, as row and column; `draw` makes one,
+/// [`RASTER_TILE`] rows of as many cells, and is called from several threads. What lies beyond the raster's edge in the last tiles
+/// must be empty. On the way the tiles lie in `scratch`, an empty file that is open for reading and writing.
+///
+/// # Errors
+/// What the system says; that the raster passes 4 GB, which is as far as the format reaches; or that the work was cancelled.
+pub fn write(
+    file: File,
+    scratch: File,
     spec: &RasterSpec,
     tiles: &[[usize; 2]],
     draw: impl Fn([usize; 2]) -> Vec<u8> + Sync,
     progress: &Progress,
-) -> Result<(), RasterError> {
+) -> io::Result<()> {
     // Each overview has a quarter of the tiles of the level before it.
     progress.start((tiles.len() + tiles.len() / 3).max(1) as u64);
-    let written = write_aside(path, |file| {
-        let mut raster = Writer::new(spec, Scratch::beside(path)?);
-        raster.base(tiles, draw, progress)?;
-        while raster.overview(progress)? {}
-        raster.write(file, progress)
-    });
-    progress.check()?;
-    Ok(written?)
+    let mut raster = Writer::new(spec, Scratch::new(scratch));
+    raster.base(tiles, draw, progress)?;
+    while raster.overview(progress)? {}
+    raster.write(file, progress)
 }
 
 #[cfg(test)]

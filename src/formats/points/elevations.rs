@@ -1,7 +1,8 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
 use super::text_file::{KNOWN_NAMES, Wanted};
-use super::{PointFile, PointFileError, geojson_file, raster_file, read_wanted, split_columns};
+use super::{PointFile, PointFileError, geojson_file, read_wanted, split_columns, suffix};
+use crate::formats::geotiff;
 use crate::geo::UtmZone;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ pub enum Plane {
 
 impl Plane {
     /// What a file means that names a system by its number, and what it is where it does not.
-    pub(super) fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
+    fn of_epsg(epsg: Option<u32>, otherwise: Self) -> Self {
         // From here on numbers are private: what they mean stands elsewhere in the file.
         const PRIVATE: u16 = 32_767;
         const WGS84: u16 = 4326;
@@ -62,6 +63,9 @@ pub struct Elevations {
 ///
 /// Of a GeoTIFF the cells are points, their values `z`; one that says that it counts depths is turned unless names are given. Of
 /// GeoJSON the third name is a property. LAS and GeoTIFF say themselves which system they are in.
+///
+/// # Errors
+/// When no such file is named so, or this one cannot be read.
 pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
     let (path, mut names) = split_columns(argument);
     let downwards = names
@@ -118,11 +122,6 @@ fn counts_depths(file: &PointFile) -> bool {
     is_depth && 2 * below > file.points.len()
 }
 
-fn suffix(path: &Path) -> String {
-    let suffix = path.extension().unwrap_or_default();
-    suffix.to_string_lossy().to_lowercase()
-}
-
 fn turned(mut points: Vec<[f64; 3]>, downwards: bool) -> Vec<[f64; 3]> {
     for point in points.iter_mut().filter(|_| downwards) {
         point[2] = -point[2];
@@ -138,14 +137,17 @@ fn of_raster(
     if names.is_some_and(|names| names != &["x", "y", "z"]) {
         return Err("the coordinates of a GeoTIFF are always x, y and z".to_owned());
     }
-    let raster = raster_file::read(path)?;
+    let raster = geotiff::read_cells(path)?;
     let depths = raster.downwards && names.is_none();
     let note =
         depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());
     Ok(Elevations {
         path: path.to_owned(),
         points: turned(raster.points, downwards || depths),
-        plane: raster.plane,
+        plane: match raster.is_degrees {
+            true => Plane::Degrees,
+            false => Plane::of_epsg(raster.projected.map(u32::from), Plane::Metres),
+        },
         blank: 0,
         note,
     })

@@ -1,5 +1,4 @@
-//! Point files of other programs, for `bathyscope filter` and `compare`: text, PLY, LAS and LAZ; for `compare` also GeoTIFF and
-//! GeoJSON.
+//! Point files of other programs: text, PLY, LAS and LAZ; as elevations also GeoTIFF and GeoJSON.
 //!
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
@@ -8,17 +7,18 @@ mod elevations;
 mod geojson_file;
 mod las_claims;
 mod las_file;
+mod las_writer;
 mod ply_file;
-mod raster_file;
 mod text_file;
 
 pub use elevations::{Elevations, Plane, read_elevations};
+pub use las_writer::{LasWriter, transforms};
 
-use super::write_aside;
 use las_file::LasFile;
 use ply_file::PlyFile;
 use std::ffi::OsStr;
-use std::io::{BufWriter, Write as _};
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use text_file::{KNOWN_NAMES, TextFile, Wanted};
 
@@ -58,26 +58,47 @@ enum Rows {
 
 /// The format that a file name asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Text,
+pub enum PointFormat {
+    /// Lines of text, the first of which names the columns.
+    Csv,
+    /// Lines of text.
+    Xyz,
+    /// PLY.
     Ply,
+    /// LAS.
     Las,
+    /// LAS, compressed.
+    Laz,
 }
 
-impl Kind {
-    fn of(path: &Path) -> Result<Self, String> {
-        let suffix = path
-            .extension()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .to_lowercase();
-        match suffix.as_str() {
-            "csv" | "xyz" | "txt" => Ok(Kind::Text),
-            "ply" => Ok(Kind::Ply),
-            "las" | "laz" => Ok(Kind::Las),
-            _ => Err("a point file ends in .xyz, .csv, .txt, .ply, .las or .laz".to_owned()),
+impl PointFormat {
+    /// Of a file, by the end of its name.
+    ///
+    /// # Errors
+    /// When no point file is named so.
+    pub fn of(path: &Path) -> Result<Self, PointFileError> {
+        match suffix(path).as_str() {
+            "csv" => Ok(Self::Csv),
+            "xyz" | "txt" => Ok(Self::Xyz),
+            "ply" => Ok(Self::Ply),
+            "las" => Ok(Self::Las),
+            "laz" => Ok(Self::Laz),
+            _ => Err(PointFileError {
+                what: "a point file ends in .xyz, .csv, .txt, .ply, .las or .laz".to_owned(),
+                path: path.to_path_buf(),
+            }),
         }
     }
+
+    fn is_text(self) -> bool {
+        matches!(self, Self::Csv | Self::Xyz)
+    }
+}
+
+/// The end of a file's name, in lower case.
+fn suffix(path: &Path) -> String {
+    let suffix = path.extension().unwrap_or_default();
+    suffix.to_string_lossy().to_lowercase()
 }
 
 /// Splits `FILE.csv:x,y,z` into the file and the names of its three columns.
@@ -98,26 +119,14 @@ pub fn split_columns(argument: impl AsRef<OsStr>) -> (PathBuf, Option<[String; 3
 /// Whether something is named as the files are whose elevations [`read_elevations`] reads, perhaps with its columns.
 pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
     let (path, _) = split_columns(argument);
-    let suffix = path.extension().unwrap_or_default().to_string_lossy();
     let others = ["tif", "tiff", "geojson", "json"];
-    Kind::of(&path).is_ok()
-        || others
-            .iter()
-            .any(|other| suffix.eq_ignore_ascii_case(other))
-}
-
-/// Refuses a name that no point file has, before the work.
-pub fn check_name(path: &Path) -> Result<(), PointFileError> {
-    match Kind::of(path) {
-        Ok(_) => Ok(()),
-        Err(what) => Err(PointFileError {
-            what,
-            path: path.to_path_buf(),
-        }),
-    }
+    PointFormat::of(&path).is_ok() || others.contains(&suffix(&path).as_str())
 }
 
 /// Reads a point file; `columns` names the coordinates of a text file with a header line.
+///
+/// # Errors
+/// When no point file is named so, or this one cannot be read.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
     read_wanted(
         path,
@@ -130,17 +139,15 @@ pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, Poi
 }
 
 fn read_wanted(path: &Path, wanted: Wanted<'_>) -> Result<PointFile, PointFileError> {
-    Kind::of(path)
-        .and_then(|kind| read_kind(kind, path, wanted))
-        .map_err(|what| PointFileError {
-            what,
-            path: path.to_path_buf(),
-        })
+    read_format(PointFormat::of(path)?, path, wanted).map_err(|what| PointFileError {
+        what,
+        path: path.to_path_buf(),
+    })
 }
 
-fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, String> {
+fn read_format(format: PointFormat, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, String> {
     let named_otherwise = wanted.named.is_some_and(|names| names != &["x", "y", "z"]);
-    if kind != Kind::Text && named_otherwise {
+    if !format.is_text() && named_otherwise {
         return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
     }
     let bare = |rows, points| PointFile {
@@ -151,8 +158,8 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
         epsg: None,
         rows,
     };
-    Ok(match kind {
-        Kind::Text => {
+    Ok(match format {
+        PointFormat::Csv | PointFormat::Xyz => {
             let (file, points) = text_file::read(path, wanted)?;
             PointFile {
                 note: file.note(),
@@ -161,11 +168,11 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
                 ..bare(Rows::Text(file), points)
             }
         }
-        Kind::Ply => {
+        PointFormat::Ply => {
             let (file, points) = ply_file::read(path)?;
             bare(Rows::Ply(file), points)
         }
-        Kind::Las => {
+        PointFormat::Las | PointFormat::Laz => {
             let (file, points) = las_file::read(path)?;
             PointFile {
                 epsg: file.epsg(),
@@ -176,45 +183,46 @@ fn read_kind(kind: Kind, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, S
 }
 
 impl PointFile {
-    /// Writes the points whose flag is set, in the format that the path asks for.
-    pub fn write_kept(&self, path: &Path, kept: &[bool]) -> Result<(), PointFileError> {
-        let fail = |what: String| PointFileError {
-            what,
-            path: path.to_path_buf(),
-        };
-        let kind = Kind::of(path).map_err(fail)?;
+    /// Writes the points whose flag is set into a file that is open for it: with all that the input said of them in its own format,
+    /// their coordinates in another.
+    ///
+    /// # Errors
+    /// What the system says, or that the format cannot hold the points.
+    pub fn write_kept(&self, out: File, format: PointFormat, kept: &[bool]) -> io::Result<()> {
         let kept_points = || {
-            self.points
-                .iter()
-                .zip(kept)
-                .filter(|(_, kept)| **kept)
-                .map(|(point, _)| point)
+            let points = self.points.iter().zip(kept);
+            points.filter(|(_, kept)| **kept).map(|(point, _)| point)
         };
-        write_aside(path, |file| match (&self.rows, kind) {
-            (Rows::Text(rows), Kind::Text) => rows.write_kept(file, kept),
-            (Rows::Ply(rows), Kind::Ply) => rows.write_kept(file, kept),
-            (Rows::Las(rows), Kind::Las) => rows.write_kept(file, kept, is_laz(path)),
-            (_, Kind::Text) => {
-                let mut out = BufWriter::new(file);
-                let separator = if path.extension().is_some_and(|suffix| suffix == "csv") {
-                    writeln!(out, "x,y,z")?;
-                    ','
-                } else {
-                    ' '
-                };
-                for [x, y, z] in kept_points() {
-                    writeln!(out, "{x}{separator}{y}{separator}{z}")?;
-                }
-                out.flush()
+        let compressed = format == PointFormat::Laz;
+        match (&self.rows, format) {
+            (Rows::Text(rows), PointFormat::Csv | PointFormat::Xyz) => rows.write_kept(out, kept),
+            (Rows::Ply(rows), PointFormat::Ply) => rows.write_kept(out, kept),
+            (Rows::Las(rows), PointFormat::Las | PointFormat::Laz) => {
+                rows.write_kept(out, kept, compressed)
             }
-            (_, Kind::Ply) => ply_file::write(file, kept_points()),
-            (_, Kind::Las) => las_file::write(file, kept_points(), is_laz(path)),
-        })
-        .map_err(|error| fail(format!("cannot write the file: {}", error.source)))
+            (_, PointFormat::Csv | PointFormat::Xyz) => {
+                write_lines(out, format == PointFormat::Csv, kept_points())
+            }
+            (_, PointFormat::Ply) => ply_file::write(out, kept_points()),
+            (_, PointFormat::Las | PointFormat::Laz) => {
+                las_file::write(out, kept_points(), compressed)
+            }
+        }
     }
 }
 
-fn is_laz(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|suffix| suffix.eq_ignore_ascii_case("laz"))
+fn write_lines<'a>(
+    out: File,
+    is_csv: bool,
+    points: impl Iterator<Item = &'a [f64; 3]>,
+) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    let separator = if is_csv { ',' } else { ' ' };
+    if is_csv {
+        writeln!(out, "x,y,z")?;
+    }
+    for [x, y, z] in points {
+        writeln!(out, "{x}{separator}{y}{separator}{z}")?;
+    }
+    out.flush()
 }
