@@ -3,12 +3,9 @@
 use super::tabulating::{Of, Tabulating};
 use super::{App, MapLayer, Outcome, Task};
 use crate::bathymetry::compare::Matching;
-use crate::formats;
-use crate::formats::points::is_named_as_elevations;
 use crate::pipeline::{Agreement, Products, Reference, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -160,23 +157,6 @@ impl App {
     }
 }
 
-/// Opens what a survey is to be held against: `FILE` or `FILE.csv:x,y,z` of points, or a log. Which of them it is its name says. The
-/// error is one sentence.
-pub fn open_reference(
-    argument: &OsStr,
-    survey: &Survey,
-    settings: &Settings,
-    progress: &Progress,
-) -> Result<Reference, String> {
-    if is_named_as_elevations(argument) {
-        return Reference::of_points(argument, survey, settings);
-    }
-    let other = formats::open(Path::new(argument), progress);
-    other
-        .map(Reference::of_mission)
-        .map_err(|error| error.to_string())
-}
-
 /// Opens a reference, and holds the survey against it.
 fn open(
     path: &Path,
@@ -185,7 +165,7 @@ fn open(
     matching: Matching,
     progress: &Progress,
 ) -> Result<Opened, String> {
-    let opened = open_reference(path.as_os_str(), survey, &products.settings, progress);
+    let opened = Reference::open(path.as_os_str(), survey, &products.settings, progress);
     let reference = Arc::new(opened?);
     let agreement = Agreement::with_reference(survey, products, &reference, matching, progress)?;
     let of = Of::new(products, Some((reference, matching)));

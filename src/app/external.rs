@@ -5,12 +5,12 @@
 
 use super::{App, Outcome, Task};
 use crate::cloud::Correction;
-use crate::cloud::correction::{Gauge, WaterLevelSettings};
-use crate::formats::TrackFile;
+use crate::cloud::correction::WaterLevelSettings;
+use crate::formats::{TrackFile, read_gauge};
 use crate::pipeline::Settings;
 use crate::progress::Progress;
 use crate::regular_file;
-use crate::survey::{Survey, TrackSettings, TracksApart};
+use crate::survey::{Gauge, Survey, TrackSettings, TracksApart};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -89,7 +89,9 @@ impl App {
             return self.tell(text.to_owned(), true);
         }
         let work = move |_: &Progress| match instrument.or_else(|| told_by(&path)) {
-            Some(Instrument::Gauge) => Gauge::read(&path).map(Read::Levels),
+            Some(Instrument::Gauge) => read_gauge(&path)
+                .map(Read::Levels)
+                .map_err(|error| error.to_string()),
             Some(Instrument::Receiver) => TrackFile::read(&path).map(Read::Track),
             None => Ok(Read::Points(path)),
         };

@@ -34,7 +34,7 @@ mod work;
 pub use action::{Action, Keys};
 pub use bottom::{BottomStroke, Ink};
 pub use command::Command;
-pub use comparing::{Comparing, ReferenceBy, open_reference};
+pub use comparing::{Comparing, ReferenceBy};
 pub use figures::Figures;
 pub use heights::FoundHeights;
 pub use history::History;

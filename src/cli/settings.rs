@@ -43,7 +43,9 @@ impl SettingsArgs {
                 .map_err(|error| error.to_string())?;
         }
         settings.check().map_err(|error| error.to_string())?;
-        settings.water_level.load()?;
+        settings
+            .load_water_level()
+            .map_err(|error| error.to_string())?;
         Ok(settings)
     }
 }

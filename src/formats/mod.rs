@@ -4,13 +4,14 @@
 //! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
 //! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `shelf` and `map` bring
 //! the bytes, `medium` takes those of a log on a card into memory, `foreign` knows by sight what is not read. `track_file` reads
-//! the track of another receiver, `points` and `geotiff` what other programs say of depths; both also lay out what is written so.
+//! the track of another receiver, `gauge_file` the height of the water, `reference` whatever a survey is held against, `points` and `geotiff` what other programs say of depths; both also lay out what is written so.
 
 mod assemble;
 mod clock;
 mod collected;
 mod depths;
 mod foreign;
+mod gauge_file;
 pub mod geotiff;
 pub mod humminbird;
 mod join;
@@ -18,6 +19,7 @@ pub mod lowrance;
 mod map;
 mod medium;
 pub mod points;
+mod reference;
 mod report;
 mod scalar;
 mod shelf;
@@ -25,7 +27,9 @@ mod stray;
 mod track_file;
 pub mod xtf;
 
+pub use gauge_file::{GaugeError, read_gauge};
 pub use medium::hold;
+pub use reference::{ReferenceError, ReferenceFile, open_reference};
 pub use scalar::ByteOrder;
 pub use track_file::{TrackFile, open_with_track};
 

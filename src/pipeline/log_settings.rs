@@ -4,8 +4,8 @@
 //! takes the settings of a single log. Keys are those of `--set`: `draft_m`, `first_return.threshold`.
 
 use super::{Settings, SettingsError};
-use crate::cloud::correction::Gauge;
 use crate::first_return::BottomSettings;
+use crate::survey::Gauge;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -162,7 +162,7 @@ impl LogSettings {
     }
 
     /// The settings that the log is processed with: the shared ones, and its own over them. Its gauge is in them when
-    /// [`LogSettings::gauge`] is there; otherwise `water_level.load()` reads it.
+    /// [`LogSettings::gauge`] is there; otherwise [`Settings::load_water_level`] reads it.
     ///
     /// # Errors
     /// A sentence that names the key, when an own value cannot be used.

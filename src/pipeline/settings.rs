@@ -7,10 +7,12 @@ use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
 use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
 use crate::detection::DetectorSettings;
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::formats::{GaugeError, read_gauge};
 use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
 use crate::survey::{HeadingSettings, HeadingSource, LeftOutSettings, Projection, TrackSettings};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Settings that cannot be understood, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,6 +90,16 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// Reads the water levels that `water_level.file` names, if any.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds no water levels.
+    pub fn load_water_level(&mut self) -> Result<(), GaugeError> {
+        let file = self.water_level.file.as_deref();
+        self.water_level.gauge = file.map(read_gauge).transpose()?.map(Arc::new);
+        Ok(())
+    }
+
     /// The settings of a preset.
     pub fn preset(preset: Preset) -> Self {
         match preset {

@@ -6,6 +6,7 @@
 
 mod bottom_lock;
 mod fitted_track;
+mod gauge;
 mod identity;
 mod left_out;
 mod local_fit;
@@ -17,6 +18,7 @@ mod tracks_apart;
 mod turn_rate;
 
 pub use bottom_lock::mark_bottom_lock;
+pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, Stretch};
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};

@@ -1,13 +1,12 @@
 //! Logs on either side of a comparison: processed as `bathyscope process` would, all with the same settings.
 
 use super::{CompareArgs, table};
-use crate::app::open_reference;
 use crate::cli::output;
 use crate::cli::settings::{Logs, SettingsArgs};
 use crate::cli::status_line::StatusLine;
 use crate::formats::points::{Elevations, Plane};
 use crate::outputs::{ComparisonRecord, write_differences};
-use crate::pipeline::{self, Agreement, Products};
+use crate::pipeline::{self, Agreement, Products, Reference};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
@@ -21,7 +20,7 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     let status = StatusLine::new(&progress);
     let (survey, products) = processed(&args.measured, &logs, &status, &progress)?;
     status.step("comparing");
-    let reference = open_reference(&args.reference, &survey, &logs.settings, &progress)?;
+    let reference = Reference::open(&args.reference, &survey, &logs.settings, &progress)?;
     let (reference, matching) = (Arc::new(reference), args.matching());
     let agreement = Agreement::with_reference(&survey, &products, &reference, matching, &progress)?;
     if let Some(path) = &args.output {

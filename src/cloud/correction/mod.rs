@@ -2,18 +2,16 @@
 //!
 //! It stands where points are made, because a sound speed scales slant ranges before any geometry, and so that soundings and
 //! side-scan points, and all that is drawn or written of them, are corrected alike and once. `sound_speed` has the equation,
-//! `gauge` the readings, `statement` says in words what was done.
+//! `statement` says in words what was done.
 
-mod gauge;
 mod sound_speed;
 mod statement;
 
-pub use gauge::Gauge;
 pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
 pub use statement::DepthReference;
 
 use crate::calendar;
-use crate::survey::Survey;
+use crate::survey::{Gauge, Survey, WATER_LEVELS_M};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,33 +20,21 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WaterLevelSettings {
-    /// Readings of a gauge or tide over the time of the survey ([`Gauge::read`]).
+    /// Readings of a gauge or tide over the time of the survey, as [`crate::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// Added to the log's times to find their readings, seconds: how far the recorder's clock is behind UTC. An hour for one that
     /// shows the local time of Central Europe is -3600.
     pub clock_offset_s: f64,
-    /// What the file holds, once [`WaterLevelSettings::load`] has read it.
+    /// What the file holds, once it has been read.
     #[serde(skip)]
     pub gauge: Option<Arc<Gauge>>,
-}
-
-impl WaterLevelSettings {
-    /// Reads the file that is named, if any. The error is one sentence.
-    pub fn load(&mut self) -> Result<(), String> {
-        let read = |path: &PathBuf| Gauge::read(path).map(Arc::new);
-        self.gauge = self.file.as_ref().map(read).transpose()?;
-        Ok(())
-    }
 }
 
 /// Most that a recorder's clock is wrong, seconds: more than a day is another day's log.
 const MOST_CLOCK_OFFSET_S: f64 = 10.0 * 86_400.0;
 /// Most that the heights of logs over one water differ, metres.
 const MOST_HEIGHT_OFFSET_M: f64 = 100.0;
-
-/// Heights of a water's surface, metres: that of the Dead Sea is -430, that of the highest lake 6400.
-pub(super) const LEVELS_M: std::ops::RangeInclusive<f64> = -1000.0..=10_000.0;
 
 /// What is known of water and transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,7 +58,7 @@ impl DepthSettings {
         if !(0.0..=100.0).contains(&self.draft_m) {
             return Err("draft_m must lie between 0 and 100");
         }
-        if !LEVELS_M.contains(&self.water_level_m) {
+        if !WATER_LEVELS_M.contains(&self.water_level_m) {
             return Err("water_level_m must lie between -1000 and 10000");
         }
         let clock_offsets_s = -MOST_CLOCK_OFFSET_S..=MOST_CLOCK_OFFSET_S;

@@ -14,26 +14,26 @@ fn survey(start_unix_s: Option<f64>) -> Survey {
     }
 }
 
-fn readings(text: &str) -> WaterLevelSettings {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("gauge.csv");
-    std::fs::write(&path, text).unwrap();
-    let mut settings = WaterLevelSettings {
-        file: Some(path),
-        ..WaterLevelSettings::default()
+/// 1.5 m rising to 2.5 m within an hour.
+fn readings() -> WaterLevelSettings {
+    let gauge = Gauge {
+        path: "gauge.csv".into(),
+        readings: vec![(1_634_000_000.0, 1.5), (1_634_003_600.0, 2.5)],
+        ..Gauge::default()
     };
-    settings.load().unwrap();
-    settings
+    WaterLevelSettings {
+        file: Some(gauge.path.clone()),
+        gauge: Some(Arc::new(gauge)),
+        ..WaterLevelSettings::default()
+    }
 }
-
-const HOUR: &str = "time,level_m\n2021-10-12T00:53:20Z,1.5\n2021-10-12T01:53:20Z,2.5\n";
 
 #[test]
 fn everything_at_once_is_the_sum_of_its_parts() {
     let settings = DepthSettings {
         draft_m: 0.4,
         water_level_m: 100.0,
-        water_level: readings(HOUR),
+        water_level: readings(),
         sound_speed: SoundSpeedSettings {
             m_s: Some(1485.0),
             ..SoundSpeedSettings::default()
@@ -81,7 +81,7 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
         let settings = DepthSettings {
             water_level: WaterLevelSettings {
                 clock_offset_s,
-                ..readings(HOUR)
+                ..readings()
             },
             ..DepthSettings::default()
         };
@@ -103,14 +103,14 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
 
 #[test]
 fn readings_that_do_not_cover_the_log_are_refused() {
-    let with = |text, start_unix_s| {
+    let with = |start_unix_s| {
         let settings = DepthSettings {
-            water_level: readings(text),
+            water_level: readings(),
             ..DepthSettings::default()
         };
         Correction::new(settings, &survey(start_unix_s))
     };
-    let late = with(HOUR, Some(1_634_002_000.0));
+    let late = with(Some(1_634_002_000.0));
     let why = late.refused().expect("a reason");
     assert!(
         why.contains("01:53:20") && why.contains("01:56:40"),
@@ -122,9 +122,9 @@ fn readings_that_do_not_cover_the_log_are_refused() {
         late.statement()
             .contains("Not corrected: draft, water level")
     );
-    assert!(with(HOUR, Some(1_633_999_999.0)).refused().is_some());
+    assert!(with(Some(1_633_999_999.0)).refused().is_some());
     assert!(
-        with(HOUR, None)
+        with(None)
             .refused()
             .expect("a reason")
             .contains("does not know the time")

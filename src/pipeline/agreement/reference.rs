@@ -1,7 +1,8 @@
 //! What a survey can be held against: points of a file, or another mission over the same water.
 
 use crate::cloud::Correction;
-use crate::formats::points::{Elevations, Plane, read_elevations};
+use crate::formats::points::{Elevations, Plane};
+use crate::formats::{ReferenceFile, open_reference};
 use crate::geo::{Crs, LocalFrame, LonLat};
 use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
 use crate::pipeline::{Products, Settings, run};
@@ -35,15 +36,25 @@ enum Held {
 }
 
 impl Reference {
-    /// The points of a file that [`read_elevations`] reads. Metres of a file that does not say whose they are count as those of
-    /// the system that `crs` names, or else as metres east and north of the survey's first fix: as those where they lie over the
-    /// survey. The error is one sentence.
-    pub fn of_points(
+    /// Opens what a survey is to be held against: points or a log, as [`open_reference`] tells them apart.
+    ///
+    /// # Errors
+    /// A sentence when it cannot be read, its metres lie nowhere near the survey, or the work was cancelled.
+    pub fn open(
         argument: &OsStr,
         survey: &Survey,
         settings: &Settings,
+        progress: &Progress,
     ) -> Result<Self, String> {
-        let file = read_elevations(argument).map_err(|error| error.to_string())?;
+        match open_reference(argument, progress).map_err(|error| error.to_string())? {
+            ReferenceFile::Points(file) => Self::of_points(file, survey, settings),
+            ReferenceFile::Log(log) => Ok(Self::of_mission(*log)),
+        }
+    }
+
+    /// Points of a file. Metres of a file that does not say whose they are count as those of the system that `crs` names, or else as
+    /// metres east and north of the survey's first fix: as those where they lie over the survey. The error is one sentence.
+    fn of_points(file: Elevations, survey: &Survey, settings: &Settings) -> Result<Self, String> {
         let fail = |what: String| format!("{what}: {}", file.path.display());
         let (system, guess) = System::of(&file, survey, settings).map_err(fail)?;
         let blank = (file.blank > 0).then(|| {
@@ -62,7 +73,7 @@ impl Reference {
     }
 
     /// Another mission, which is processed with the settings of the survey that it is held against.
-    pub fn of_mission(survey: Survey) -> Self {
+    fn of_mission(survey: Survey) -> Self {
         Self {
             path: survey.source.files.first().cloned().unwrap_or_default(),
             notes: Vec::new(),
