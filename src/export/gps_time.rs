@@ -1,40 +1,35 @@
 //! GPS time, which LAS counts in: it runs on where UTC inserts a leap second.
 
-use crate::calendar::days_from_civil;
-
 /// Unix seconds of GPS time zero, 1980-01-06.
 const GPS_ZERO_UNIX_S: f64 = 315_964_800.0;
 /// What LAS takes off, so that a double keeps its fraction of a second (LAS 1.4 R15, table 3, global encoding bit 0).
 const ADJUSTED_S: f64 = 1e9;
-/// Year and month from whose first day on GPS was one second more ahead of UTC (IERS Bulletin C).
-const LEAPS: [(i64, i64); 18] = [
-    (1981, 7),
-    (1982, 7),
-    (1983, 7),
-    (1985, 7),
-    (1988, 1),
-    (1990, 1),
-    (1991, 1),
-    (1992, 7),
-    (1993, 7),
-    (1994, 7),
-    (1996, 1),
-    (1997, 7),
-    (1999, 1),
-    (2006, 1),
-    (2009, 1),
-    (2012, 7),
-    (2015, 7),
-    (2017, 1),
+/// Unix seconds from which on GPS was one second more ahead of UTC (IERS Bulletin C). `chrono` knows no leap seconds, and none has
+/// been announced since 2016.
+const LEAPS_UNIX_S: [f64; 18] = [
+    362_793_600.0,   // 1981-07-01
+    394_329_600.0,   // 1982-07-01
+    425_865_600.0,   // 1983-07-01
+    489_024_000.0,   // 1985-07-01
+    567_993_600.0,   // 1988-01-01
+    631_152_000.0,   // 1990-01-01
+    662_688_000.0,   // 1991-01-01
+    709_948_800.0,   // 1992-07-01
+    741_484_800.0,   // 1993-07-01
+    773_020_800.0,   // 1994-07-01
+    820_454_400.0,   // 1996-01-01
+    867_715_200.0,   // 1997-07-01
+    915_148_800.0,   // 1999-01-01
+    1_136_073_600.0, // 2006-01-01
+    1_230_768_000.0, // 2009-01-01
+    1_341_100_800.0, // 2012-07-01
+    1_435_708_800.0, // 2015-07-01
+    1_483_228_800.0, // 2017-01-01
 ];
 
 /// Adjusted standard GPS time of some Unix seconds: seconds of GPS time less 1e9.
 pub(super) fn adjusted_standard_s(unix_s: f64) -> f64 {
-    let is_past = |&&(year, month): &&(i64, i64)| {
-        let begins_s = days_from_civil(year, month, 1) as f64 * 86_400.0;
-        unix_s >= begins_s
-    };
-    let leaps = LEAPS.iter().take_while(is_past).count() as f64;
+    let leaps = LEAPS_UNIX_S.partition_point(|begins_s| *begins_s <= unix_s) as f64;
     unix_s - GPS_ZERO_UNIX_S + leaps - ADJUSTED_S
 }
 

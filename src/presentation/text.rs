@@ -124,25 +124,7 @@ pub fn long_duration(seconds: f64) -> String {
 
 /// `8 September 2014`.
 pub fn long_date(unix_s: f64) -> String {
-    const MONTHS: [&str; 12] = [
-        "January",
-        "February",
-        "March",
-        "April",
-        "May",
-        "June",
-        "July",
-        "August",
-        "September",
-        "October",
-        "November",
-        "December",
-    ];
-    let (year, month, day) = calendar::civil_from_unix(unix_s);
-    let name = usize::try_from(month - 1)
-        .ok()
-        .and_then(|index| MONTHS.get(index));
-    format!("{day} {} {year}", name.unwrap_or(&""))
+    calendar::moment(unix_s).format("%-d %B %Y").to_string()
 }
 
 /// `36.932541° N, 111.488102° W`: a tenth of a metre.

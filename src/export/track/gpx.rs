@@ -1,7 +1,7 @@
 //! `track.gpx` (GPX 1.1): the track as plotters and handheld receivers read it.
 
 use super::TrackPiece;
-use crate::calendar::{date, time_of_day};
+use crate::calendar::timestamp;
 use crate::export::{ExportError, Summary, write_aside, xml};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -42,25 +42,4 @@ pub fn track_gpx(
         out.flush()?;
         Ok(summary)
     })
-}
-
-/// `2014-09-08T12:57:01.250Z`.
-fn timestamp(unix_s: f64) -> String {
-    let whole_ms = (unix_s * 1e3).round();
-    let seconds = (whole_ms / 1e3).floor();
-    let ms = whole_ms.rem_euclid(1e3) as u32;
-    format!("{}T{}.{ms:03}Z", date(seconds), time_of_day(seconds))
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn times_are_those_of_iso_8601() {
-        assert_eq!(
-            super::timestamp(1_410_181_021.25),
-            "2014-09-08T12:57:01.250Z"
-        );
-        assert_eq!(super::timestamp(-0.0004), "1970-01-01T00:00:00.000Z");
-        assert_eq!(super::timestamp(-0.25), "1969-12-31T23:59:59.750Z");
-    }
 }

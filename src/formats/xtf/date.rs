@@ -1,21 +1,23 @@
 //! The date and time of a ping.
 
 use super::raw::PingHeader;
-use crate::calendar::{civil_from_unix, days_from_civil};
+use crate::calendar::moment;
+use chrono::{Datelike as _, NaiveDate};
 
 /// Years in which a log can have been recorded: side-scan went to disk from the eighties on. Zeros and counters that never were
 /// set lie outside.
-const YEARS: std::ops::RangeInclusive<i64> = 1980..=2100;
+const YEARS: std::ops::RangeInclusive<i32> = 1980..=2100;
 
 /// Unix seconds of a time in hundredths of them; `None` when no log can be of that time.
 pub(super) fn unix_s(unix_cs: i64) -> Option<f64> {
     let unix_s = unix_cs as f64 / 100.0;
-    YEARS.contains(&civil_from_unix(unix_s).0).then_some(unix_s)
+    YEARS.contains(&moment(unix_s).year()).then_some(unix_s)
 }
 
-/// Hundredths of Unix seconds of a ping's date and time.
+/// Hundredths of Unix seconds of a ping's date and time; of one without a date that exists, those of its time of day.
 pub(super) fn unix_cs(ping: &PingHeader) -> i64 {
-    let days = days_from_civil(ping.year.into(), ping.month.into(), ping.day.into());
+    let date = NaiveDate::from_ymd_opt(ping.year.into(), ping.month.into(), ping.day.into());
+    let days = date.map_or(0, |date| i64::from(date.to_epoch_days()));
     let minutes = i64::from(ping.hour) * 60 + i64::from(ping.minute);
     let seconds = days * 86_400 + minutes * 60 + i64::from(ping.second);
     seconds * 100 + i64::from(ping.hundredths)
