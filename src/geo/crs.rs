@@ -4,7 +4,7 @@ use super::{LonLat, UtmZone, web_mercator, web_mercator_inverse};
 use proj4rs::{Proj, transform::transform};
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// EPSG's number of WGS84 in degrees.
 const WGS84: u16 = 4326;
@@ -121,13 +121,13 @@ enum Kind {
     Degrees,
     Utm(UtmZone),
     WebMercator,
-    Other(Arc<[Proj; 2]>),
+    Other(Arc<Proj>),
 }
 
 impl Crs {
     /// A system by EPSG's number.
     ///
-    /// Projections other than UTM and web Mercator are those of `proj4rs`. Datums are not shifted, so only those are known
+    /// Projections other than web Mercator are those of `proj4rs`. Datums are not shifted, so only those are known
     /// that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they differ from it by less than fish-finders do.
     pub fn from_epsg(epsg: u16) -> Result<Self, CrsError> {
         let known = crs_definitions::from_code(epsg);
@@ -200,10 +200,9 @@ impl Crs {
             Kind::Degrees => [position.lon_deg, position.lat_deg],
             Kind::Utm(zone) => zone.to_metres(position),
             Kind::WebMercator => web_mercator(position),
-            Kind::Other(pair) => {
-                let [wgs84, there] = pair.as_ref();
+            Kind::Other(there) => {
                 let from = [position.lon_deg, position.lat_deg].map(f64::to_radians);
-                transformed(wgs84, there, from)
+                transformed(wgs84(), there, from)
             }
         }
     }
@@ -214,10 +213,7 @@ impl Crs {
             Kind::Degrees => [x, y],
             Kind::Utm(zone) => return zone.to_lon_lat([x, y]),
             Kind::WebMercator => return web_mercator_inverse(x, y),
-            Kind::Other(pair) => {
-                let [wgs84, there] = pair.as_ref();
-                transformed(there, wgs84, [x, y]).map(f64::to_degrees)
-            }
+            Kind::Other(there) => transformed(there, wgs84(), [x, y]).map(f64::to_degrees),
         };
         LonLat { lon_deg, lat_deg }
     }
@@ -270,8 +266,8 @@ pub(super) fn metres_per_degree(at: LonLat) -> [f64; 2] {
     [(vertical_m * cos).max(1.0), meridian_m].map(f64::to_radians)
 }
 
-/// WGS84 and the projection, if it is one in metres on a datum that agrees with WGS84.
-fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<[Proj; 2], CrsError> {
+/// The projection, if it is one in metres on a datum that agrees with WGS84.
+fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
     let refused = |why: &str| CrsError(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
     let in_metres = wkt.starts_with("PROJCS") && proj4.contains("+units=m ");
     if !in_metres {
@@ -284,12 +280,9 @@ fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<[Proj; 2], CrsError> 
             "lies on another datum than WGS84; choose a system on WGS84, ETRS89 or NAD83 and let a GIS shift it",
         ));
     }
-    let unable = |_| refused("uses a projection that is not known here; choose another system");
-    Ok([
-        Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs").map_err(unable)?,
-        // Without the datum, whose shift is none.
-        Proj::from_proj_string(proj4).map_err(unable)?,
-    ])
+    // Without the datum, whose shift is none.
+    Proj::from_proj_string(proj4)
+        .map_err(|_| refused("uses a projection that is not known here; choose another system"))
 }
 
 fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
@@ -312,7 +305,17 @@ fn agrees_with_wgs84(epsg: u16, proj4: &str, wkt: &str) -> bool {
     shift_is_none && ellipsoid && !shifted && !by_grid && !SHIFTED_SYSTEMS.contains(&epsg)
 }
 
-fn transformed(from: &Proj, to: &Proj, [x, y]: [f64; 2]) -> [f64; 2] {
+/// Longitude and latitude on WGS84, radians.
+pub(super) fn wgs84() -> &'static Proj {
+    static WGS84_RADIANS: LazyLock<Proj> = LazyLock::new(|| {
+        let made = Proj::from_proj_string("+proj=longlat +datum=WGS84 +no_defs");
+        made.expect("the words are those of the library's own documentation")
+    });
+    &WGS84_RADIANS
+}
+
+/// Some coordinates of one system in another; NaN where that does not reach.
+pub(super) fn transformed(from: &Proj, to: &Proj, [x, y]: [f64; 2]) -> [f64; 2] {
     let mut point = (x, y, 0.0);
     match transform(from, to, &mut point) {
         Ok(()) => [point.0, point.1],
