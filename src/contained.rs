@@ -1,63 +1,92 @@
-//! Foreign code that panics on damaged bytes, made to fail instead. Leans on nothing; any room may use it.
+//! Code that panics, made to fail instead. Leans on nothing; any room may use it.
+//!
+//! A library sets no hook for the whole process: what a panic prints is the program's business, which asks [`is_told_of`] from the hook
+//! that it sets.
 
+use std::any::Any;
 use std::cell::Cell;
-use std::panic::{self, AssertUnwindSafe};
-use std::sync::{Mutex, Once, PoisonError};
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::{Mutex, PoisonError};
 
 thread_local! {
     static CONTAINED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work`; `None` when it panicked, of which nothing is printed. For work that leaves nothing behind when it stops half
-/// way: what it borrowed mutably may be half changed.
+/// The work whose panics become one error.
+#[derive(Debug, Default)]
+enum Reporting {
+    /// None is under way.
+    #[default]
+    Not,
+    /// Under way; the cause and the place of its first panic.
+    Under(Option<String>),
+}
+
+static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
+
+/// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half way: what it borrowed mutably may be
+/// half changed.
 pub fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| {
-        let before = panic::take_hook();
-        panic::set_hook(Box::new(move |what| {
-            if !CONTAINED.get() {
-                before(what);
-            }
-        }));
-    });
     let outer = CONTAINED.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
     CONTAINED.set(outer);
     outcome.ok()
 }
 
-/// Runs all of a program's work. A panic becomes an error that names its cause and its place in the source, and nothing is printed
-/// of it unless `RUST_BACKTRACE` asks for that.
+/// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
+/// asked [`is_told_of`].
 pub fn reported<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    static FIRST: Mutex<Option<String>> = Mutex::new(None);
-    let asked = std::env::var_os("RUST_BACKTRACE").is_some();
-    let before = panic::take_hook();
-    panic::set_hook(Box::new(move |what| {
-        let place = what.location();
-        let place = place.map_or(String::new(), |at| {
-            format!(" at {}:{}", at.file(), at.line())
-        });
-        let cause = what.payload_as_str().unwrap_or("no reason given");
-        let mut first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
-        first.get_or_insert_with(|| format!("{cause}{place}"));
-        if asked {
-            before(what);
-        }
-    }));
-    panic::catch_unwind(AssertUnwindSafe(work)).map_err(|_| {
-        let first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
-        first.clone().unwrap_or_default()
-    })
+    *reporting() = Reporting::Under(None);
+    let outcome = panic::catch_unwind(AssertUnwindSafe(work));
+    let first = match std::mem::take(&mut *reporting()) {
+        Reporting::Under(first) => first,
+        Reporting::Not => None,
+    };
+    outcome.map_err(|payload| first.unwrap_or_else(|| cause(payload.as_ref()).to_owned()))
+}
+
+/// Whether a panic is to be printed, asked by the hook of a program: not where foreign code panicked on damaged bytes, which is an
+/// error like any other, and not where it becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
+pub fn is_told_of(fault: &PanicHookInfo<'_>) -> bool {
+    if CONTAINED.get() {
+        return false;
+    }
+    let Reporting::Under(first) = &mut *reporting() else {
+        return true;
+    };
+    let place = fault.location();
+    let place = place.map_or(String::new(), |at| {
+        format!(" at {}:{}", at.file(), at.line())
+    });
+    first.get_or_insert_with(|| format!("{}{place}", cause(fault.payload())));
+    std::env::var_os("RUST_BACKTRACE").is_some()
+}
+
+fn reporting() -> std::sync::MutexGuard<'static, Reporting> {
+    REPORTING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn cause(payload: &(dyn Any + Send)) -> &str {
+    let text = payload.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| payload.downcast_ref::<&str>().copied())
+        .unwrap_or("no reason given")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::contained;
+    use super::*;
 
     #[test]
     fn a_panic_becomes_nothing() {
         assert_eq!(contained(|| 7), Some(7));
         let none: Option<u8> = contained(|| panic!("foreign"));
         assert_eq!(none, None);
+    }
+
+    #[test]
+    fn a_panic_of_all_the_work_becomes_an_error_with_its_cause() {
+        assert_eq!(reported(|| 7), Ok(7));
+        let error = reported::<()>(|| panic!("no more {}", "ink")).unwrap_err();
+        assert!(error.starts_with("no more ink"), "{error}");
     }
 }

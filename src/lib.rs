@@ -46,8 +46,3 @@ pub mod survey;
 mod system_words;
 pub mod ui;
 pub mod waterfall;
-
-/// Gives freed memory back to the system. The C library's allocator keeps what the workers' passing arrays of up to 32 MB
-/// took, which is more than an open log needs.
-#[global_allocator]
-static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

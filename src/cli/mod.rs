@@ -24,6 +24,8 @@ mod window;
 
 pub use dataset::known_objects;
 
+pub use crate::contained::is_told_of;
+
 use crate::contained::reported;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;

@@ -23,6 +23,10 @@ mod surface;
 mod truth;
 mod waterfall;
 
+/// That of the program: what is measured of memory is what its users see.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Name on the command line and what it runs.
 const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
