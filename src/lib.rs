@@ -17,6 +17,8 @@
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared
 //! as `Arc`. Coordinates inside are SI: metres east and north of the survey's origin, radians clockwise from north,
 //! depth positive down (`depth_m`), elevation positive up (`z_m`). Degrees and feet exist only at the edges.
+//!
+//! Without the feature `gui`, which is on by default, there is neither `ui` nor `render`, and no crate for windows and GPUs.
 
 pub mod app;
 pub mod base_map;
@@ -39,10 +41,12 @@ pub mod presentation;
 mod printable;
 pub mod progress;
 mod regular_file;
+#[cfg(feature = "gui")]
 pub mod render;
 pub mod simulation;
 mod statistics;
 pub mod survey;
 mod system_words;
+#[cfg(feature = "gui")]
 pub mod ui;
 pub mod waterfall;

@@ -17,6 +17,10 @@ mod quiet_driver;
 mod review;
 mod settings;
 mod simulate;
+#[cfg(feature = "gui")]
+mod snapshot;
+#[cfg(not(feature = "gui"))]
+#[path = "no_window.rs"]
 mod snapshot;
 mod start;
 mod status_line;

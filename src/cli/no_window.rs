@@ -1,0 +1,26 @@
+//! `bathyscope snapshot` of a program that was built without a window.
+
+use crate::app::Origin;
+use std::ffi::OsString;
+use std::path::Path;
+
+/// What is said wherever something would be drawn.
+pub const NO_WINDOW: &str = "this build of Bathyscope has no window and draws no pictures of one; build it with the feature gui, or try `bathyscope process SURVEY -o DIR`";
+
+/// `bathyscope snapshot`, with whatever it would take.
+#[derive(Debug, clap::Args)]
+pub struct SnapshotArgs {
+    /// This build has no window, and draws no pictures of one
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    _arguments: Vec<OsString>,
+}
+
+/// Says that nothing can be drawn.
+pub fn run(_: SnapshotArgs) -> Result<(), String> {
+    Err(NO_WINDOW.to_owned())
+}
+
+/// Says the same.
+pub fn draw_into(_: &Origin, _: &Path) -> Result<(Vec<&'static str>, String), String> {
+    Err(NO_WINDOW.to_owned())
+}
