@@ -36,8 +36,10 @@ const NEVER_SHARED: [&str; 6] = [
     "track.offset_s",
 ];
 /// The keys that have no value unless somebody gives one, beside those of [`OF_ONE_LOG`].
-const OPTIONAL: [&str; 7] = [
+const OPTIONAL: [&str; 9] = [
+    "detector.iou",
     "detector.model",
+    "detector.score",
     "isobaths.interval_m",
     "left_out.max_turn_deg_s",
     "left_out.min_speed_mps",
@@ -63,12 +65,25 @@ pub fn is_of_one_log(key: &str) -> bool {
 
 /// All settings that have a value, by their keys, but for the bottom edits.
 pub fn setting_values(settings: &Settings) -> SettingValues {
-    // Settings are numbers, names and paths: all can be written, but for a path that is no text.
-    let mut table = Table::try_from(settings).unwrap_or_default();
+    let mut table = table_of(settings);
     table.remove(BOTTOM);
     let mut values = SettingValues::new();
     flatten("", table, &mut values);
     values
+}
+
+/// Settings as a table. They are numbers, names and paths, which can be written; of a path that is no text, what is text of it.
+fn table_of(settings: &Settings) -> Table {
+    let mut settings = settings.clone();
+    let paths = [
+        &mut settings.detector.model,
+        &mut settings.track.file,
+        &mut settings.water_level.file,
+    ];
+    for path in paths.into_iter().flatten() {
+        *path = path.to_string_lossy().into_owned().into();
+    }
+    Table::try_from(settings).unwrap_or_default()
 }
 
 fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
@@ -78,7 +93,10 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
             prefix => format!("{prefix}.{key}"),
         };
         match value {
-            Value::Table(inner) => flatten(&key, inner, values),
+            // A key with a table for its value: which log the stretches are of.
+            Value::Table(inner) if !OF_ONE_LOG.contains(&key.as_str()) => {
+                flatten(&key, inner, values);
+            }
             value => {
                 values.insert(key, value);
             }
@@ -94,7 +112,7 @@ pub fn with_values(settings: &Settings, values: &SettingValues) -> Result<Settin
     if values.is_empty() {
         return Ok(settings.clone());
     }
-    let mut table = Table::try_from(settings).map_err(|error| SettingsError(error.to_string()))?;
+    let mut table = table_of(settings);
     for (key, value) in values {
         insert(&mut table, key, value.clone());
     }
@@ -240,7 +258,7 @@ mod tests {
     use super::*;
     use crate::first_return::HandLine;
     use crate::pipeline::Preset;
-    use crate::survey::Side;
+    use crate::survey::{Identity, LeftOutReason, Side, Stretch};
 
     fn settings(assignments: &[&str]) -> Settings {
         let apply = |settings: Settings, text: &&str| settings.with_assignment(text);
@@ -292,11 +310,27 @@ mod tests {
             pings: [1, 2],
             corners: Vec::new(),
         });
+        after.left_out.log = Some(Identity {
+            file: "pond.sl2".to_owned(),
+            byte_count: 9,
+            pings: 5,
+        });
+        after.left_out.stretches.push(Stretch {
+            pings: Some([2, 3]),
+            time_s: None,
+            reason: LeftOutReason::Drawn,
+        });
         let (all, one) = own.change(&shared, &after).expect("settings");
         assert_eq!(one.compose(&all).expect("settings"), after);
+        assert!(all.left_out.is_empty() && all.left_out.log.is_none());
         assert_eq!(
             one.own().keys().collect::<Vec<_>>(),
-            ["draft_m", "first_return.threshold"]
+            [
+                "draft_m",
+                "first_return.threshold",
+                "left_out.log",
+                "left_out.stretches"
+            ]
         );
         assert_eq!((all.draft_m, all.outliers.min_neighbors), (0.0, 3));
         assert_eq!(all.surface.cell_m, Some(0.5));
