@@ -41,7 +41,7 @@ impl Fingerprint {
     /// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
     pub fn of(folder: &Path, file: &str, progress: &Progress) -> io::Result<Self> {
         let from = File::open(folder.join(file))?;
-        let (bytes, sha256) = hash(from, || progress.check(), |_| ())?;
+        let (bytes, sha256) = sha256_of(from, progress)?;
         Ok(Self {
             file: file.to_owned(),
             bytes,
@@ -98,6 +98,14 @@ pub(super) fn hash_file(path: &Path, progress: &Progress) -> Result<Input, Strin
     })
 }
 
+/// Length and SHA-256 of what is read.
+///
+/// # Errors
+/// What the system said; [`io::ErrorKind::Other`] when the work was cancelled.
+pub fn sha256_of(from: impl Read, progress: &Progress) -> io::Result<(u64, String)> {
+    hash(from, || progress.check(), |_| ())
+}
+
 /// Length and SHA-256 of what is read; `check` may stop it.
 fn hash(
     mut from: impl Read,
@@ -119,6 +127,6 @@ fn hash(
 }
 
 /// Bytes of a hash as text.
-pub(super) fn in_hexadecimal(bytes: &[u8]) -> String {
+pub fn in_hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

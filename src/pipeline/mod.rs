@@ -24,7 +24,7 @@ pub use depth::{
     depth_surface, joint_depth_surface,
 };
 pub use engine::{Engine, EngineStatus};
-pub use fingerprint::{Fingerprint, Input};
+pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
