@@ -24,6 +24,7 @@ mod golden;
 mod handmade;
 mod hostile;
 mod large_boxes;
+mod logs_window;
 mod many_logs;
 mod map_layers;
 mod map_tools;

@@ -20,11 +20,12 @@ use bathyscope::simulation::{
     simulate,
 };
 use bathyscope::survey::{LeftOutReason, Side, Stretch};
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// What the transducer of a log hangs lower or higher over the ground than that of the mean log, metres: its water level less its
 /// draft.
-const HIGHER_M: [f64; 10] = [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
+pub const HIGHER_M: [f64; 10] = [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5, -0.31, 0.24];
 
 /// A lake with ten logs, all in the frame of the first.
 struct Lake {
@@ -78,6 +79,19 @@ fn scene(index: usize, kind: BedKind) -> Scene {
         objects: OBJECTS.map(object).to_vec(),
         scattered_objects: 0,
         ..Scene::default()
+    }
+}
+
+/// Writes some of the logs into a folder: `lake-0.sl2` and so on.
+pub fn write_logs(folder: &Path, count: usize) {
+    for index in 0..count {
+        let truth = simulate(
+            &scene(index, BedKind::Gentle),
+            100 + index as u64,
+            &Progress::new(),
+        );
+        let bytes = truth.expect("nobody cancels").sl2_bytes();
+        std::fs::write(folder.join(format!("lake-{index}.sl2")), bytes).expect("a log");
     }
 }
 

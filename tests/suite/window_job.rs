@@ -82,7 +82,8 @@ fn a_second_survey_takes_nothing_over_from_the_first() {
     window.key_press(Key::Home);
     window.key_press(Key::Space);
     window.run_steps(4);
-    drop_file(&mut window, half);
+    window.state_mut().app.apply(Command::Open(half));
+    window.run();
     assert_eq!(app(&window).selection, None, "it plays no more");
     assert_eq!(app(&window).log.settings.calibration.pings, None);
     assert_eq!(app(&window).undo_label(), None);

@@ -63,7 +63,7 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
         ui.painter()
             .rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let mut button = |ui: &mut Ui, sign: &str, what: &str, enabled: bool| {
+            let button = |ui: &mut Ui, sign: &str, what: &str, enabled: bool| {
                 let button = ui.add_enabled(enabled, Button::new(sign).small().frame(false));
                 let named = format!("{what} {name}");
                 accessible(button, egui::Role::Button, &named)

@@ -1,0 +1,213 @@
+//! Several logs in one window: one map, one cloud, one history.
+
+use crate::many_logs::{HIGHER_M, write_logs};
+use crate::support::snapshot_options;
+use crate::window::{Window, app, drop_file, empty_window, press};
+use bathyscope::app::{CloudColour, Command, LogId, Mark};
+use bathyscope::pipeline::Settings;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use std::path::Path;
+
+/// Lets everything that is asked for come to its end.
+fn settle(window: &mut Window) {
+    for _ in 0..40 {
+        window.run();
+        let all_done = app(window).logs().all(|log| !log.is_behind());
+        if app(window).is_idle() && all_done {
+            return;
+        }
+    }
+    panic!("it comes to no end");
+}
+
+/// A window on a folder of logs.
+fn opened(folder: &Path, count: usize) -> Window {
+    write_logs(folder, count);
+    let mut window = empty_window();
+    drop_file(&mut window, folder.to_owned());
+    settle(&mut window);
+    window
+}
+
+fn ids(window: &Window) -> Vec<LogId> {
+    app(window).logs().map(|log| log.id).collect()
+}
+
+fn names(window: &Window) -> Vec<String> {
+    app(window).logs().map(|log| log.name()).collect()
+}
+
+fn pings(window: &Window) -> usize {
+    let surveys = app(window)
+        .visible_logs()
+        .filter_map(|log| log.survey.as_ref());
+    surveys.map(|survey| survey.side_scan.len()).sum()
+}
+
+fn map_name(window: &Window) -> String {
+    let map = window.get_by_label_contains("Map, track of");
+    map.accesskit_node().label().expect("a name")
+}
+
+fn change(window: &mut Window, assignment: &str) {
+    let settings = Settings::clone(&app(window).log.settings);
+    let settings = settings.with_assignment(assignment).expect("a setting");
+    window.state_mut().app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "a test",
+        live: false,
+    });
+    settle(window);
+}
+
+#[test]
+fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 3);
+    assert_eq!(names(&window), ["lake-0", "lake-1", "lake-2"]);
+    assert_eq!(app(&window).log.name(), "lake-0", "the first one is shown");
+    let all = pings(&window);
+    let said = map_name(&window).replace([' ', ',', '\u{202f}', '\u{a0}'], "");
+    assert!(
+        said.contains(&format!("trackof{all}pings")),
+        "{said}: {all}"
+    );
+    let points: usize = (app(&window).shown_logs().iter())
+        .map(|shown| shown.log.kept_points().count())
+        .sum();
+    let cloud = window.get_by_label_contains("3D point cloud,");
+    let cloud = cloud.accesskit_node().label().expect("a name");
+    let cloud = cloud.replace([' ', ',', '\u{202f}', '\u{a0}'], "");
+    assert!(
+        cloud.contains(&format!("cloud{points}points")),
+        "{cloud}: {points}"
+    );
+
+    // All of them lie in the plane of the first.
+    let origins = app(&window).shown_logs();
+    let origins = origins
+        .iter()
+        .map(|shown| shown.log.survey.track.frame.origin());
+    let first = origins.clone().next().expect("three logs");
+    assert!(origins.clone().all(|origin| origin == first));
+
+    window.state_mut().app.options.cloud.colour = CloudColour::Log;
+    window.state_mut().app.options.map.track_by_log = true;
+    settle(&mut window);
+    window.snapshot_options("window_logs", &snapshot_options());
+}
+
+#[test]
+fn another_log_is_shown_by_its_row_by_key_and_by_a_place_of_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    window.get_by_label("Log lake-1").click();
+    settle(&mut window);
+    assert_eq!(app(&window).log.name(), "lake-1");
+    press(&mut window, Modifiers::COMMAND, Key::PageDown);
+    assert_eq!(app(&window).log.name(), "lake-0", "around the end");
+    let second = ids(&window)[1];
+    let place = Command::RevealIn(second, Mark::ping(40));
+    window.state_mut().app.apply(place);
+    settle(&mut window);
+    assert_eq!(app(&window).log.id, second);
+    assert_eq!(app(&window).selection.map(|mark| mark.ping), Some(40));
+}
+
+#[test]
+fn what_is_unticked_takes_no_part_and_undo_goes_over_all_logs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let [whole, before] = [pings(&window), app(&window).shown_logs().len()];
+    assert_eq!(before, 2);
+    let tick = window.get_by_role_and_label(Role::CheckBox, "Show lake-1 on the map");
+    tick.click();
+    settle(&mut window);
+    assert_eq!(app(&window).shown_logs().len(), 1);
+    assert!(pings(&window) < whole);
+
+    window.get_by_label("Move down lake-0").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["lake-1", "lake-0"]);
+    change(&mut window, "first_return.threshold=0.41");
+    change(&mut window, "draft_m=0.7");
+    let of = |window: &Window, name: &str| {
+        let found = app(window).logs().find(|log| log.name() == name);
+        found.expect("it is open").settings.clone()
+    };
+    assert_eq!(of(&window, "lake-0").draft_m, 0.7);
+    assert_eq!(
+        of(&window, "lake-1").draft_m,
+        0.0,
+        "a draft is that of one log"
+    );
+    for name in ["lake-0", "lake-1"] {
+        assert_eq!(of(&window, name).first_return.threshold, 0.41, "{name}");
+    }
+    for _ in 0..4 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+    }
+    assert_eq!(names(&window), ["lake-0", "lake-1"]);
+    assert_eq!(pings(&window), whole);
+    for name in ["lake-0", "lake-1"] {
+        assert_eq!(*of(&window, name), Settings::default(), "{name}");
+    }
+    assert_eq!(app(&window).undo_label(), None);
+    for _ in 0..4 {
+        press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+        settle(&mut window);
+    }
+    assert_eq!(of(&window, "lake-0").draft_m, 0.7);
+    assert_eq!(names(&window), ["lake-1", "lake-0"]);
+}
+
+#[test]
+fn a_recording_is_opened_once_and_closed_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let copy = folder.path().join("the same again.sl2");
+    std::fs::copy(folder.path().join("lake-1.sl2"), &copy).expect("a copy");
+    drop_file(&mut window, copy);
+    settle(&mut window);
+    assert_eq!(names(&window), ["lake-0", "lake-1"]);
+    let said = window.query_by_label_contains("open already, as lake-1");
+    assert!(said.is_some());
+
+    window.get_by_label("Close lake-0").click();
+    settle(&mut window);
+    assert_eq!(names(&window), ["lake-1"]);
+    assert_eq!(app(&window).log.name(), "lake-1");
+    press(&mut window, Modifiers::COMMAND, Key::W);
+    assert_eq!(app(&window).log_count(), 0);
+    assert!(window.query_by_label_contains("Map, empty").is_some());
+}
+
+#[test]
+fn heights_are_compared_and_applied_as_one_step() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 4);
+    window.get_by_label("Compare heights").click();
+    settle(&mut window);
+    assert!(app(&window).height_offsets().is_some());
+    window.get_by_label("Apply").click();
+    settle(&mut window);
+    let applied: Vec<f64> = app(&window)
+        .logs()
+        .map(|log| log.settings.height_offset_m)
+        .collect();
+    let mean_m = HIGHER_M[..4].iter().sum::<f64>() / 4.0;
+    for (offset_m, higher_m) in applied.iter().zip(HIGHER_M) {
+        let off_m = offset_m - (higher_m - mean_m);
+        assert!(off_m.abs() < 0.01, "{applied:?}");
+    }
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert!(
+        app(&window)
+            .logs()
+            .all(|log| log.settings.height_offset_m == 0.0)
+    );
+}
