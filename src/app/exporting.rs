@@ -1,14 +1,23 @@
 //! Products and reviewed boxes on their way into a folder.
 
-use super::{App, Jobs, Outcome, Task};
-use crate::outputs::{self, Order, Product, RunFolder, Searched, refuse_overwrite};
+use super::{App, Jobs, LogId, Outcome, Task};
+use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
 use crate::progress::Progress;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
     /// What was written, in a sentence.
     task: Task<Result<String, String>>,
+    /// Where the files of a run go, and of which log.
+    run: Option<(LogId, PathBuf)>,
+}
+
+/// The files of a run that this window wrote.
+pub(super) struct Exported {
+    log: LogId,
+    folder: PathBuf,
+    run: EarlierRun,
 }
 
 impl Exporting {
@@ -19,6 +28,7 @@ impl Exporting {
     ) -> Self {
         Self {
             task: Task::start(jobs, write),
+            run: None,
         }
     }
 
@@ -52,22 +62,29 @@ impl App {
         let against = against.filter(|_| wanted.contains(&Product::Residuals));
         let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
         let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
-        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let reference = against.as_ref().map(|(reference, _)| reference.path());
-            refuse_overwrite(reference.into_iter(), &folder)?;
-            let run = RunFolder::begin(&folder)?;
+        let run = Some((self.log.id, folder.clone()));
+        let exporting = Exporting::start(&self.jobs, move |progress| {
+            let reference = against.as_ref().map(|(reference, _)| &**reference);
+            let run = outputs::begin(&folder, &survey, reference)?;
             let order = Order {
                 survey: &survey,
                 products: &products,
                 wanted: &wanted,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
-                boxes: (boxes.as_ref()).map_or(Searched::Not, |(review, raster)| {
-                    Searched::Reviewed(review, raster)
-                }),
+                search: None,
+                review: (boxes.as_ref()).map(|(review, raster)| (&**review, &**raster)),
             };
             let written = outputs::write(&order, run, progress, |_| ())?;
             Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
-        }));
+        });
+        self.exporting = Some(Exporting { run, ..exporting });
+    }
+
+    /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.
+    pub fn out_of_date(&self) -> Option<(&Path, Vec<&'static OutputFile>)> {
+        let Exported { log, folder, run } = self.exported.as_ref()?;
+        let files = run.out_of_date(&self.log.settings);
+        (*log == self.log.id && !files.is_empty()).then_some((folder, files))
     }
 
     /// Tells what was written, once it is.
@@ -80,9 +97,16 @@ impl App {
             Outcome::Done(written) => written,
             Outcome::Failed => Err("the export failed unexpectedly".to_owned()),
         };
+        let run = exporting.run.clone();
         self.exporting = None;
         match written {
-            Ok(text) => self.tell(text, false),
+            Ok(text) => {
+                if let Some((log, folder)) = run {
+                    let run = EarlierRun::read(&folder);
+                    self.exported = run.map(|run| Exported { log, folder, run });
+                }
+                self.tell(text, false);
+            }
             Err(text) => self.tell(text, true),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
-use super::exporting::Exporting;
+use super::exporting::{Exported, Exporting};
 use super::heights::Heights;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
@@ -125,6 +125,7 @@ pub struct App {
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
     pub(super) exporting: Option<Exporting>,
+    pub(super) exported: Option<Exported>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
     pub(super) jobs: Jobs,
 }
@@ -164,6 +165,7 @@ impl App {
             tabulating: Tabulating::default(),
             heights: Heights::default(),
             exporting: None,
+            exported: None,
             opening_base_map: None,
             jobs,
         }

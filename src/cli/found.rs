@@ -40,7 +40,6 @@ pub fn proposed(found: &Proposed, names: &[String]) -> String {
 mod tests {
     use super::*;
     use crate::detection::{Detection, Mark};
-    use crate::export::Summary;
     use crate::survey::Side;
 
     fn told(classes: &[usize], objects: usize, unplaced: usize) -> String {
@@ -59,7 +58,6 @@ mod tests {
             boxes,
             objects,
             unplaced,
-            placed: Summary::default(),
         };
         proposed(&found, &["rock".to_owned(), "tyre".to_owned()])
     }

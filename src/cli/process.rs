@@ -4,12 +4,14 @@ use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{detect, found, many, output};
+use crate::app::PIXEL_M;
 use crate::bathymetry::compare::Matching;
-use crate::detection::Model;
-use crate::outputs::{self, Merged, Order, Product, RunFolder, Searched, refuse_overwrite};
+use crate::detection::review::Review;
+use crate::detection::{Model, Raster};
+use crate::outputs::{self, Merged, Order, Product, RunFolder};
 use crate::pipeline::{self, Products, Reference, Report, Settings};
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{Identity, Survey};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,6 +35,9 @@ pub struct ProcessArgs {
     /// Also hold every log against points or another log, named as `compare` takes them: comparison.json, comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
+    /// Decisions about the boxes of the log, LOG.review.json of the window: report.html shows them
+    #[arg(long, value_name = "FILE")]
+    review: Option<PathBuf>,
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
@@ -64,6 +69,7 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         model: model.as_ref(),
         wanted,
         reference: args.reference.as_deref(),
+        review: args.review.as_deref(),
     };
     match (many::logs(&args.surveys).as_slice(), args.merge) {
         ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
@@ -85,6 +91,8 @@ pub struct How<'a> {
     pub wanted: &'a [Product],
     /// What it is held against besides.
     pub reference: Option<&'a OsStr>,
+    /// Boxes that were decided about, for the report.
+    pub review: Option<&'a Path>,
 }
 
 impl How<'_> {
@@ -170,28 +178,31 @@ pub fn process_into(
         model,
         wanted,
         reference,
-        ..
+        review,
     } = *how;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     let open = |argument| Reference::open(argument, survey, settings, &progress);
     let reference = reference.map(open).transpose()?.map(Arc::new);
-    let path = reference.as_ref().map(|reference| reference.path());
-    refuse_overwrite(path.into_iter(), folder)?;
-    // Before the work: a folder that cannot be written into should not cost minutes first.
-    let run = RunFolder::begin(folder)?;
+    let review = review.map(|path| Review::open(path, &Identity::of(survey)));
+    let review = review.transpose().map_err(|error| error.to_string())?;
+    let run = outputs::begin(folder, survey, reference.as_deref())?;
     let products = pipeline::run(survey, settings, None, &progress, |stage| {
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
     let max_gap_m = settings.surface.max_gap_m;
+    let raster = review
+        .as_ref()
+        .map(|_| Raster::new(survey, &products.navigation, PIXEL_M));
     let order = Order {
         survey,
         products: &products,
         wanted,
         reference: (reference.as_ref())
             .map(|reference| (reference, Matching::Surface { max_gap_m })),
-        boxes: model.map_or(Searched::Not, Searched::By),
+        search: model,
+        review: review.as_ref().zip(raster.as_ref()),
     };
     let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
     drop(status);

@@ -56,6 +56,7 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
             model: Some(&detect::load(None)?),
             wanted: &Product::ALL,
             reference: None,
+            review: None,
         },
         &folder,
     )?;

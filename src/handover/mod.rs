@@ -29,9 +29,6 @@ use crate::geo::MapPlane;
 use crate::pipeline::{NamedComparison, Products, Report};
 use crate::survey::Survey;
 
-/// The page's name in the folder of the products.
-pub const NAME: &str = "report.html";
-
 /// What the page tells of. Everything but the survey and its products may be missing: the page then says so.
 pub struct Handover<'a> {
     /// The log.
@@ -48,9 +45,12 @@ pub struct Handover<'a> {
     pub comparisons: &'a [NamedComparison],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
     pub objects: Option<Objects<'a>>,
-    /// Files written beside the page.
-    pub files: &'a [&'static str],
+    /// Files written beside the page, and what they are in a few words.
+    pub files: &'a [FileLine],
 }
+
+/// The name of a file, and what it is.
+pub type FileLine = (&'static str, &'static str);
 
 /// What lies there.
 pub struct Objects<'a> {

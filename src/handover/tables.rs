@@ -188,12 +188,12 @@ pub fn files(from: &Handover<'_>) -> String {
         .ok();
     }
     html += "</table>\n<table><tr><th class=\"text\">written beside this page</th><th class=\"text\">what it is</th></tr>\n";
-    for name in from.files {
+    for (name, what) in from.files {
         writeln!(
             html,
             "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>",
             xml(name),
-            describe(name)
+            xml(what)
         )
         .ok();
     }
@@ -207,37 +207,6 @@ pub fn files(from: &Handover<'_>) -> String {
 /// A page is sent to others: where the log lay on this machine is nobody's business.
 fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
-}
-
-/// What a product holds, by its name.
-fn describe(name: &str) -> &'static str {
-    match name {
-        "first_returns.csv" => "first sonar return of every ping on both sides",
-        "cloud.csv" => "all points, with those set aside",
-        "cloud.laz" | "cloud.las" => "kept points for GIS and point cloud programs",
-        "cloud.ply" => "kept points for 3D viewers",
-        "cloud.xyz" => "kept points as plain text",
-        "report.json" => "this record for programs: inputs, settings, counts, statistics",
-        "depth.tif" => "depth map, metres",
-        "depth.xyz" => "cells of the depth map as plain text",
-        "uncertainty.tif" => "how far the depths that carry a cell disagree, metres",
-        "distance.tif" => "distance to the nearest depth, metres",
-        "isobaths.geojson" | "isobaths.shp" | "isobaths.kml" | "isobaths.kmz" => {
-            "lines of equal depth"
-        }
-        "depth_areas.geojson" => "areas between them",
-        "storage.csv" => "area and volume below each level",
-        "residuals.json" => "agreement of depths, all statistics",
-        "mosaic.tif" => "side-scan mosaic",
-        "detections.csv" | "detections.geojson" | "objects.csv" | "objects.geojson" => {
-            "objects with place and size"
-        }
-        "comparison.json" | "comparison.csv" => "agreement of depths with the reference",
-        "detections.gpx" | "objects.kml" | "objects.gpx" => "objects for maps and plotters",
-        "chips" => "folder: a picture of each object",
-        "track.gpx" | "track.geojson" | "track.kml" | "track.shp" => "way of the boat",
-        _ => "",
-    }
 }
 
 #[cfg(test)]

@@ -1,15 +1,14 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
-use super::record::{Coordinates, Made};
+use super::record::{Coordinates, FileContent, write_json};
+use super::results::Results;
 use crate::bathymetry::compare::Comparison;
 use crate::export::{self, Summary};
 use crate::pipeline::{
     Agreement, Input, NamedComparison, Products, ResidualTables, Settings, matching_in_words,
 };
-use crate::progress::Progress;
 use crate::survey::Survey;
 use serde::Serialize;
-use std::io::Write as _;
 use std::path::Path;
 
 /// What is written and printed about a survey against a reference.
@@ -35,26 +34,24 @@ pub struct ComparisonRecord<'a> {
 struct ReferenceRecord<'a> {
     /// `mission` or `points`.
     kind: &'static str,
-    inputs: Vec<Input>,
+    inputs: &'a [Input],
     notes: &'a [String],
 }
 
+const NO_REFERENCE: &str = "the survey was not held against a reference";
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
-/// What a comparison does not depend on.
-const REGARDLESS_OF: [&str; 3] = ["detector", "isobaths", "mosaic"];
-
 impl<'a> ComparisonRecord<'a> {
-    /// Of an agreement with a reference; reads every byte of the reference once for its hash. The error is one sentence.
+    /// Of an agreement with a reference, and the files that the reference was read from. The error is one sentence.
     pub fn new(
         survey: &Survey,
         products: &'a Products,
         agreement: &'a Agreement,
-        progress: &Progress,
+        inputs: &'a [Input],
     ) -> Result<Self, String> {
         let Some(reference) = &agreement.reference else {
-            return Err("the survey was not held against a reference".to_owned());
+            return Err(NO_REFERENCE.to_owned());
         };
         let (kind, how) = match reference.is_mission() {
             true => ("mission", MISSION),
@@ -69,7 +66,7 @@ impl<'a> ComparisonRecord<'a> {
             reference_file: reference.path().display().to_string(),
             reference: ReferenceRecord {
                 kind,
-                inputs: reference.inputs(progress)?,
+                inputs,
                 notes: &reference.notes,
             },
             by: matching_in_words(agreement.matching),
@@ -98,49 +95,23 @@ pub fn write_differences(
         .map_err(|error| error.to_string())
 }
 
-/// Writes `comparison.json` and `comparison.csv` into a folder that exists; gives back what they are, and the files that the reference
-/// was read from.
-///
-/// # Errors
-/// A sentence that names the file, or says that the work was cancelled.
-pub fn write_comparison(
-    survey: &Survey,
-    products: &Products,
-    agreement: &Agreement,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<(Vec<Made>, Vec<Input>), String> {
-    let record = ComparisonRecord::new(survey, products, agreement, progress)?;
-    let (json, csv) = ("comparison.json", "comparison.csv");
-    export::write_aside(&folder.join(json), |mut file| {
-        let text = serde_json::to_vec_pretty(&record)?;
-        file.write_all(&text)?;
-        file.write_all(b"\n")
-    })
-    .map_err(|error| error.to_string())?;
-    let points = write_differences(&folder.join(csv), survey, products, agreement)?;
-    let made = vec![
-        Made {
-            name: json,
-            what: "The survey against a reference",
-            coordinates: Coordinates::None,
-            counted: "points",
-            measured: "",
-            summary: Summary {
-                count: points.count,
-                ..Summary::default()
-            },
-            regardless_of: &REGARDLESS_OF,
-        },
-        Made {
-            name: csv,
-            what: "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
-            coordinates: Coordinates::Degrees,
-            counted: "points",
-            measured: "difference_m",
-            summary: points,
-            regardless_of: &REGARDLESS_OF,
-        },
-    ];
-    Ok((made, record.reference.inputs))
+/// Writes `comparison.json`.
+pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let (survey, products) = (results.survey, results.products);
+    let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
+    let inputs = results.reference_inputs()?;
+    let record = ComparisonRecord::new(survey, products, agreement, inputs)?;
+    write_json(path, &record)?;
+    let summary = Summary {
+        count: agreement.differences.len(),
+        ..Summary::default()
+    };
+    Ok(FileContent::new(Coordinates::None, summary))
+}
+
+/// Writes `comparison.csv`.
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
+    write_differences(path, results.survey, results.products, agreement)
+        .map(|points| FileContent::new(Coordinates::Degrees, points))
 }

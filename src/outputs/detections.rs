@@ -1,9 +1,16 @@
-//! Searches a survey for objects and writes what was found.
+//! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
 
-use super::record::{Coordinates, Made};
+use super::record::{Coordinates, FileContent};
+use super::registry::{When, row_of};
+use super::results::Results;
+use super::run_folder::RunFolder;
+use super::write::{Order, write_rows};
 use crate::detection::targets::{GroupSettings, Sighting, group};
-use crate::detection::{Detection, DetectorSettings, Mark, Model, Raster, find, review::State};
-use crate::export::{self, ObjectRow, Summary};
+use crate::detection::{
+    Detection, DetectorSettings, Mark, Model, Picture, Raster, Scored, find_in_picture,
+    review::State,
+};
+use crate::export::{self, ExportError, ObjectRow, Summary};
 use crate::pipeline::{Placing, Products};
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -18,67 +25,77 @@ pub struct Proposed {
     pub objects: usize,
     /// Boxes whose place in the world cannot be known, and so neither whose object they show.
     pub unplaced: usize,
-    /// The boxes whose place is known, and the extent of these places in degrees.
-    pub placed: Summary,
-}
-
-/// Searches the survey and writes `detections.csv`, `.geojson` and `.gpx` and `chips/` with a picture of each box into a folder that
-/// exists.
-///
-/// # Errors
-/// A sentence that names the file, or says that the work was cancelled.
-pub fn write_detections(
-    survey: &Survey,
-    products: &Products,
-    model: &Model,
-    settings: &DetectorSettings,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<Proposed, String> {
-    let navigation = &products.navigation;
-    let mut found = find(survey, navigation, model, settings, progress, |_| ())
-        .map_err(|error| error.to_string())?;
-    found.retain(|one| !is_left_out(products, &one.mark));
-    let raster = Raster::new(survey, navigation, model.pixel_m());
-    let rows = proposed_rows(survey, products, model.names(), &found);
-    export::chips(folder, survey, &raster, model.names(), &found, progress)
-        .map_err(|error| error.to_string())?;
-    export::objects_csv(&folder.join("detections.csv"), survey, &rows)
-        .and_then(|()| export::objects_geojson(&folder.join("detections.geojson"), &rows))
-        .and_then(|()| export::objects_gpx(&folder.join("detections.gpx"), &rows))
-        .map_err(|error| error.to_string())?;
-    let (objects, unplaced, placed) = (objects_in(&rows), unplaced_in(&rows), placed_in(&rows));
-    Ok(Proposed {
-        boxes: found,
-        objects,
-        unplaced,
-        placed,
-    })
 }
 
 impl Proposed {
-    /// What [`write_detections`] wrote of it, without the chips.
-    pub fn made(&self) -> Vec<Made> {
-        let in_table = Summary {
-            count: self.boxes.len(),
-            ..self.placed
+    /// What the search of a run found; `None` where none searched.
+    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, String> {
+        let Some((rows, boxes)) = rows(results)?.zip(results.found()?) else {
+            return Ok(None);
         };
-        let files = [
-            ("detections.csv", in_table),
-            ("detections.geojson", self.placed),
-            ("detections.gpx", self.placed),
-        ];
-        let made = files.map(|(name, summary)| Made {
-            name,
-            what: "Boxes that the detector proposes, not reviewed",
-            coordinates: Coordinates::Degrees,
-            counted: "boxes",
-            measured: "",
-            summary,
-            regardless_of: &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"],
-        });
-        made.into()
+        Ok(Some(Self {
+            boxes: boxes.to_vec(),
+            // Objects are numbered from 1 on.
+            objects: rows.iter().filter_map(|row| row.object).max().unwrap_or(0),
+            unplaced: rows.iter().filter(|row| row.object.is_none()).count(),
+        }))
     }
+}
+
+/// Searches a survey and writes what is found, without records.
+///
+/// # Errors
+/// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
+pub fn write_detected(
+    survey: &Survey,
+    products: &Products,
+    model: &Model,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<Proposed, String> {
+    let order = Order {
+        survey,
+        products,
+        wanted: &[],
+        reference: None,
+        search: Some(model),
+        review: None,
+    };
+    let mut results = Results::new(&order, progress)?;
+    let searched = |when| when == When::Searched;
+    write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
+    let found = Proposed::of(&results)?;
+    run.commit_group(is_of_search)?;
+    found.ok_or_else(|| "nothing searched for objects".to_owned())
+}
+
+/// The same for a picture of another program, by its name in the table.
+///
+/// # Errors
+/// As [`write_detected`].
+pub fn write_detected_in_picture(
+    name: &str,
+    picture: &Picture,
+    model: &Model,
+    settings: &DetectorSettings,
+    run: RunFolder,
+    progress: &Progress,
+) -> Result<Vec<Scored>, String> {
+    let found =
+        find_in_picture(picture, model, settings, progress).map_err(|error| error.to_string())?;
+    let folder = run.path();
+    export::picture_chips(&folder, picture, model.names(), &found)
+        .and_then(|_| {
+            let table = folder.join("detections.csv");
+            export::picture_boxes_csv(&table, name, model.names(), &found)
+        })
+        .map_err(|error| error.to_string())?;
+    run.commit_group(is_of_search)?;
+    Ok(found)
+}
+
+fn is_of_search(name: &str) -> bool {
+    row_of(name).is_some_and(|row| row.when == When::Searched)
 }
 
 /// Whether the middle of a box lies in a stretch that is left out.
@@ -87,15 +104,49 @@ pub(super) fn is_left_out(products: &Products, mark: &Mark) -> bool {
     products.left_out.ping(middle).is_some()
 }
 
-/// Objects are numbered from 1 on.
-fn objects_in(rows: &[ObjectRow<'_>]) -> usize {
-    rows.iter().filter_map(|row| row.object).max().unwrap_or(0)
+/// Writes `detections.csv`.
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let rows = rows(results)?.unwrap_or_default();
+    let placed = placed_in(&rows);
+    let summary = Summary {
+        count: rows.len(),
+        ..placed
+    };
+    content(summary, export::objects_csv(path, results.survey, &rows))
 }
 
-fn unplaced_in(rows: &[ObjectRow<'_>]) -> usize {
-    rows.iter().filter(|row| row.object.is_none()).count()
+/// Writes `detections.geojson`.
+pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let rows = rows(results)?.unwrap_or_default();
+    content(placed_in(&rows), export::objects_geojson(path, &rows))
 }
 
+/// Writes `detections.gpx`.
+pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let rows = rows(results)?.unwrap_or_default();
+    content(placed_in(&rows), export::objects_gpx(path, &rows))
+}
+
+/// Writes `chips`, a folder with a picture of each box.
+pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let (survey, products, progress) = (results.survey, results.products, results.progress);
+    let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
+        return Err("nothing searched for objects".to_owned());
+    };
+    let raster = Raster::new(survey, &products.navigation, model.pixel_m());
+    let folder = path.parent().unwrap_or(path);
+    export::chips(folder, survey, &raster, model.names(), found, progress)
+        .map_err(|error| error.to_string())?;
+    Ok(FileContent::new(Coordinates::None, Summary::default()))
+}
+
+fn content(summary: Summary, written: Result<(), ExportError>) -> Result<FileContent, String> {
+    written
+        .map(|()| FileContent::new(Coordinates::Degrees, summary))
+        .map_err(|error| error.to_string())
+}
+
+/// The places of the boxes, counted.
 fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
     let mut summary = Summary::default();
     for target in rows.iter().filter_map(|row| row.target.as_ref()) {
@@ -103,6 +154,14 @@ fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
         summary.add([at.lon_deg, at.lat_deg], f64::NAN);
     }
     summary
+}
+
+/// The rows of what a model found; `None` where none searched.
+fn rows<'a>(results: &'a Results<'_>) -> Result<Option<Vec<ObjectRow<'a>>>, String> {
+    let found = results.order.search.zip(results.found()?);
+    Ok(found.map(|(model, found)| {
+        proposed_rows(results.survey, results.products, model.names(), found)
+    }))
 }
 
 /// The rows of the tables of what was found; boxes of the same object share its number.

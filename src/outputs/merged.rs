@@ -4,20 +4,20 @@
 //! of the first log. So the memory holds one log at a time, and fifty bytes for each point of the others.
 
 use super::Product;
-use super::depth::write_depth;
-use super::record::write_record;
+use super::record::{write_json, write_record};
+use super::registry::When;
+use super::results::Results;
 use super::run_folder::RunFolder;
+use super::write::{Order, write_rows};
 use crate::bathymetry::compare::{Comparison, Matching, Reference};
 use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
 use crate::calibration::Calibration;
 use crate::cloud::{CloudPoint, PointCloud, Residuals};
-use crate::export;
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Fingerprint, Input, Products, Report, Settings};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Projection, Survey, Track};
 use serde::Serialize;
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -176,23 +176,33 @@ impl Merged {
             ..products.clone()
         };
         let maps = [Product::Depth, Product::Xyz, Product::Isobaths];
-        let maps: Vec<Product> = maps
-            .into_iter()
-            .filter(|map| wanted.contains(map))
-            .collect();
         let folder = run.path();
-        let written = write_depth(&survey, &all, &maps, &folder, progress)?;
+        let order = Order {
+            survey: &survey,
+            products: &all,
+            wanted,
+            reference: None,
+            search: None,
+            review: None,
+        };
+        let mut results = Results::new(&order, progress)?;
+        let asked = |when| {
+            let of = |map: &Product| wanted.contains(map) && when == When::Chosen(*map);
+            maps.iter().any(of)
+        };
+        let written = write_rows(&mut results, &folder, asked, &mut |_| ())?;
+        drop(results);
         drop(all);
         let mut report = report.clone();
         report.name_run(run.files(progress)?)?;
-        for made in &written.made {
-            write_record(made, &report, &folder)?;
+        for (row, content) in &written.files {
+            write_record(row, content, &report, &[], &folder)?;
         }
         report.files = run.files(progress)?;
         report.warnings.clone_from(&written.warnings);
         self.write_agreement(report, &run, progress)?;
         run.commit("merged.json")?;
-        let files = written.made.iter().map(|made| made.name);
+        let files = written.files.iter().map(|(row, _)| row.name);
         Ok((files.chain(["merged.json"]).collect(), written.warnings))
     }
 
@@ -217,12 +227,7 @@ impl Merged {
             run: &report.run,
             files: report.files.clone(),
         };
-        export::write_aside(&run.path().join("merged.json"), |mut file| {
-            let text = serde_json::to_vec_pretty(&record)?;
-            file.write_all(&text)?;
-            file.write_all(b"\n")
-        })
-        .map_err(|error| error.to_string())
+        write_json(&run.path().join("merged.json"), &record)
     }
 
     fn against_the_others(

@@ -1,35 +1,43 @@
 //! What is written of a survey: one run, the same from the window and the command line.
 //!
-//! `write` makes all files of a run, `run_folder` puts them in place together; `detected` those of a search alone; `overwrite` keeps them from
-//! taking the place of what they are made from. `clouds` writes the files of points, `track` those of the boat's way, `depth` the
-//! depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the side-scan mosaic,
-//! `detections` what a search proposes; `record` is what lies beside each file. `boxes` writes what was decided about boxes,
-//! `lessons` as pictures for training, `merged` the depth map of several logs.
+//! `registry` has a row for each file; `write` makes all files of a run from `results`, `run_folder` puts them in place together,
+//! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
+//! out of date. `clouds` writes the files of points, `track` those of the
+//! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
+//! side-scan mosaic, `detections` what a search proposes, `page` the report; `record` is what lies beside each file. `boxes` writes
+//! what was decided about boxes, `lessons` as pictures for training, `merged` the depth map of several logs.
 
 mod boxes;
 mod clouds;
 mod comparison;
 mod depth;
-mod detected;
 mod detections;
+mod earlier_run;
 mod lessons;
 mod merged;
 mod mosaic;
 mod overwrite;
+mod page;
 mod product;
 mod record;
+mod registry;
 mod residuals;
+mod results;
 mod run_folder;
 mod track;
 mod write;
 
 pub use boxes::{BoxesWritten, write_boxes};
 pub use comparison::{ComparisonRecord, write_differences};
-pub use detected::{write_detected, write_detected_in_picture};
-pub use detections::Proposed;
+pub use detections::{Proposed, write_detected, write_detected_in_picture};
+pub use earlier_run::EarlierRun;
 pub use merged::Merged;
-pub use mosaic::{MosaicWritten, write_mosaic};
-pub use overwrite::refuse_overwrite;
-pub use product::Product;
+pub use overwrite::begin;
+pub use product::{Product, files_in_words};
+pub use registry::{Described, OUTPUT_FILES, OutputFile, When, row_of};
+pub use results::Need;
 pub use run_folder::RunFolder;
-pub use write::{Order, Searched, Written, write};
+pub use write::{Order, Written, write};
+
+/// The file that names all files of a run, in place last.
+pub const MANIFEST: &str = "report.json";

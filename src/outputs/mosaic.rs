@@ -1,57 +1,56 @@
 //! Writes the side-scan mosaic.
 
-use super::record::{Coordinates, Made};
+use super::record::{Coordinates, FileContent};
+use super::results::Results;
 use crate::bathymetry::Grid;
 use crate::export::{RasterError, Summary, geotiff};
 use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::geo::MapPlane;
-use crate::mosaic::{Colours, TILE_CELLS, gain_table, tile};
-use crate::pipeline::{Products, map_plane, mosaic_layout};
-use crate::progress::Progress;
+use crate::mosaic::{Colours, Layout, TILE_CELLS, gain_table, tile};
+use crate::pipeline::mosaic_layout;
 use crate::survey::Survey;
 use std::path::Path;
 
 /// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
 const MOST_TILES: usize = 1_000_000;
 
-/// What became of the mosaic.
-#[derive(Clone, Debug)]
-pub enum MosaicWritten {
-    /// The file.
-    File(Box<Made>),
-    /// Why there is none, in a sentence.
-    None(String),
+/// Echoes at their place on the map.
+pub struct Placed {
+    layout: Layout,
+    grid: Grid,
 }
 
-/// Writes `mosaic.tif` into a folder that exists: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band
-/// of levels with a mask, or colours with opacity. Memory does not grow with the area.
-///
-/// The error is one sentence: the file cannot be written, or the work was cancelled.
-pub fn write_mosaic(
-    survey: &Survey,
-    products: &Products,
-    folder: &Path,
-    progress: &Progress,
-) -> Result<MosaicWritten, String> {
-    let settings = &products.settings.mosaic;
-    let map = map_plane(survey, &products.settings)?;
-    let layout = mosaic_layout(survey, products, &map);
-    let Some(grid) = layout.grid(settings.cell_m) else {
-        let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
-        return Ok(MosaicWritten::None(why.into()));
-    };
-    let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
-    if down.saturating_mul(across) > MOST_TILES {
-        return Ok(MosaicWritten::None(format!(
-            "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
-            grid.columns, grid.rows
-        )));
+impl Placed {
+    /// Where the echoes of a survey lie; why they cannot be drawn.
+    pub fn new(results: &Results<'_>) -> Result<Self, String> {
+        let layout = mosaic_layout(results.survey, results.products, &results.plane.map);
+        let Some(grid) = layout.grid(results.products.settings.mosaic.cell_m) else {
+            return Err(
+                "no mosaic: no ping has side-scan, a place, a heading and an altitude".to_owned(),
+            );
+        };
+        let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
+        if down.saturating_mul(across) > MOST_TILES {
+            return Err(format!(
+                "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
+                grid.columns, grid.rows
+            ));
+        }
+        Ok(Self { layout, grid })
     }
-    let index = layout.index(&grid);
-    let gain = gain_table(survey, &layout, progress).map_err(|error| error.to_string())?;
+}
+
+/// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band of levels with a mask, or colours
+/// with opacity. Memory does not grow with the area.
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let (survey, progress) = (results.survey, results.progress);
+    let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
+    let Placed { layout, grid } = results.mosaic()?.as_ref()?;
+    let index = layout.index(grid);
+    let gain = gain_table(survey, layout, progress).map_err(|error| error.to_string())?;
     let tiles: Vec<[usize; 2]> = index.tiles().map(|(row, column)| [row, column]).collect();
     let draw = |place: [usize; 2]| {
-        let drawn = tile(survey, &layout, &grid, &index, &gain, settings, place);
+        let drawn = tile(survey, layout, grid, &index, &gain, settings, place);
         let levels = drawn.levels.iter();
         match settings.colours {
             Colours::Grey => drawn.levels,
@@ -60,14 +59,13 @@ pub fn write_mosaic(
                 .collect(),
         }
     };
-    let name = "mosaic.tif";
-    let spec = spec(&grid, &map, survey, settings.colours);
-    geotiff(&folder.join(name), &spec, &tiles, draw, progress)
-        .map_err(|error: RasterError| error.to_string())?;
-    Ok(MosaicWritten::File(Box::new(made(name, &grid, &map))))
+    let spec = spec(grid, map, survey, settings.colours);
+    geotiff(path, &spec, &tiles, draw, progress).map_err(|error: RasterError| error.to_string())?;
+    let system = Coordinates::System(map.crs.clone());
+    Ok(FileContent::new(system, summary(grid, map)))
 }
 
-fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
+fn summary(grid: &Grid, map: &MapPlane) -> Summary {
     let mut summary = Summary {
         count: grid.len(),
         ..Summary::default()
@@ -78,25 +76,7 @@ fn made(name: &'static str, grid: &Grid, map: &MapPlane) -> Made {
     );
     summary.reach(map.in_crs([grid.west_m, grid.north_m]));
     summary.reach(map.in_crs([grid.west_m + width_m, grid.north_m - height_m]));
-    Made {
-        name,
-        what: "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was heard",
-        coordinates: Coordinates::System(map.crs.clone()),
-        counted: "cells",
-        measured: "",
-        summary,
-        regardless_of: &[
-            "cloud",
-            "detector",
-            "draft_m",
-            "height_offset_m",
-            "isobaths",
-            "outliers",
-            "surface",
-            "water_level",
-            "water_level_m",
-        ],
-    }
+    summary
 }
 
 /// What a cell of a grey mosaic holds.

@@ -1,23 +1,53 @@
 //! No file is written over one that it is made from.
 
-use super::run_folder::STEMS;
+use super::registry::OUTPUT_FILES;
+use super::run_folder::{MANIFESTS, RunFolder};
+use super::write::Order;
 use crate::export::is_same_file;
-use crate::pipeline::Products;
+use crate::pipeline::Reference;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
+
+/// Whether a run may write a file whose name, without its ending, is this one.
+pub(super) fn is_stem_of_output(stem: &str) -> bool {
+    let stems = OUTPUT_FILES.iter().map(|row| row.stem());
+    let manifests = MANIFESTS.iter().map(|name| name.trim_end_matches(".json"));
+    stems
+        .chain(manifests)
+        .any(|one| one.eq_ignore_ascii_case(stem))
+}
 
 /// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
 /// survey is compared with.
 ///
 /// # Errors
 /// A sentence that names the input.
-pub fn refuse_overwrite<'a>(
-    mut inputs: impl Iterator<Item = &'a Path>,
+pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), String> {
+    let gauge = order.products.correction.gauge().map(|gauge| &gauge.path);
+    let files = order.survey.source.files.iter().chain(gauge);
+    let reference = order.reference.map(|(reference, _)| reference.path());
+    refuse(files.map(PathBuf::as_path).chain(reference), folder)
+}
+
+/// Gets a folder ready for the files of a survey, before the work that they take: a folder that cannot be written into, or in which a file
+/// would be written over the survey or what it is to be compared with, should not cost minutes first.
+///
+/// # Errors
+/// A sentence that names the folder or the input.
+pub fn begin(
     folder: &Path,
-) -> Result<(), String> {
+    survey: &Survey,
+    reference: Option<&Reference>,
+) -> Result<RunFolder, String> {
+    let files = survey.source.files.iter().map(PathBuf::as_path);
+    refuse(files.chain(reference.map(Reference::path)), folder)?;
+    RunFolder::begin(folder)
+}
+
+fn refuse<'a>(mut inputs: impl Iterator<Item = &'a Path>, folder: &Path) -> Result<(), String> {
     let at_risk = |input: &&Path| {
-        let stem = input.file_stem().unwrap_or_default();
-        STEMS.iter().any(|name| stem.eq_ignore_ascii_case(name))
+        let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+        is_stem_of_output(&stem)
             && (input.file_name()).is_some_and(|name| is_same_file(&folder.join(name), input))
     };
     match inputs.find(at_risk) {
@@ -27,14 +57,4 @@ pub fn refuse_overwrite<'a>(
         )),
         None => Ok(()),
     }
-}
-
-/// The files that a survey and its corrections were read from.
-pub(super) fn inputs<'a>(
-    survey: &'a Survey,
-    products: &'a Products,
-) -> impl Iterator<Item = &'a Path> {
-    let gauge = products.correction.gauge().map(|gauge| &gauge.path);
-    let files = survey.source.files.iter().chain(gauge);
-    files.map(PathBuf::as_path)
 }

@@ -1,26 +1,28 @@
 //! What `bathyscope process --products` chooses from.
 
+use super::registry::{OUTPUT_FILES, OutputFile, When};
+use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
 /// A group of files that `bathyscope process --products` chooses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Product {
-    /// cloud.laz, cloud.ply, cloud.xyz
+    /// The kept points.
     Cloud,
-    /// track.gpx, .geojson, .kmz, .shp; footprint.geojson, .kmz
+    /// The way of the boat, and the ground that it covers.
     Track,
-    /// depth.tif, uncertainty.tif, distance.tif, each with its colours for QGIS (.qml)
+    /// The depth map as rasters.
     Depth,
-    /// depth.xyz: a line of text for each cell
+    /// The depth map as text.
     Xyz,
-    /// isobaths.geojson, .kmz, .shp; depth_areas.geojson, storage.csv
+    /// Lines of equal depth, the areas between them and what lies below each.
     Isobaths,
-    /// mosaic.tif
+    /// The side-scan mosaic.
     Mosaic,
-    /// residuals.json
+    /// How the depths agree.
     Residuals,
-    /// report.html, which shows what was made
+    /// The page that shows what was made.
     Report,
 }
 
@@ -37,14 +39,58 @@ impl Product {
         Product::Report,
     ];
 
-    /// The name that `--products` knows, and the files.
-    pub fn told(self) -> (String, String) {
-        let value = clap::ValueEnum::to_possible_value(&self);
-        let files = value.as_ref().and_then(|value| value.get_help());
-        let files = files.map(ToString::to_string).unwrap_or_default();
-        (
-            value.map_or_else(String::new, |value| value.get_name().to_owned()),
-            files,
-        )
+    /// The name that `--products` knows.
+    pub fn name(self) -> &'static str {
+        match self {
+            Product::Cloud => "cloud",
+            Product::Track => "track",
+            Product::Depth => "depth",
+            Product::Xyz => "xyz",
+            Product::Isobaths => "isobaths",
+            Product::Mosaic => "mosaic",
+            Product::Residuals => "residuals",
+            Product::Report => "report",
+        }
+    }
+
+    /// Its files: `track.gpx, .geojson; footprint.geojson`.
+    pub fn files(self) -> String {
+        let rows = OUTPUT_FILES.iter();
+        files_in_words(rows.filter(|row| row.when == When::Chosen(self)))
+    }
+}
+
+/// The names of some files: `track.gpx, .geojson; footprint.geojson`. What belongs to a shapefile goes without saying.
+pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
+    let with_colours = |row: &'a OutputFile| {
+        let colours = row.companions.iter().filter(|name| name.ends_with(STYLE));
+        std::iter::once(row.name).chain(colours.copied())
+    };
+    let (mut words, mut stem_before) = (String::new(), "");
+    for name in rows.flat_map(with_colours) {
+        let (stem, ending) = name.split_at(name.find('.').unwrap_or(name.len()));
+        words += &match (words.is_empty(), stem == stem_before) {
+            (true, _) => name.to_owned(),
+            (false, true) => format!(", {ending}"),
+            (false, false) => format!("; {name}"),
+        };
+        stem_before = stem;
+    }
+    if words.contains(STYLE) {
+        words += " (colours for QGIS)";
+    }
+    words
+}
+
+/// The ending of a style for QGIS.
+const STYLE: &str = ".qml";
+
+impl clap::ValueEnum for Product {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.files()))
     }
 }

@@ -1,5 +1,6 @@
 //! The record beside a product: `depth.tif.json` tells where `depth.tif` comes from and how far it goes.
 
+use super::registry::OutputFile;
 use crate::export::{self, Summary};
 use crate::geo::{Crs, LonLat};
 use crate::pipeline::{Input, Report};
@@ -21,34 +22,37 @@ pub enum Coordinates {
     None,
 }
 
-/// A product that was written.
+/// What a file holds.
 #[derive(Clone, Debug)]
-pub struct Made {
-    /// Its file.
-    pub name: &'static str,
-    /// What it is, in a sentence without its full stop.
-    pub what: &'static str,
+pub struct FileContent {
     /// What its coordinates are.
     pub coordinates: Coordinates,
-    /// What is counted: `points`.
-    pub counted: &'static str,
-    /// What is measured, with its unit: `depth_m`; empty where nothing is.
-    pub measured: &'static str,
     /// How much it holds.
     pub summary: Summary,
-    /// Settings, by their first word, that have nothing to do with it.
-    pub regardless_of: &'static [&'static str],
+    /// What is to be said of it besides, with the comma before it.
+    pub detail: &'static str,
+}
+
+impl FileContent {
+    /// Content in some coordinates.
+    pub fn new(coordinates: Coordinates, summary: Summary) -> Self {
+        Self {
+            coordinates,
+            summary,
+            detail: "",
+        }
+    }
 }
 
 #[derive(Serialize)]
 struct Record<'a> {
     product: &'static str,
-    what: &'static str,
+    what: String,
     program: &'a str,
     run: &'a str,
     bytes: Option<u64>,
     sha256: Option<&'a str>,
-    inputs: &'a [Input],
+    inputs: Vec<Input>,
     start_unix_s: Option<f64>,
     crs: Value,
     extent: Value,
@@ -59,43 +63,61 @@ struct Record<'a> {
     statement: &'a str,
 }
 
-/// Writes the record of a product beside it, as `NAME.json`. The report names the run, and the product among its files.
+/// Writes the record of a file beside it, as `NAME.json`; nothing for a file that has none. The report names the run, and the file
+/// among its files.
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn write_record(made: &Made, report: &Report, folder: &Path) -> Result<(), String> {
+pub fn write_record(
+    row: &OutputFile,
+    content: &FileContent,
+    report: &Report,
+    more_inputs: &[Input],
+    folder: &Path,
+) -> Result<(), String> {
+    let (Some(described), Some(name)) = (row.record, row.record_name()) else {
+        return Ok(());
+    };
     let Summary {
         count,
         extent,
         values,
-    } = made.summary;
+    } = content.summary;
     let extent = extent.map(|[[west, east], [south, north]]| {
         json!({ "west": west, "south": south, "east": east, "north": north })
     });
-    let values = values.filter(|_| !made.measured.is_empty());
-    let file = report.files.iter().find(|file| file.file == made.name);
+    let values = values.filter(|_| !described.measured.is_empty());
+    let file = report.files.iter().find(|file| file.file == row.name);
     let record = Record {
-        product: made.name,
-        what: made.what,
+        product: row.name,
+        what: format!("{}{}", described.what, content.detail),
         program: &report.program,
         run: &report.run,
         bytes: file.map(|file| file.bytes),
         sha256: file.map(|file| file.sha256.as_str()),
-        inputs: &report.inputs,
+        inputs: [report.inputs.as_slice(), more_inputs].concat(),
         start_unix_s: report.start_unix_s,
-        crs: coordinates(&made.coordinates),
+        crs: coordinates(&content.coordinates),
         extent: extent.unwrap_or(Value::Null),
-        count: Map::from_iter([(made.counted.to_owned(), json!(count))]),
+        count: Map::from_iter([(described.counted.to_owned(), json!(count))]),
         values: values.map_or(
             Value::Null,
-            |[least, most]| json!({ "of": made.measured, "least": least, "most": most }),
+            |[least, most]| json!({ "of": described.measured, "least": least, "most": most }),
         ),
         preset: report.preset,
-        settings: bearing(report, made.regardless_of)?,
+        settings: bearing(report, row.regardless_of)?,
         statement: &report.statement,
     };
-    export::write_aside(&folder.join(format!("{}.json", made.name)), |mut file| {
-        let text = serde_json::to_vec_pretty(&record)?;
+    write_json(&folder.join(name), &record)
+}
+
+/// Writes a record, indented, with a line's end.
+///
+/// # Errors
+/// A sentence that names the file.
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), String> {
+    export::write_aside(path, |mut file| {
+        let text = serde_json::to_vec_pretty(record)?;
         file.write_all(&text)?;
         file.write_all(b"\n")
     })

@@ -19,25 +19,6 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Names of the files of a run without their endings.
-pub const STEMS: [&str; 16] = [
-    "cloud",
-    "comparison",
-    "depth",
-    "depth_areas",
-    "detections",
-    "distance",
-    "first_returns",
-    "footprint",
-    "isobaths",
-    "merged",
-    "mosaic",
-    "report",
-    "residuals",
-    "storage",
-    "track",
-    "uncertainty",
-];
 /// The side folder. One name for all runs: whoever comes next finds what the one before left.
 const SIDE: &str = ".bathyscope-run";
 /// In it: the files on their way.
@@ -47,7 +28,7 @@ const LOCK: &str = "lock";
 /// In it: what is to be renamed and removed. Where it is, the run is decided.
 const JOURNAL: &str = "commit.json";
 /// Files that name what belongs to a run with them. At most one of them is in a folder.
-const MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
+pub(super) const MANIFESTS: [&str; 2] = [super::MANIFEST, "merged.json"];
 
 /// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as it was.
 #[derive(Debug)]

@@ -1,32 +1,20 @@
 //! All files of a run.
 
-use super::boxes::reviewed_rows;
-use super::clouds::{write_clouds, write_tables};
-use super::comparison::write_comparison;
-use super::depth::write_depth;
-use super::detections::{Proposed, proposed_rows, write_detections};
-use super::mosaic::{MosaicWritten, write_mosaic};
-use super::overwrite::{inputs, refuse_overwrite};
+use super::detections::Proposed;
+use super::overwrite::refuse_overwrite;
 use super::product::Product;
-use super::record::{Made, write_record};
+use super::record::{FileContent, write_json, write_record};
+use super::registry::{OUTPUT_FILES, OutputFile, When, Writer};
+use super::results::{Missing, Need, Results};
 use super::run_folder::RunFolder;
-use super::track::write_track;
-use crate::bathymetry::Surface;
 use crate::bathymetry::compare::Matching;
-use crate::detection::review::{Review, State};
+use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
-use crate::export::{ObjectRow, write_aside};
-use crate::geo::MapPlane;
-use crate::handover::{self, Handover, Objects};
-use crate::pipeline::{self, Agreement, Input, NamedComparison, Products, Reference, Report};
+use crate::pipeline::{Products, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
-
-/// The manifest of a run, in place last.
-const REPORT: &str = "report.json";
 
 /// What is to be written.
 pub struct Order<'a> {
@@ -38,18 +26,23 @@ pub struct Order<'a> {
     pub wanted: &'a [Product],
     /// What the depths are compared with besides, and how a point finds its reference.
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
-    /// Where boxes come from.
-    pub boxes: Searched<'a>,
+    /// What searches for objects: they are written as `detections.*` and `chips`.
+    pub search: Option<&'a Model>,
+    /// Boxes that were found before and decided about: the report shows them, before those of a search.
+    pub review: Option<(&'a Review, &'a Raster)>,
 }
 
-/// Where boxes of objects come from.
-pub enum Searched<'a> {
-    /// Nobody searched.
-    Not,
-    /// They are to be found by a model, and written as `detections.*` and `chips`.
-    By(&'a Model),
-    /// They were found before and decided about; the report shows them.
-    Reviewed(&'a Review, &'a Raster),
+impl Order<'_> {
+    /// Whether files that are written at such a time are to be written.
+    pub(super) fn asks_for(&self, when: When) -> bool {
+        match when {
+            When::Always => true,
+            When::Chosen(product) => self.wanted.contains(&product),
+            When::Compared => self.reference.is_some(),
+            // Without side-scan there is nothing to search.
+            When::Searched => self.search.is_some() && self.survey.has_side_scan(),
+        }
+    }
 }
 
 /// What was written.
@@ -81,22 +74,29 @@ impl Written {
     }
 }
 
-/// What has been written so far.
-struct Writing<'a> {
-    order: &'a Order<'a>,
-    folder: &'a Path,
-    progress: &'a Progress,
-    map: MapPlane,
-    report: Report,
-    /// Each with the files that it was made from besides the survey's.
-    made: Vec<(Made, Vec<Input>)>,
-    surface: Option<Surface>,
-    comparisons: Vec<NamedComparison>,
-    found: Option<Proposed>,
+/// A run whose files are being written.
+pub(super) struct Run<'a> {
+    pub results: Results<'a>,
+    pub report: Report,
+    /// Made of the results so far.
+    written: Vec<&'static OutputFile>,
+    folder: &'a RunFolder,
 }
 
-/// Writes `first_returns.csv`, `cloud.csv`, the wanted products, what differs from the reference, the boxes that are found, a record
-/// of each, `report.html` and `report.json`, and puts them in the place of an earlier run's files.
+impl Run<'_> {
+    /// What is in the folder in the end, as the page lists it: folders last.
+    pub fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
+        let manifest = OUTPUT_FILES
+            .iter()
+            .filter(|row| row.name == super::MANIFEST);
+        let (folders, files): (Vec<_>, Vec<_>) =
+            (self.written.iter().copied()).partition(|row| !row.name.contains('.'));
+        files.into_iter().chain(manifest).chain(folders)
+    }
+}
+
+/// Writes every file of the registry that is asked for, a record of each, `report.html` and `report.json`, and puts them in the place of
+/// an earlier run's files.
 ///
 /// `on_step` is told what comes next.
 ///
@@ -104,265 +104,139 @@ struct Writing<'a> {
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
 pub fn write(
     order: &Order<'_>,
-    run: RunFolder,
+    folder: RunFolder,
     progress: &Progress,
     mut on_step: impl FnMut(&'static str),
 ) -> Result<Written, String> {
-    on_step("writing");
-    let Order {
-        survey, products, ..
-    } = *order;
     // Before the work: a system that does not fit should not cost a hash of all inputs first.
-    let map = pipeline::map_plane(survey, &products.settings)?;
-    refuse_overwrite(inputs(survey, products), run.destination())?;
-    let folder = run.path();
-    let mut writing = Writing {
-        order,
+    let results = Results::new(order, progress)?;
+    refuse_overwrite(order, folder.destination())?;
+    let path = folder.path();
+    let mut run = Run {
+        report: Report::new(order.survey, order.products, progress).map_err(in_words)?,
+        results,
+        written: Vec::new(),
         folder: &folder,
-        progress,
-        map,
-        report: Report::new(survey, products, progress).map_err(in_words)?,
-        made: Vec::new(),
-        surface: None,
-        comparisons: Vec::new(),
-        found: None,
     };
-    writing.points(&mut on_step)?;
-    writing.maps(&mut on_step)?;
-    writing.comparison(&mut on_step)?;
-    writing.detections(&mut on_step)?;
+    let asked = |when| order.asks_for(when);
+    let made = write_rows(&mut run.results, &path, asked, &mut on_step)?;
+    run.report.warnings.extend(made.warnings);
     on_step("records");
-    writing.report.name_run(run.files(progress)?)?;
-    writing.records()?;
-    writing.page(&mut on_step)?;
-    let Writing {
-        mut report,
-        made,
-        found,
-        ..
-    } = writing;
-    report.files = run.files(progress)?;
-    write_report(&report, &folder)?;
-    let mut files: Vec<&'static str> = made.iter().map(|(made, _)| made.name).collect();
-    files.extend(found.as_ref().map(|_| "chips"));
-    files.extend(
-        order
-            .wanted
-            .contains(&Product::Report)
-            .then_some(handover::NAME),
-    );
-    files.push(REPORT);
+    run.report.name_run(folder.files(progress)?)?;
+    for (row, content) in &made.files {
+        progress.check().map_err(in_words)?;
+        let of_reference = row.needs.contains(&Need::Reference);
+        let more = match of_reference {
+            true => run.results.reference_inputs()?,
+            false => &[],
+        };
+        write_record(row, content, &run.report, more, &path)?;
+    }
+    run.written = made.files.iter().map(|(row, _)| *row).collect();
+    if asked(When::Chosen(Product::Report)) {
+        on_step("report");
+    }
+    let mut files: Vec<&'static str> = run.written.iter().map(|row| row.name).collect();
+    for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
+        if let Writer::Run(write) = row.writer {
+            write(&mut run, &path.join(row.name))?;
+            files.push(row.name);
+        }
+    }
+    let found = match asked(When::Searched) {
+        true => Proposed::of(&run.results)?,
+        false => None,
+    };
+    let report = run.report;
+    drop(run.results);
     Ok(Written {
         files,
-        removed: run.commit(REPORT)?,
+        removed: folder.commit(super::MANIFEST)?,
         report,
         found,
     })
+}
+
+/// Files that were made of results, and why others were not.
+pub(super) struct MadeFiles {
+    pub files: Vec<(&'static OutputFile, FileContent)>,
+    pub warnings: Vec<String>,
+}
+
+/// Writes the files that are made of the results alone, as far as they are asked for and possible.
+pub(super) fn write_rows(
+    results: &mut Results<'_>,
+    folder: &Path,
+    asked: impl Fn(When) -> bool,
+    on_step: &mut impl FnMut(&'static str),
+) -> Result<MadeFiles, String> {
+    let mut made = MadeFiles {
+        files: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let mut group = None;
+    for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
+        let Writer::Results(write) = row.writer else {
+            continue;
+        };
+        results.progress.check().map_err(in_words)?;
+        let before = group.replace(row.when);
+        if before.is_some() && before != group {
+            results.end_group();
+        }
+        if before.map(step) != group.map(step) {
+            on_step(step(row.when));
+        }
+        match first_missing(row, results)? {
+            None => made
+                .files
+                .push((row, write(results, &folder.join(row.name))?)),
+            Some(Missing(why)) => {
+                let new = why.filter(|why| !made.warnings.contains(why));
+                made.warnings.extend(new);
+            }
+        }
+    }
+    results.end_group();
+    if asked(When::Compared) {
+        let notes = results.order.reference.iter();
+        made.warnings
+            .extend(notes.flat_map(|(reference, _)| reference.notes.iter().cloned()));
+    }
+    Ok(made)
+}
+
+/// The first thing that a file cannot be made without.
+fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missing>, String> {
+    for &need in row.needs {
+        if let Some(missing) = results.missing(need)? {
+            return Ok(Some(missing));
+        }
+    }
+    Ok(None)
+}
+
+/// What is done while the files of a group are written.
+fn step(when: When) -> &'static str {
+    match when {
+        When::Always | When::Chosen(Product::Cloud) => "writing",
+        When::Chosen(Product::Track) => "track",
+        When::Chosen(Product::Mosaic) => "mosaic",
+        When::Chosen(Product::Report) => "report",
+        When::Chosen(Product::Depth | Product::Xyz | Product::Isobaths | Product::Residuals) => {
+            "depths"
+        }
+        When::Compared => "comparing",
+        When::Searched => "objects",
+    }
 }
 
 fn in_words(error: Cancelled) -> String {
     error.to_string()
 }
 
-impl Writing<'_> {
-    fn wants(&self, product: Product) -> bool {
-        self.order.wanted.contains(&product)
-    }
-
-    fn add(&mut self, made: impl IntoIterator<Item = Made>) {
-        let made = made.into_iter().map(|made| (made, Vec::new()));
-        self.made.extend(made);
-    }
-
-    /// Tables, clouds and track.
-    fn points(&mut self, on_step: &mut impl FnMut(&'static str)) -> Result<(), String> {
-        let Order {
-            survey, products, ..
-        } = *self.order;
-        let (folder, progress) = (self.folder, self.progress);
-        let tables = write_tables(survey, products, folder, progress)?;
-        self.add(tables);
-        if self.wants(Product::Cloud) {
-            let clouds = write_clouds(survey, products, &self.map, folder, progress)?;
-            if clouds.is_empty() {
-                self.report.warnings.push(no_cloud(products).to_owned());
-            }
-            self.add(clouds);
-        }
-        if self.wants(Product::Track) {
-            on_step("track");
-            let (track, warnings) = write_track(survey, products, &self.map, folder, progress)?;
-            self.add(track);
-            self.report.warnings.extend(warnings);
-        }
-        Ok(())
-    }
-
-    /// Depths and mosaic.
-    fn maps(&mut self, on_step: &mut impl FnMut(&'static str)) -> Result<(), String> {
-        let Order {
-            survey,
-            products,
-            wanted,
-            ..
-        } = *self.order;
-        on_step("depths");
-        let depth = write_depth(survey, products, wanted, self.folder, self.progress)?;
-        self.add(depth.made);
-        self.report.warnings.extend(depth.warnings);
-        self.surface = depth.surface;
-        self.comparisons = depth.comparisons;
-        if survey.has_side_scan() && self.wants(Product::Mosaic) {
-            on_step("mosaic");
-            match write_mosaic(survey, products, self.folder, self.progress)? {
-                MosaicWritten::File(mosaic) => self.add([*mosaic]),
-                MosaicWritten::None(why) => self.report.warnings.push(why),
-            }
-        }
-        Ok(())
-    }
-
-    /// The survey against the reference.
-    fn comparison(&mut self, on_step: &mut impl FnMut(&'static str)) -> Result<(), String> {
-        let Order {
-            survey, products, ..
-        } = *self.order;
-        let Some((reference, matching)) = self.order.reference else {
-            return Ok(());
-        };
-        on_step("comparing");
-        let (folder, progress) = (self.folder, self.progress);
-        let agreement = Agreement::with_reference(survey, products, reference, matching, progress)?;
-        let (made, inputs) = write_comparison(survey, products, &agreement, folder, progress)?;
-        let made = made.into_iter().map(|made| (made, inputs.clone()));
-        self.made.extend(made);
-        self.comparisons.extend(agreement.by_source(products));
-        let notes = reference.notes.iter().cloned();
-        self.report.warnings.extend(notes);
-        Ok(())
-    }
-
-    /// The search for objects.
-    fn detections(&mut self, on_step: &mut impl FnMut(&'static str)) -> Result<(), String> {
-        let Order {
-            survey, products, ..
-        } = *self.order;
-        let Searched::By(model) = self.order.boxes else {
-            return Ok(());
-        };
-        if !survey.has_side_scan() {
-            return Ok(());
-        }
-        on_step("objects");
-        let settings = &products.settings.detector;
-        let (folder, progress) = (self.folder, self.progress);
-        let found = write_detections(survey, products, model, settings, folder, progress)?;
-        self.add(found.made());
-        self.found = Some(found);
-        Ok(())
-    }
-
-    fn records(&self) -> Result<(), String> {
-        for (made, more) in &self.made {
-            self.progress.check().map_err(in_words)?;
-            if more.is_empty() {
-                write_record(made, &self.report, self.folder)?;
-                continue;
-            }
-            let mut report = self.report.clone();
-            report.inputs.extend(more.iter().cloned());
-            write_record(made, &report, self.folder)?;
-        }
-        Ok(())
-    }
-
-    /// `report.html`.
-    fn page(&mut self, on_step: &mut impl FnMut(&'static str)) -> Result<(), String> {
-        if !self.wants(Product::Report) {
-            return Ok(());
-        }
-        on_step("report");
-        let Order {
-            survey, products, ..
-        } = *self.order;
-        let searched: Raster;
-        let boxes: Option<(Vec<ObjectRow<'_>>, &Raster, String)> =
-            match (&self.order.boxes, &self.found) {
-                (Searched::Reviewed(review, raster), _) => {
-                    let rows = reviewed_rows(survey, products, review, self.progress)?;
-                    Some((rows, *raster, summary(review)))
-                }
-                (Searched::By(model), Some(found)) => {
-                    let names = model.names();
-                    let rows = proposed_rows(survey, products, names, &found.boxes);
-                    searched = Raster::new(survey, &products.navigation, model.pixel_m());
-                    let origin = "Proposed by the detector, not reviewed".to_owned();
-                    Some((rows, &searched, origin))
-                }
-                _ => None,
-            };
-        let objects = boxes.as_ref().map(|(rows, raster, origin)| Objects {
-            rows,
-            raster,
-            origin: origin.clone(),
-        });
-        let files: Vec<&'static str> = self.made.iter().map(|(made, _)| made.name).collect();
-        let chips = self.found.as_ref().map(|_| "chips");
-        let files: Vec<&'static str> = files.into_iter().chain([REPORT]).chain(chips).collect();
-        let from = Handover {
-            survey,
-            products,
-            report: &self.report,
-            map: &self.map,
-            surface: self.surface.as_ref(),
-            comparisons: &self.comparisons,
-            objects,
-            files: &files,
-        };
-        let html = handover::page(&from, self.progress).map_err(in_words)?;
-        write_aside(&self.folder.join(handover::NAME), |mut file| {
-            file.write_all(html.as_bytes())
-        })
-        .map_err(|error| error.to_string())
-    }
-}
-
-fn write_report(report: &Report, folder: &Path) -> Result<(), String> {
-    write_aside(&folder.join(REPORT), |mut file| {
-        let text = serde_json::to_vec_pretty(report)?;
-        file.write_all(&text)?;
-        file.write_all(b"\n")
-    })
-    .map_err(|error| error.to_string())
-}
-
-/// Why there is no point to write.
-fn no_cloud(products: &Products) -> &'static str {
-    match products.cloud.points.is_empty() {
-        true => {
-            "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
-        }
-        false => {
-            "no cloud: the outlier filter kept no point; see outliers.radius_m and outliers.min_neighbors"
-        }
-    }
-}
-
-/// How far a review has come: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
-fn summary(review: &Review) -> String {
-    let count = |state: State| review.boxes().filter(|one| one.state == state).count();
-    let part = match review.coverage() {
-        Some(part) => format!(". The search was stopped: it covers {part}"),
-        None => String::new(),
-    };
-    if count(State::Proposed) == review.boxes().len() {
-        return format!("Proposed by the detector, not reviewed{part}");
-    }
-    format!(
-        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided{part}",
-        count(State::Accepted),
-        count(State::Added),
-        count(State::Rejected),
-        count(State::Proposed)
-    )
+/// Writes `report.json`, which names every other file of the run.
+pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
+    run.report.files = run.folder.files(run.results.progress)?;
+    write_json(path, &run.report)
 }

@@ -20,7 +20,7 @@ mod settings;
 
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
 pub use depth::{
-    Choice, Crossed, DepthChart, NamedComparison, Plane, choices, comparisons, crossed,
+    Choice, Contours, Crossed, DepthChart, NamedComparison, Plane, choices, comparisons, crossed,
     depth_surface, joint_depth_surface,
 };
 pub use engine::{Engine, EngineStatus};

@@ -3,7 +3,7 @@
 use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
-use bathyscope::outputs::{self, Order, Product, RunFolder, Searched};
+use bathyscope::outputs::{self, Order, Product, RunFolder};
 use bathyscope::pipeline::{self, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
@@ -47,7 +47,8 @@ pub fn run() {
             products: &products,
             wanted,
             reference: None,
-            boxes: Searched::Not,
+            search: None,
+            review: None,
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");
         outputs::write(&order, run, &progress, |_| ()).expect("a folder to write into")

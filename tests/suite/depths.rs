@@ -255,17 +255,10 @@ fn info_and_process_state_one_scale() {
     let info: Value =
         serde_json::from_str(&run(folder.path(), &["info", log, "--json"])).expect("JSON");
     let stated = info["header_px_per_m"].as_f64().expect("a scale");
-    run(
+    let process = ["process", log, "-o", "out", "--no-objects"];
+    let said = run(
         folder.path(),
-        &[
-            "process",
-            log,
-            "-o",
-            "out",
-            "--no-objects",
-            "--products",
-            "track",
-        ],
+        &[&process[..], &["--products", "track"]].concat(),
     );
     let report = json(&folder.path().join("out/report.json"));
     assert_eq!(
@@ -275,18 +268,6 @@ fn info_and_process_state_one_scale() {
     let line = format!("{stated:.2} samples a metre, as recorded");
     assert!(run(folder.path(), &["info", log]).contains(&line), "{line}");
     // What process says first is the scale that is in force.
-    let said = run(
-        folder.path(),
-        &[
-            "process",
-            log,
-            "-o",
-            "out",
-            "--no-objects",
-            "--products",
-            "track",
-        ],
-    );
     let scale = format!("scale: as recorded {stated:.2} px/m");
     assert!(said.contains(&scale), "{said}");
 }

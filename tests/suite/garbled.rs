@@ -9,7 +9,7 @@ use bathyscope::formats::{
     self,
     points::{self, PointFormat},
 };
-use bathyscope::outputs::{self, Order, Product, RunFolder, Searched};
+use bathyscope::outputs::{self, Order, Product, RunFolder};
 use bathyscope::pipeline::{self, Preset, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
@@ -201,7 +201,8 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         products: &products,
         wanted: &[Product::Cloud],
         reference: None,
-        boxes: Searched::Not,
+        search: None,
+        review: None,
     };
     let run = RunFolder::begin(folder.path()).expect("a folder");
     let written = outputs::write(&order, run, &progress, |_| ()).expect("a whole set of products");

@@ -33,6 +33,7 @@ mod mosaic;
 mod mosaic_gain;
 mod navigation;
 mod offsets;
+mod outputs;
 mod printing;
 mod real_window;
 mod residuals;

@@ -26,7 +26,8 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     if let Some(path) = &args.output {
         write_differences(path, &survey, &products, &agreement)?;
     }
-    let record = ComparisonRecord::new(&survey, &products, &agreement, &progress)?;
+    let inputs = reference.inputs(&progress)?;
+    let record = ComparisonRecord::new(&survey, &products, &agreement, &inputs)?;
     drop(status);
     for note in &reference.notes {
         let path = reference.path().display();

@@ -1,116 +1,91 @@
-//! The surface as rasters.
+//! The surface as rasters: metres as f32 on one grid, each with what was and was not corrected in its description, and beside each its
+//! colours for QGIS (`.qml`).
 
-use super::DepthWritten;
 use crate::bathymetry::{Grid, Surface};
 use crate::export::{Summary, geotiff, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
-use crate::outputs::record::{Coordinates, Made};
+use crate::outputs::record::{Coordinates, FileContent};
+use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};
-use crate::progress::Progress;
 use std::path::Path;
 
 /// A raster to write.
-struct Layer<'a> {
-    name: &'static str,
-    /// Its colours in QGIS.
-    style: &'static str,
+struct Layer {
     band: Band,
-    /// What the record calls the values.
-    measured: &'static str,
-    values: &'a [f32],
     what: &'static str,
+    values: fn(&Surface) -> &[f32],
     colour: fn(f32) -> [u8; 3],
 }
 
-fn layers(surface: &Surface) -> [Layer<'_>; 3] {
-    let band = |name, positive_down| Band {
+const fn band(name: &'static str, positive_down: bool) -> Band {
+    Band {
         name,
         unit: "metre",
         positive_down,
-    };
-    [
-        Layer {
-            name: "depth.tif",
-            style: "depth.qml",
-            band: band("depth", true),
-            measured: "depth_m",
-            values: &surface.depth_m,
-            what: "Depth in metres, positive down",
-            colour: depth_colour,
-        },
-        Layer {
-            name: "uncertainty.tif",
-            style: "uncertainty.qml",
-            band: band("standard deviation of depth", false),
-            measured: "standard_deviation_m",
-            values: &surface.spread_m,
-            what: "Standard deviation in metres of the depths that carry a cell",
-            colour: uncertainty_colour,
-        },
-        Layer {
-            name: "distance.tif",
-            style: "distance.qml",
-            band: band("distance to the nearest depth", false),
-            measured: "distance_m",
-            values: &surface.distance_m,
-            what: "Distance in metres from a cell to the nearest depth",
-            colour: distance_colour,
-        },
-    ]
+    }
 }
 
 /// Steps of the colours in a style.
 const STEPS: usize = 10;
 
-/// Writes `depth.tif`, `uncertainty.tif` and `distance.tif`: metres as f32 on one grid, each with what was and was not
-/// corrected in its description, and beside each its colours for QGIS (`.qml`).
-pub(super) fn write(
-    surface: &Surface,
-    plane: &Plane<'_>,
-    products: &Products,
-    folder: &Path,
-    progress: &Progress,
-    written: &mut DepthWritten,
-) -> Result<(), String> {
-    let grid = &surface.grid;
-    let tiles = tiles(grid, &surface.depth_m);
-    let applied = applied(products, grid);
+/// Writes `depth.tif`.
+pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let layer = Layer {
+        band: band("depth", true),
+        what: "Depth in metres, positive down",
+        values: |surface| &surface.depth_m,
+        colour: depth_colour,
+    };
+    write(&layer, results, path)
+}
+
+/// Writes `uncertainty.tif`.
+pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let layer = Layer {
+        band: band("standard deviation of depth", false),
+        what: "Standard deviation in metres of the depths that carry a cell",
+        values: |surface| &surface.spread_m,
+        colour: uncertainty_colour,
+    };
+    write(&layer, results, path)
+}
+
+/// Writes `distance.tif`.
+pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let layer = Layer {
+        band: band("distance to the nearest depth", false),
+        what: "Distance in metres from a cell to the nearest depth",
+        values: |surface| &surface.distance_m,
+        colour: distance_colour,
+    };
+    write(&layer, results, path)
+}
+
+fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, plane, values) = (&surface.grid, &results.plane, (layer.values)(surface));
     let crs = &plane.map.crs;
-    for layer in layers(surface) {
-        let spec = RasterSpec {
-            columns: grid.columns,
-            rows: grid.rows,
-            west: plane.map.in_crs([grid.west_m, 0.0])[0],
-            north: plane.map.in_crs([0.0, grid.north_m])[1],
-            cell: plane.map.in_crs([grid.cell_m; 2]),
-            crs: crs.clone(),
-            cells: Cells::Metres,
-            band: Some(layer.band),
-            description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
-        };
-        let draw = |tile| draw(grid, layer.values, tile);
-        geotiff(&folder.join(layer.name), &spec, &tiles, draw, progress)
-            .map_err(|error| error.to_string())?;
-        let summary = summary(plane, grid, layer.values);
-        qgis_style(
-            &folder.join(layer.style),
-            summary.values.unwrap_or_default(),
-            STEPS,
-            layer.colour,
-        )
+    let applied = applied(results.products, grid);
+    let spec = RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: plane.map.in_crs([grid.west_m, 0.0])[0],
+        north: plane.map.in_crs([0.0, grid.north_m])[1],
+        cell: plane.map.in_crs([grid.cell_m; 2]),
+        crs: crs.clone(),
+        cells: Cells::Metres,
+        band: Some(layer.band),
+        description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
+    };
+    let tiles = tiles(grid, &surface.depth_m);
+    let draw = |tile| draw(grid, values, tile);
+    geotiff(path, &spec, &tiles, draw, results.progress).map_err(|error| error.to_string())?;
+    let summary = summary(plane, grid, values);
+    let range = summary.values.unwrap_or_default();
+    qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)
         .map_err(|error| error.to_string())?;
-        written.made.push(Made {
-            name: layer.name,
-            what: layer.what,
-            coordinates: Coordinates::System(crs.clone()),
-            counted: "cells",
-            measured: layer.measured,
-            summary,
-            regardless_of: &["detector", "isobaths", "mosaic"],
-        });
-    }
-    Ok(())
+    Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
 }
 
 /// The cells that are known, and the whole raster around them.

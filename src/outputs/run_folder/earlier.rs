@@ -1,8 +1,10 @@
 //! What an earlier run wrote into a folder.
 
 use super::journal::is_plain;
-use super::{Fingerprint, MANIFESTS, STEMS};
+use super::{Fingerprint, MANIFESTS};
 use crate::export::remove_leftovers;
+use crate::outputs::overwrite::is_stem_of_output;
+use crate::outputs::registry::row_of;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -11,8 +13,6 @@ use std::path::Path;
 const FILES: &str = "files";
 /// The one file of a version that did not list them without a record.
 const PAGE: &str = "report.html";
-/// The files of a shapefile beside the one with its record.
-const OF_A_SHAPEFILE: [&str; 4] = ["shx", "dbf", "prj", "cpg"];
 
 /// Names of the files that an earlier run wrote and nobody has changed since, its manifests among them, as far as they `go`.
 pub(super) fn files(folder: &Path, goes: impl Fn(&str) -> bool) -> Vec<String> {
@@ -68,7 +68,7 @@ pub(super) fn without_group(
 pub(super) fn remove_parts(folder: &Path) {
     remove_leftovers(folder, |name| {
         let stem = name.split('.').next()?;
-        STEMS.contains(&stem).then(|| name.strip_suffix(".part"))?
+        is_stem_of_output(stem).then(|| name.strip_suffix(".part"))?
     });
 }
 
@@ -101,9 +101,8 @@ fn recorded(folder: &Path) -> Vec<String> {
         if read(folder, &record).is_none_or(|record| record["product"] != product) {
             continue;
         }
-        if let Some(stem) = product.strip_suffix(".shp") {
-            names.extend(OF_A_SHAPEFILE.map(|ending| format!("{stem}.{ending}")));
-        }
+        let companions = row_of(product).map_or(&[][..], |row| row.companions);
+        names.extend(companions.iter().map(|name| (*name).to_owned()));
         names.extend([product.to_owned(), record]);
     }
     names.retain(|name| folder.join(name).is_file());

@@ -3,7 +3,7 @@
 use super::parts::{self, Choice, Section, choice, section};
 use crate::app::{Action, Command};
 use crate::geo::CrsChoice;
-use crate::outputs::Product;
+use crate::outputs::{OUTPUT_FILES, Product, When, files_in_words};
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -28,6 +28,14 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if ready && context.app.stale().is_some() {
             let text = "What is written are the last results, which are older than the settings.";
             parts::warning(ui, context, text);
+        }
+        if let Some((folder, files)) = context.app.out_of_date() {
+            let text = format!(
+                "Older than the settings in {}: {}",
+                folder.display(),
+                files_in_words(files.into_iter())
+            );
+            parts::warning(ui, context, &text);
         }
         system(ui, context);
         groups(ui, context);
@@ -75,13 +83,14 @@ fn groups(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut options = context.app.options.clone();
     ui.horizontal_wrapped(|ui| {
         for product in Product::ALL {
-            let (name, mut files) = product.told();
+            let mut files = product.files();
             if product == Product::Residuals && context.app.comparing.reference.is_some() {
-                files += "; comparison.json, comparison.csv";
+                let compared = OUTPUT_FILES.iter().filter(|row| row.when == When::Compared);
+                files = format!("{files}; {}", files_in_words(compared));
             }
             let mut wanted = !options.left_out.contains(&product);
             if ui
-                .checkbox(&mut wanted, name)
+                .checkbox(&mut wanted, product.name())
                 .on_hover_text(files)
                 .clicked()
             {

@@ -1,0 +1,76 @@
+//! The run whose files lie in a folder, and which of them are out of date.
+
+use super::registry::{OUTPUT_FILES, OutputFile, row_of};
+use crate::pipeline::{Settings, setting_values};
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What a folder says of the run that wrote into it.
+#[derive(Clone, Debug)]
+pub struct EarlierRun {
+    /// `None` where this version does not know them all.
+    settings: Option<Settings>,
+    /// Names of its files.
+    files: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Manifest {
+    settings: serde_json::Value,
+    files: Vec<Named>,
+}
+
+#[derive(Deserialize)]
+struct Named {
+    file: String,
+}
+
+impl EarlierRun {
+    /// Of a folder; `None` where no run has written.
+    pub fn read(folder: &Path) -> Option<Self> {
+        let text = std::fs::read(folder.join(super::MANIFEST)).ok()?;
+        let Manifest { settings, files } = serde_json::from_slice(&text).ok()?;
+        let files = files.into_iter().map(|named| named.file);
+        Some(Self {
+            settings: serde_json::from_value(settings).ok(),
+            // It cannot name itself.
+            files: files.chain([super::MANIFEST.to_owned()]).collect(),
+        })
+    }
+
+    /// Files that the same log makes others of with these settings, in the order of writing. Readings of the water level and tracks
+    /// count by the names of their files.
+    pub fn out_of_date(&self, settings: &Settings) -> Vec<&'static OutputFile> {
+        let written = || {
+            let row = |name: &String| row_of(name).map(|row| row.name);
+            let rows: BTreeSet<&str> = self.files.iter().filter_map(row).collect();
+            OUTPUT_FILES
+                .iter()
+                .filter(move |row| rows.contains(row.name))
+        };
+        let Some(earlier) = &self.settings else {
+            return written().collect();
+        };
+        if earlier == settings {
+            return Vec::new();
+        }
+        let words = words_that_differ(earlier, settings);
+        written().filter(|row| row.depends_on(&words)).collect()
+    }
+}
+
+/// First words of the settings that are not the same.
+fn words_that_differ(one: &Settings, other: &Settings) -> BTreeSet<String> {
+    let first = |key: &String| key.split('.').next().unwrap_or(key).to_owned();
+    let [values, others] = [one, other].map(setting_values);
+    let keys = values.keys().chain(others.keys());
+    let mut words: BTreeSet<String> = keys
+        .filter(|key| values.get(*key) != others.get(*key))
+        .map(first)
+        .collect();
+    if one.bottom != other.bottom {
+        words.insert("bottom".to_owned());
+    }
+    words
+}

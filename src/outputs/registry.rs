@@ -1,0 +1,473 @@
+//! Every file of a run, one row each. The help of `--products`, what is refused to be written over, what an earlier run has left, what
+//! is out of date and the list in `report.html` follow from these rows.
+
+use super::record::FileContent;
+use super::results::{Need, Results};
+use super::write::Run;
+use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A file of a run.
+pub struct OutputFile {
+    /// Its name; that of a folder for the pictures of boxes.
+    pub name: &'static str,
+    /// Files that are written with it and belong to it.
+    pub companions: &'static [&'static str],
+    /// Who asks for it.
+    pub when: When,
+    /// Without these it is not written; the first that is missing is why.
+    pub needs: &'static [Need],
+    /// Settings, by their first word, that have nothing to do with it. It depends on all others.
+    pub regardless_of: &'static [&'static str],
+    /// What it is, for people who do not know it, in a few words.
+    pub brief: &'static str,
+    /// What its record says of it; `None` where it has no record.
+    pub record: Option<Described>,
+    /// What writes it.
+    pub(super) writer: Writer,
+}
+
+/// What a record says of a file, whatever it holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Described {
+    /// What it is, in a sentence without its full stop.
+    pub what: &'static str,
+    /// What is counted: `points`.
+    pub counted: &'static str,
+    /// What is measured, with its unit: `depth_m`; empty where nothing is.
+    pub measured: &'static str,
+}
+
+/// Who asks for a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// Every run writes it.
+    Always,
+    /// It belongs to a group that is chosen.
+    Chosen(Product),
+    /// A run that compares with a reference writes it.
+    Compared,
+    /// A run that searches for objects writes it.
+    Searched,
+}
+
+/// What writes a file.
+#[derive(Clone, Copy)]
+pub(super) enum Writer {
+    /// From the results of the survey.
+    Results(fn(&Results<'_>, &Path) -> Result<FileContent, String>),
+    /// From the run, when all other files are there.
+    Run(fn(&mut Run<'_>, &Path) -> Result<(), String>),
+}
+
+impl OutputFile {
+    /// The name of its record.
+    pub fn record_name(&self) -> Option<String> {
+        self.record.map(|_| format!("{}.json", self.name))
+    }
+
+    /// Whether a file of a run is this one, its record, or another that belongs to it.
+    pub fn owns(&self, name: &str) -> bool {
+        let in_folder = || name.strip_prefix(self.name)?.strip_prefix('/');
+        name == self.name
+            || self.companions.contains(&name)
+            || self.record_name().is_some_and(|record| record == name)
+            || in_folder().is_some()
+    }
+
+    /// Whether a setting that begins with one of these words has to do with it.
+    pub fn depends_on(&self, words: &BTreeSet<String>) -> bool {
+        let regardless = |word: &String| self.regardless_of.contains(&word.as_str());
+        words.iter().any(|word| !regardless(word))
+    }
+
+    /// Its name without the ending.
+    pub fn stem(&self) -> &'static str {
+        self.name.split('.').next().unwrap_or(self.name)
+    }
+}
+
+/// The row that a file of a run belongs to.
+pub fn row_of(name: &str) -> Option<&'static OutputFile> {
+    OUTPUT_FILES.iter().find(|row| row.owns(name))
+}
+
+/// What no table or cloud of points depends on.
+const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "surface"];
+const NOT_OF_TRACK: &[&str] = &[
+    "calibration",
+    "cloud",
+    "detector",
+    "draft_m",
+    "first_return",
+    "height_offset_m",
+    "image",
+    "isobaths",
+    "mosaic",
+    "outliers",
+    "sound_speed",
+    "surface",
+    "water_level",
+];
+const NOT_OF_FOOTPRINT: &[&str] = &["cloud", "detector", "isobaths", "outliers", "surface"];
+const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic"];
+const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic"];
+const NOT_OF_MOSAIC: &[&str] = &[
+    "cloud",
+    "detector",
+    "draft_m",
+    "height_offset_m",
+    "isobaths",
+    "outliers",
+    "surface",
+    "water_level",
+    "water_level_m",
+];
+const NOT_OF_BOXES: &[&str] = &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"];
+
+const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
+const FOOTPRINT: &str = "The ground that the side-scan heard, without turns";
+const KEPT_POINTS: &str =
+    "The points that the outlier filter kept; z is elevation above the transducer";
+const BOXES: &str = "Boxes that the detector proposes, not reviewed";
+
+/// A row with the columns that most rows share.
+const fn row(name: &'static str, when: When, writer: Writer) -> OutputFile {
+    OutputFile {
+        name,
+        companions: &[],
+        when,
+        needs: &[],
+        regardless_of: &[],
+        brief: "",
+        record: None,
+        writer,
+    }
+}
+
+const fn described(
+    what: &'static str,
+    counted: &'static str,
+    measured: &'static str,
+) -> Option<Described> {
+    Some(Described {
+        what,
+        counted,
+        measured,
+    })
+}
+
+const fn cloud(
+    name: &'static str,
+    what: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::KeptPoints],
+        regardless_of: NOT_OF_POINTS,
+        brief,
+        record: described(what, "points", "z_m"),
+        ..row(name, When::Chosen(Product::Cloud), writer)
+    }
+}
+
+const fn track_file(name: &'static str, counted: &'static str, writer: Writer) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Track],
+        regardless_of: NOT_OF_TRACK,
+        brief: "way of the boat",
+        record: described(TRACK, counted, ""),
+        ..row(name, When::Chosen(Product::Track), writer)
+    }
+}
+
+const fn footprint(name: &'static str, writer: Writer) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Track, Need::Footprint],
+        regardless_of: NOT_OF_FOOTPRINT,
+        brief: "ground that the side-scan covers",
+        record: described(FOOTPRINT, "areas", "area_m2"),
+        ..row(name, When::Chosen(Product::Track), writer)
+    }
+}
+
+const fn raster(
+    name: &'static str,
+    companions: &'static [&'static str],
+    what: &'static str,
+    measured: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        companions,
+        needs: &[Need::Surface],
+        regardless_of: NOT_OF_DEPTHS,
+        brief,
+        record: described(what, "cells", measured),
+        ..row(name, When::Chosen(Product::Depth), writer)
+    }
+}
+
+const fn contours(
+    name: &'static str,
+    what: &'static str,
+    counted: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels],
+        regardless_of: NOT_OF_ISOBATHS,
+        brief,
+        record: described(what, counted, "depth_m"),
+        ..row(name, When::Chosen(Product::Isobaths), writer)
+    }
+}
+
+const fn compared(
+    name: &'static str,
+    what: &'static str,
+    measured: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Reference],
+        regardless_of: NOT_OF_DEPTHS,
+        brief: "agreement of depths with the reference",
+        record: described(what, "points", measured),
+        ..row(name, When::Compared, writer)
+    }
+}
+
+const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
+    OutputFile {
+        regardless_of: NOT_OF_BOXES,
+        brief,
+        record: described(BOXES, "boxes", ""),
+        ..row(name, When::Searched, writer)
+    }
+}
+
+/// All files of a run, in the order of writing.
+pub const OUTPUT_FILES: [OutputFile; 30] = [
+    OutputFile {
+        regardless_of: NOT_OF_POINTS,
+        brief: "first sonar return of every ping on both sides",
+        record: described(
+            "First return on both sides, position and recorded depth of every side-scan ping",
+            "pings",
+            "depth_m",
+        ),
+        ..row(
+            "first_returns.csv",
+            When::Always,
+            Writer::Results(clouds::first_returns),
+        )
+    },
+    OutputFile {
+        regardless_of: NOT_OF_POINTS,
+        brief: "all points, with those set aside",
+        record: described(
+            "All points, those that the outlier filter removed too",
+            "points",
+            "z_m",
+        ),
+        ..row("cloud.csv", When::Always, Writer::Results(clouds::table))
+    },
+    cloud(
+        "cloud.laz",
+        "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257",
+        "kept points for GIS and point cloud programs",
+        Writer::Results(clouds::laz),
+    ),
+    cloud(
+        "cloud.ply",
+        KEPT_POINTS,
+        "kept points for 3D viewers",
+        Writer::Results(clouds::ply),
+    ),
+    cloud(
+        "cloud.xyz",
+        KEPT_POINTS,
+        "kept points as plain text",
+        Writer::Results(clouds::xyz),
+    ),
+    track_file("track.gpx", "points", Writer::Results(track::gpx)),
+    track_file("track.geojson", "lines", Writer::Results(track::geojson)),
+    track_file("track.kmz", "lines", Writer::Results(track::kmz)),
+    OutputFile {
+        companions: &["track.shx", "track.dbf", "track.prj", "track.cpg"],
+        ..track_file("track.shp", "lines", Writer::Results(track::shapefile))
+    },
+    footprint(
+        "footprint.geojson",
+        Writer::Results(track::footprint_geojson),
+    ),
+    footprint("footprint.kmz", Writer::Results(track::footprint_kmz)),
+    raster(
+        "depth.tif",
+        &["depth.qml"],
+        "Depth in metres, positive down",
+        "depth_m",
+        "depth map, metres",
+        Writer::Results(depth::rasters::depth),
+    ),
+    raster(
+        "uncertainty.tif",
+        &["uncertainty.qml"],
+        "Standard deviation in metres of the depths that carry a cell",
+        "standard_deviation_m",
+        "how far the depths that carry a cell disagree, metres",
+        Writer::Results(depth::rasters::uncertainty),
+    ),
+    raster(
+        "distance.tif",
+        &["distance.qml"],
+        "Distance in metres from a cell to the nearest depth",
+        "distance_m",
+        "distance to the nearest depth, metres",
+        Writer::Results(depth::rasters::distance),
+    ),
+    OutputFile {
+        when: When::Chosen(Product::Xyz),
+        ..raster(
+            "depth.xyz",
+            &[],
+            "East, north and depth in metres, positive down, of every cell of the depth map that has one",
+            "depth_m",
+            "cells of the depth map as plain text",
+            Writer::Results(depth::cells::write),
+        )
+    },
+    contours(
+        "isobaths.geojson",
+        "Lines of equal depth",
+        "lines",
+        "lines of equal depth",
+        Writer::Results(depth::contours::isobaths_geojson),
+    ),
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels, Need::Isobaths],
+        ..contours(
+            "isobaths.kmz",
+            "Lines of equal depth",
+            "lines",
+            "lines of equal depth",
+            Writer::Results(depth::contours::isobaths_kmz),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Surface, Need::Levels, Need::Isobaths],
+        companions: &[
+            "isobaths.shx",
+            "isobaths.dbf",
+            "isobaths.prj",
+            "isobaths.cpg",
+        ],
+        ..contours(
+            "isobaths.shp",
+            "Lines of equal depth",
+            "lines",
+            "lines of equal depth",
+            Writer::Results(depth::contours::isobaths_shapefile),
+        )
+    },
+    contours(
+        "depth_areas.geojson",
+        "Areas between depths",
+        "areas",
+        "areas between them",
+        Writer::Results(depth::contours::depth_areas),
+    ),
+    contours(
+        "storage.csv",
+        "Area and volume below each depth",
+        "levels",
+        "area and volume below each level",
+        Writer::Results(depth::contours::storage),
+    ),
+    OutputFile {
+        needs: &[Need::Agreement],
+        regardless_of: NOT_OF_DEPTHS,
+        brief: "agreement of depths, all statistics",
+        record: described(
+            "Side-scan points against the soundings of the same log",
+            "comparisons",
+            "",
+        ),
+        ..row(
+            "residuals.json",
+            When::Chosen(Product::Residuals),
+            Writer::Results(residuals::write),
+        )
+    },
+    OutputFile {
+        needs: &[Need::SideScan, Need::Mosaic],
+        regardless_of: NOT_OF_MOSAIC,
+        brief: "side-scan mosaic",
+        record: described(
+            "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was heard",
+            "cells",
+            "",
+        ),
+        ..row(
+            "mosaic.tif",
+            When::Chosen(Product::Mosaic),
+            Writer::Results(mosaic::write),
+        )
+    },
+    compared(
+        "comparison.json",
+        "The survey against a reference",
+        "",
+        Writer::Results(comparison::json),
+    ),
+    compared(
+        "comparison.csv",
+        "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
+        "difference_m",
+        Writer::Results(comparison::csv),
+    ),
+    boxes(
+        "detections.csv",
+        "objects with place and size",
+        Writer::Results(detections::csv),
+    ),
+    boxes(
+        "detections.geojson",
+        "objects with place and size",
+        Writer::Results(detections::geojson),
+    ),
+    boxes(
+        "detections.gpx",
+        "objects for maps and plotters",
+        Writer::Results(detections::gpx),
+    ),
+    OutputFile {
+        record: None,
+        ..boxes(
+            "chips",
+            "folder: a picture of each object",
+            Writer::Results(detections::chips),
+        )
+    },
+    OutputFile {
+        brief: "this page",
+        ..row(
+            "report.html",
+            When::Chosen(Product::Report),
+            Writer::Run(page::write),
+        )
+    },
+    OutputFile {
+        brief: "this record for programs: inputs, settings, counts, statistics",
+        ..row(
+            super::MANIFEST,
+            When::Always,
+            Writer::Run(super::write::manifest),
+        )
+    },
+];

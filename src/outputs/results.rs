@@ -1,0 +1,277 @@
+//! What the files of a run are made from: each is computed once, when the first file asks for it.
+
+use super::detections::is_left_out;
+use super::mosaic::Placed;
+use super::track::Ground;
+use super::write::Order;
+use crate::bathymetry::Surface;
+use crate::detection::{Detection, find};
+use crate::export::{self, TrackPiece};
+use crate::geo::LonLat;
+use crate::mosaic::footprint;
+use crate::pipeline::{
+    Agreement, Contours, Crossed, Input, NamedComparison, Plane, Products, comparisons, crossed,
+    depth_surface, mosaic_layout,
+};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::Survey;
+use std::sync::OnceLock;
+
+/// What a file cannot be made without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// A point that the outlier filter keeps.
+    KeptPoints,
+    /// A boat that moves, with positions.
+    Track,
+    /// Ground that the side-scan covers.
+    Footprint,
+    /// Depths that span a surface.
+    Surface,
+    /// Levels for isobaths that are not too many.
+    Levels,
+    /// A line of equal depth.
+    Isobaths,
+    /// Side-scan points over soundings, or a track that crosses itself.
+    Agreement,
+    /// Side-scan.
+    SideScan,
+    /// Side-scan with a place, in a map of a size that can be drawn.
+    Mosaic,
+    /// What the depths are compared with besides.
+    Reference,
+}
+
+/// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
+pub(super) struct Missing(pub Option<String>);
+
+/// The results of a survey that its files are made from.
+pub(super) struct Results<'a> {
+    pub order: &'a Order<'a>,
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub plane: Plane<'a>,
+    pub progress: &'a Progress,
+    track: OnceLock<Vec<TrackPiece>>,
+    ground: OnceLock<Ground>,
+    surface: OnceLock<Option<Surface>>,
+    contours: OnceLock<Result<Contours, String>>,
+    comparisons: OnceLock<Vec<NamedComparison>>,
+    crossings: OnceLock<Option<Crossed>>,
+    mosaic: OnceLock<Result<Placed, String>>,
+    agreement: OnceLock<Option<Agreement>>,
+    reference_inputs: OnceLock<Vec<Input>>,
+    found: OnceLock<Vec<Detection>>,
+}
+
+/// What is in the cell, made when it is empty.
+fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> Result<T, String>) -> Result<&T, String> {
+    if let Some(made) = cell.get() {
+        return Ok(made);
+    }
+    let made = make()?;
+    Ok(cell.get_or_init(|| made))
+}
+
+fn in_words(error: Cancelled) -> String {
+    error.to_string()
+}
+
+impl<'a> Results<'a> {
+    /// Of what is ordered; nothing is computed yet.
+    ///
+    /// # Errors
+    /// A sentence when the system that `crs` names does not fit the survey.
+    pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, String> {
+        let Order {
+            survey, products, ..
+        } = *order;
+        Ok(Self {
+            order,
+            survey,
+            products,
+            plane: Plane::of(survey, products)?,
+            progress,
+            track: OnceLock::new(),
+            ground: OnceLock::new(),
+            surface: OnceLock::new(),
+            contours: OnceLock::new(),
+            comparisons: OnceLock::new(),
+            crossings: OnceLock::new(),
+            mosaic: OnceLock::new(),
+            agreement: OnceLock::new(),
+            reference_inputs: OnceLock::new(),
+            found: OnceLock::new(),
+        })
+    }
+
+    /// Lets go of what only the files of one group are made from: it may be large.
+    pub fn end_group(&mut self) {
+        self.track.take();
+        self.ground.take();
+        self.contours.take();
+        self.mosaic.take();
+    }
+
+    /// Whether something is missing, and why.
+    pub fn missing(&self, need: Need) -> Result<Option<Missing>, String> {
+        let told = |why: &str| Some(Missing(Some(why.to_owned())));
+        let silent = || Some(Missing(None));
+        Ok(match need {
+            Need::KeptPoints if self.products.kept.contains(&true) => None,
+            Need::KeptPoints => told(no_cloud(self.products)),
+            Need::Track if self.track().is_empty() => {
+                told("no track: the log has no position, or the boat lay still")
+            }
+            Need::Footprint if self.ground()?.shapes.is_empty() && self.survey.has_side_scan() => {
+                told("no footprint: no ping has side-scan, a place, a heading and an altitude")
+            }
+            Need::Footprint if self.ground()?.shapes.is_empty() => silent(),
+            Need::Surface if self.surface()?.is_none() => told(
+                "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
+            ),
+            Need::Levels => match self.contours()? {
+                Err(why) => told(why),
+                Ok(_) => None,
+            },
+            Need::Isobaths => match self.contours()? {
+                Ok(contours) if !contours.lines.is_empty() => None,
+                _ => silent(),
+            },
+            Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
+                told(
+                    "no residuals: the log has no side-scan points near a sounding, and its track does not cross itself",
+                )
+            }
+            Need::SideScan if !self.survey.has_side_scan() => silent(),
+            Need::Mosaic => match self.mosaic()? {
+                Err(why) => told(why),
+                Ok(_) => None,
+            },
+            Need::Reference if self.order.reference.is_none() => silent(),
+            Need::Track
+            | Need::Footprint
+            | Need::Surface
+            | Need::Agreement
+            | Need::SideScan
+            | Need::Reference => None,
+        })
+    }
+
+    /// Longitude and latitude of a place on the map.
+    pub fn to_lon_lat(&self, place: [f64; 2]) -> LonLat {
+        self.plane.to_lon_lat(place)
+    }
+
+    /// The way of the boat.
+    pub fn track(&self) -> &[TrackPiece] {
+        self.track
+            .get_or_init(|| export::track(self.survey, &self.products.navigation))
+    }
+
+    /// The ground that the side-scan covers.
+    pub fn ground(&self) -> Result<&Ground, String> {
+        once(&self.ground, || {
+            let map = &self.plane.map;
+            let layout = mosaic_layout(self.survey, self.products, map);
+            let shapes = footprint(&layout, self.progress).map_err(in_words)?;
+            Ok(Ground::new(shapes, map))
+        })
+    }
+
+    /// The depth map; `None` where the depths span none.
+    pub fn surface(&self) -> Result<Option<&Surface>, String> {
+        let surface = once(&self.surface, || {
+            depth_surface(&self.plane, self.products, self.progress).map_err(in_words)
+        });
+        surface.map(Option::as_ref)
+    }
+
+    /// Isobaths, the areas between them and what lies below each; why there are none.
+    pub fn contours(&self) -> Result<&Result<Contours, String>, String> {
+        let surface = self.surface()?;
+        once(&self.contours, || {
+            let Some(surface) = surface else {
+                return Ok(Err("there is no depth map".to_owned()));
+            };
+            let settings = &self.products.settings.isobaths;
+            match settings.levels_m(surface.range_m()) {
+                Err(error) => Ok(Err(error.to_string())),
+                Ok(levels_m) => Contours::new(surface, &levels_m, self.progress)
+                    .map(Ok)
+                    .map_err(in_words),
+            }
+        })
+    }
+
+    /// How side-scan agrees with the soundings.
+    pub fn comparisons(&self) -> Result<&[NamedComparison], String> {
+        let made = once(&self.comparisons, || {
+            comparisons(self.products, &self.plane, self.progress).map_err(in_words)
+        });
+        made.map(Vec::as_slice)
+    }
+
+    /// Where the track crosses itself.
+    pub fn crossings(&self) -> Result<Option<&Crossed>, String> {
+        let made = once(&self.crossings, || {
+            crossed(self.survey, self.products, self.progress).map_err(in_words)
+        });
+        made.map(Option::as_ref)
+    }
+
+    /// Where the echoes lie; why they cannot be drawn.
+    pub fn mosaic(&self) -> Result<&Result<Placed, String>, String> {
+        once(&self.mosaic, || Ok(Placed::new(self)))
+    }
+
+    /// The survey against the reference; `None` without one.
+    pub fn agreement(&self) -> Result<Option<&Agreement>, String> {
+        let made = once(&self.agreement, || {
+            let Some((reference, matching)) = self.order.reference else {
+                return Ok(None);
+            };
+            let (survey, products) = (self.survey, self.products);
+            Agreement::with_reference(survey, products, reference, matching, self.progress)
+                .map(Some)
+        });
+        made.map(Option::as_ref)
+    }
+
+    /// The files that the reference was read from.
+    pub fn reference_inputs(&self) -> Result<&[Input], String> {
+        let made = once(&self.reference_inputs, || match self.order.reference {
+            Some((reference, _)) => reference.inputs(self.progress),
+            None => Ok(Vec::new()),
+        });
+        made.map(Vec::as_slice)
+    }
+
+    /// What a model finds outside the stretches that are left out; `None` where none searches.
+    pub fn found(&self) -> Result<Option<&[Detection]>, String> {
+        let Some(model) = self.order.search else {
+            return Ok(None);
+        };
+        let (survey, products, progress) = (self.survey, self.products, self.progress);
+        let made = once(&self.found, || {
+            let (navigation, settings) = (&products.navigation, &products.settings.detector);
+            let mut found = find(survey, navigation, model, settings, progress, |_| ())
+                .map_err(|error| error.to_string())?;
+            found.retain(|one| !is_left_out(products, &one.mark));
+            Ok(found)
+        });
+        made.map(|found| Some(found.as_slice()))
+    }
+}
+
+/// Why there is no point to write.
+fn no_cloud(products: &Products) -> &'static str {
+    match products.cloud.points.is_empty() {
+        true => {
+            "no cloud: there is no point, since no first return and no recorded depth has a place and a heading"
+        }
+        false => {
+            "no cloud: the outlier filter kept no point; see outliers.radius_m and outliers.min_neighbors"
+        }
+    }
+}

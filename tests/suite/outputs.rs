@@ -1,0 +1,252 @@
+//! The registry of outputs against what runs really write.
+
+use crate::cli::run;
+use crate::truth::KnownSurvey;
+use crate::window::{app, empty_window, settle};
+use bathyscope::app::Command;
+use bathyscope::outputs::{
+    self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
+};
+use bathyscope::pipeline::{self, Settings};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::Scene;
+use bathyscope::survey::Survey;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// Names of all files of a folder and of the folders in it.
+fn names(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        match entry.path().is_dir() {
+            true => {
+                let inner = self::names(&entry.path());
+                names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            }
+            false => names.push(name),
+        }
+    }
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    fs::write(folder.join("scene.toml"), "duration_s = 20.0\n").expect("a scene");
+    run(
+        folder,
+        &["simulate", "scene.toml", "-o", "pond", "--seed", "3"],
+    );
+    let before = ["process", "pond.sl2", "--no-objects", "--products", "track"];
+    run(folder, &[&before[..], &["-o", "before"]].concat());
+    let compared = ["--reference", "before/cloud.csv:lon,lat,z_m"];
+    // So that there are boxes to write pictures of.
+    let search = ["--set", "detector.score=0.01", "-o", "out"];
+    run(
+        folder,
+        &[&["process", "pond.sl2"], &compared[..], &search[..]].concat(),
+    );
+    let names = names(&folder.join("out"));
+    for name in &names {
+        let rows = OUTPUT_FILES.iter().filter(|row| row.owns(name)).count();
+        assert_eq!(rows, 1, "rows for {name}");
+    }
+    for row in &OUTPUT_FILES {
+        let mut missing: Vec<String> = row.companions.iter().map(|one| (*one).into()).collect();
+        missing.extend(row.record_name());
+        if row.name.contains('.') {
+            missing.push(row.name.to_owned());
+        }
+        missing.retain(|name| !names.contains(name));
+        assert!(missing.is_empty(), "{missing:?} of {}", row.name);
+        assert!(names.iter().any(|name| row.owns(name)), "{}", row.name);
+    }
+    // The page lists what lies beside it and says what each is.
+    let page = fs::read_to_string(folder.join("out/report.html")).expect("a page");
+    for row in OUTPUT_FILES.iter().filter(|row| row.name != "report.html") {
+        let listed = format!("{}</td><td class=\"text\">{}<", row.name, row.brief);
+        assert!(!row.brief.is_empty() && page.contains(&listed), "{listed}");
+    }
+
+    for name in &self::names(&folder.join("before")) {
+        let row = row_of(name).expect("a row");
+        let asked = row.when == When::Always || row.when == When::Chosen(Product::Track);
+        assert!(asked, "{name}");
+    }
+}
+
+#[test]
+fn no_input_is_written_over_whatever_file_of_a_run_it_is_named_after() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let survey = Survey::default();
+    for row in OUTPUT_FILES.iter().filter(|row| row.name.contains('.')) {
+        let path = temporary.path().join(row.name);
+        fs::write(&path, "somebody's own").expect("a file");
+        let mut survey = survey.clone();
+        survey.source.files = vec![path];
+        let refused = outputs::begin(temporary.path(), &survey, None).expect_err(row.name);
+        assert!(refused.contains(row.name), "{refused}");
+    }
+}
+
+#[test]
+fn help_and_panel_name_the_files_of_the_registry() {
+    let files = |product: Product| product.files();
+    assert_eq!(
+        files(Product::Track),
+        "track.gpx, .geojson, .kmz, .shp; footprint.geojson, .kmz"
+    );
+    assert_eq!(files(Product::Cloud), "cloud.laz, .ply, .xyz");
+    assert_eq!(
+        files(Product::Depth),
+        "depth.tif, .qml; uncertainty.tif, .qml; distance.tif, .qml (colours for QGIS)"
+    );
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let help = run(temporary.path(), &["process", "--help"]);
+    for product in Product::ALL {
+        let line = format!("{}:", product.name());
+        let said = help.lines().find(|text| text.contains(&line));
+        assert!(
+            said.is_some_and(|said| said.contains(&files(product))),
+            "{help}"
+        );
+    }
+}
+
+/// A log of a pond over whose bed every product exists.
+fn survey() -> Survey {
+    let mut scene = Scene::gentle();
+    scene.track.lines = 3;
+    scene.track.cross_lines = 1;
+    scene.track.length_m = 40.0;
+    KnownSurvey::new(&scene, 5).survey
+}
+
+/// All files of a run that searches for nothing, with their bytes.
+fn written(survey: &Survey, settings: &Settings, folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let progress = Progress::new();
+    let products = pipeline::run(survey, settings, None, &progress, |_| ()).expect("products");
+    let order = Order {
+        survey,
+        products: &products,
+        wanted: &Product::ALL,
+        reference: None,
+        search: None,
+        review: None,
+    };
+    let run = RunFolder::begin(folder).expect("a folder");
+    outputs::write(&order, run, &progress, |_| ()).expect("a whole set of files");
+    let files = names(folder).into_iter();
+    let bytes = |name: String| {
+        let bytes = fs::read(folder.join(&name)).expect("a file");
+        (name, bytes)
+    };
+    files.map(bytes).collect()
+}
+
+/// A change of a setting for each first word that a row may leave out.
+const CHANGES: [&str; 14] = [
+    "calibration.offset=none",
+    "cloud.geometry=published",
+    "crs=wgs84",
+    "draft_m=0.3",
+    "first_return.threshold=0.6",
+    "height_offset_m=0.2",
+    "image.samples=words",
+    "isobaths.interval_m=0.3",
+    "mosaic.cell_m=0.5",
+    "outliers.radius_m=0.2",
+    "sound_speed.m_s=1400",
+    "surface.cell_m=0.7",
+    "water_level_m=0.4",
+    "detector.score=0.9",
+];
+
+#[test]
+fn a_file_is_the_same_whatever_the_settings_are_that_its_row_leaves_out() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path().join("out");
+    let survey = survey();
+    let before = written(&survey, &Settings::default(), &folder);
+    let record_of_run = EarlierRun::read(&folder).expect("a run");
+    assert!(record_of_run.out_of_date(&Settings::default()).is_empty());
+    let left_out: BTreeSet<&str> = (OUTPUT_FILES.iter())
+        .flat_map(|row| row.regardless_of.iter().copied())
+        .collect();
+    let mut tried = BTreeSet::new();
+    for change in CHANGES {
+        let word = change.split(['.', '=']).next().expect("a word");
+        tried.insert(word);
+        let settings = Settings::default().with_assignment(change).expect(change);
+        let after = written(&survey, &settings, &folder);
+        let mut changed = Vec::new();
+        for (name, bytes) in &before {
+            let row = row_of(name).expect("a row");
+            let is_record = row.record_name().is_some_and(|record| record == *name);
+            let same = after
+                .iter()
+                .any(|(other, now)| other == name && now == bytes);
+            if !same && !is_record {
+                assert!(!row.regardless_of.contains(&word), "{change} alters {name}");
+                changed.push(row.name);
+            }
+        }
+        // Not vacuous: the manifest holds every setting, and every other change is one of results too.
+        let least = if word == "detector" { 1 } else { 3 };
+        assert!(changed.len() >= least, "{change}: {changed:?}");
+        let stale: Vec<&str> = (record_of_run.out_of_date(&settings).iter())
+            .map(|row| row.name)
+            .collect();
+        for name in changed {
+            assert!(stale.contains(&name), "{change}: {name} not in {stale:?}");
+        }
+    }
+    // Readings of the water level need a file of their own; they act as `water_level_m` does.
+    assert_eq!(
+        left_out.difference(&tried).collect::<Vec<_>>(),
+        [&"water_level"]
+    );
+}
+
+#[test]
+fn the_window_says_which_files_are_older_than_the_settings() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let mut window = empty_window();
+    window.state_mut().app.apply(Command::OpenDemo);
+    let out = temporary.path().join("out");
+    window.state_mut().app.apply(Command::Export(out.clone()));
+    settle(&mut window);
+    assert!(app(&window).out_of_date().is_none());
+    let mut settings = Settings::clone(&app(&window).log.settings);
+    settings.isobaths.interval_m = Some(0.35);
+    let change = Command::Change {
+        settings: Box::new(settings),
+        label: "isobaths",
+        live: false,
+    };
+    window.state_mut().app.apply(change);
+    settle(&mut window);
+    let (folder, files) = app(&window).out_of_date().expect("older files");
+    assert_eq!(folder, out);
+    let names: Vec<&str> = files.iter().map(|row: &&OutputFile| row.name).collect();
+    assert_eq!(
+        names,
+        [
+            "isobaths.geojson",
+            "isobaths.kmz",
+            "isobaths.shp",
+            "depth_areas.geojson",
+            "storage.csv",
+            "report.html",
+            "report.json"
+        ]
+    );
+    // Written anew, none is.
+    window.state_mut().app.apply(Command::Export(out));
+    settle(&mut window);
+    assert!(app(&window).out_of_date().is_none());
+}
