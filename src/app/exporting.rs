@@ -2,6 +2,7 @@
 
 use super::{App, Jobs, LogId, Outcome, Task};
 use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
+use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 
@@ -66,9 +67,9 @@ impl App {
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let run = outputs::begin(&folder, &survey, reference)?;
+            let logs = [ProcessedLog { survey, products }];
             let order = Order {
-                survey: &survey,
-                products: &products,
+                logs: &logs,
                 wanted: &wanted,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,

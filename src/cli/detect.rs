@@ -8,9 +8,11 @@ use crate::contained::contained;
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
 use crate::outputs::{self, RunFolder};
+use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use image::{ColorType, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Pixels across or down of a picture.
 const LARGEST_PICTURE: u32 = 40_000;
@@ -123,8 +125,12 @@ fn search_survey(
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
     let products = logs.process(&survey, &status, &progress)?;
+    let log = ProcessedLog {
+        survey: Arc::new(survey),
+        products,
+    };
     status.step("detecting");
-    let found = outputs::write_detected(&survey, &products, model, run, &progress)
+    let found = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
     Ok(found::proposed(&found, model.names()))
 }

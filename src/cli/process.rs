@@ -9,7 +9,7 @@ use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
 use crate::outputs::{self, Merged, Order, Product, RunFolder};
-use crate::pipeline::{self, Products, Reference, Report, Settings};
+use crate::pipeline::{self, ProcessedLog, Reference, Report, Settings};
 use crate::progress::Progress;
 use crate::survey::{Identity, Survey};
 use std::ffi::{OsStr, OsString};
@@ -102,11 +102,10 @@ impl How<'_> {
         logs: &Logs,
         path: &Path,
         folder: impl FnOnce(&Survey) -> PathBuf,
-    ) -> Result<(Survey, Products, Report), String> {
+    ) -> Result<(ProcessedLog, Report), String> {
         let survey = logs.open(path, &Progress::new())?;
         let folder = folder(&survey);
-        let (products, report) = process_into(&survey, self, &folder)?;
-        Ok((survey, products, report))
+        process_into(Arc::new(survey), self, &folder)
     }
 }
 
@@ -122,7 +121,7 @@ fn each(
     let mut failed = 0;
     for path in surveys {
         match how.process(logs, path, |survey| folders.next(&survey.name())) {
-            Ok((survey, products, report)) if merge => merged.add(&survey, &products, &report),
+            Ok((log, report)) if merge => merged.add(&log.survey, &log.products, &report),
             Ok(_) => {}
             Err(sentence) => {
                 failed += 1;
@@ -169,10 +168,10 @@ fn write_merged(merged: &Merged, wanted: &[Product], folder: &Path) -> Result<()
 /// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
 /// what came out, which it gives back.
 pub fn process_into(
-    survey: &Survey,
+    survey: Arc<Survey>,
     how: &How<'_>,
     folder: &Path,
-) -> Result<(Products, Report), String> {
+) -> Result<(ProcessedLog, Report), String> {
     let How {
         settings,
         model,
@@ -182,22 +181,22 @@ pub fn process_into(
     } = *how;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let open = |argument| Reference::open(argument, survey, settings, &progress);
+    let open = |argument| Reference::open(argument, &survey, settings, &progress);
     let reference = reference.map(open).transpose()?.map(Arc::new);
-    let review = review.map(|path| Review::open(path, &Identity::of(survey)));
+    let review = review.map(|path| Review::open(path, &Identity::of(&survey)));
     let review = review.transpose().map_err(|error| error.to_string())?;
-    let run = outputs::begin(folder, survey, reference.as_deref())?;
-    let products = pipeline::run(survey, settings, None, &progress, |stage| {
+    let run = outputs::begin(folder, &survey, reference.as_deref())?;
+    let products = pipeline::run(&survey, settings, None, &progress, |stage| {
         status.step(stage.name())
     })
     .map_err(|error| error.to_string())?;
     let max_gap_m = settings.surface.max_gap_m;
     let raster = review
         .as_ref()
-        .map(|_| Raster::new(survey, &products.navigation, PIXEL_M));
+        .map(|_| Raster::new(&survey, &products.navigation, PIXEL_M));
+    let log = ProcessedLog { survey, products };
     let order = Order {
-        survey,
-        products: &products,
+        logs: std::slice::from_ref(&log),
         wanted,
         reference: (reference.as_ref())
             .map(|reference| (reference, Matching::Surface { max_gap_m })),
@@ -215,5 +214,5 @@ pub fn process_into(
         output::results(format_args!("proposed by the detector: {objects}"))?;
     }
     output::results(written.summary(folder))?;
-    Ok((products, written.report))
+    Ok((log, written.report))
 }

@@ -9,6 +9,7 @@ use crate::outputs::Product;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Where a run without a display writes.
 const OUTPUT: &str = "bathyscope-out";
@@ -50,7 +51,7 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         .map_err(|error| error.to_string())?;
     let folder = folders.next(&survey.name());
     process_into(
-        &survey,
+        Arc::new(survey),
         &How {
             settings: &Settings::default(),
             model: Some(&detect::load(None)?),

@@ -11,7 +11,7 @@ use crate::detection::{
     review::State,
 };
 use crate::export::{self, ExportError, ObjectRow, Summary};
-use crate::pipeline::{Placing, Products};
+use crate::pipeline::{Placing, ProcessedLog, Products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
@@ -47,15 +47,13 @@ impl Proposed {
 /// # Errors
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
 pub fn write_detected(
-    survey: &Survey,
-    products: &Products,
+    log: &ProcessedLog,
     model: &Model,
     run: RunFolder,
     progress: &Progress,
 ) -> Result<Proposed, String> {
     let order = Order {
-        survey,
-        products,
+        logs: std::slice::from_ref(log),
         wanted: &[],
         reference: None,
         search: Some(model),

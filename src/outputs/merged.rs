@@ -14,7 +14,7 @@ use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
 use crate::calibration::Calibration;
 use crate::cloud::{CloudPoint, PointCloud, Residuals};
 use crate::first_return::FirstReturns;
-use crate::pipeline::{Fingerprint, Input, Products, Report, Settings};
+use crate::pipeline::{Fingerprint, Input, ProcessedLog, Products, Report, Settings};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Projection, Survey, Track};
 use serde::Serialize;
@@ -177,9 +177,12 @@ impl Merged {
         };
         let maps = [Product::Depth, Product::Xyz, Product::Isobaths];
         let folder = run.path();
+        let logs = [ProcessedLog {
+            survey: Arc::new(survey),
+            products: all,
+        }];
         let order = Order {
-            survey: &survey,
-            products: &all,
+            logs: &logs,
             wanted,
             reference: None,
             search: None,
@@ -192,7 +195,7 @@ impl Merged {
         };
         let written = write_rows(&mut results, &folder, asked, &mut |_| ())?;
         drop(results);
-        drop(all);
+        drop(logs);
         let mut report = report.clone();
         report.name_run(run.files(progress)?)?;
         for (row, content) in &written.files {

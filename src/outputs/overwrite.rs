@@ -23,8 +23,10 @@ pub(super) fn is_stem_of_output(stem: &str) -> bool {
 /// # Errors
 /// A sentence that names the input.
 pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), String> {
-    let gauge = order.products.correction.gauge().map(|gauge| &gauge.path);
-    let files = order.survey.source.files.iter().chain(gauge);
+    let files = order.logs.iter().flat_map(|log| {
+        let gauge = log.products.correction.gauge().map(|gauge| &gauge.path);
+        log.survey.source.files.iter().chain(gauge)
+    });
     let reference = order.reference.map(|(reference, _)| reference.path());
     refuse(files.map(PathBuf::as_path).chain(reference), folder)
 }

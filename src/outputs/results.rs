@@ -10,8 +10,8 @@ use crate::export::{self, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::footprint;
 use crate::pipeline::{
-    Agreement, Contours, Crossed, Input, NamedComparison, Plane, Products, comparisons, crossed,
-    depth_surface, mosaic_layout,
+    Agreement, Contours, Crossed, Input, NamedComparison, Plane, ProcessedLog, Products,
+    comparisons, crossed, depth_surface, mosaic_layout,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -81,11 +81,14 @@ impl<'a> Results<'a> {
     /// Of what is ordered; nothing is computed yet.
     ///
     /// # Errors
-    /// A sentence when the system that `crs` names does not fit the survey.
+    /// A sentence when there is not one log, or the system that `crs` names does not fit it.
     pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, String> {
-        let Order {
-            survey, products, ..
-        } = *order;
+        let [ProcessedLog { survey, products }] = order.logs else {
+            let count = order.logs.len();
+            return Err(format!(
+                "the files of a run are those of one log, not of {count}"
+            ));
+        };
         Ok(Self {
             order,
             survey,

@@ -10,18 +10,15 @@ use super::run_folder::RunFolder;
 use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
-use crate::pipeline::{Products, Reference, Report};
+use crate::pipeline::{ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::Survey;
 use std::path::Path;
 use std::sync::Arc;
 
 /// What is to be written.
 pub struct Order<'a> {
-    /// The log.
-    pub survey: &'a Survey,
-    /// What the pipeline made of it.
-    pub products: &'a Products,
+    /// The logs that the files are of, with what the pipeline made of them: one today.
+    pub logs: &'a [ProcessedLog],
     /// What is written beside `first_returns.csv`, `cloud.csv` and `report.json`.
     pub wanted: &'a [Product],
     /// What the depths are compared with besides, and how a point finds its reference.
@@ -40,7 +37,10 @@ impl Order<'_> {
             When::Chosen(product) => self.wanted.contains(&product),
             When::Compared => self.reference.is_some(),
             // Without side-scan there is nothing to search.
-            When::Searched => self.search.is_some() && self.survey.has_side_scan(),
+            When::Searched => {
+                let mut surveys = self.logs.iter().map(|log| &log.survey);
+                self.search.is_some() && surveys.any(|survey| survey.has_side_scan())
+            }
         }
     }
 }
@@ -113,7 +113,7 @@ pub fn write(
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
     let mut run = Run {
-        report: Report::new(order.survey, order.products, progress).map_err(in_words)?,
+        report: Report::new(results.survey, results.products, progress).map_err(in_words)?,
         results,
         written: Vec::new(),
         folder: &folder,

@@ -4,9 +4,10 @@ use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
 use bathyscope::outputs::{self, Order, Product, RunFolder};
-use bathyscope::pipeline::{self, Products, Settings};
+use bathyscope::pipeline::{self, ProcessedLog, Products, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
+use std::sync::Arc;
 
 const PINGS_A_LINE: f64 = 3000.0;
 const CELLS_M: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.02];
@@ -14,7 +15,7 @@ const CELLS_M: [f64; 5] = [0.4, 0.2, 0.1, 0.05, 0.02];
 /// Ten lines side by side. Each step has four times the cells of the one before; memory must not follow.
 pub fn run() {
     let progress = Progress::new();
-    let survey = ten_lines(PINGS_A_LINE);
+    let survey = Arc::new(ten_lines(PINGS_A_LINE));
     let mut settings = Settings::default();
     let mut products =
         pipeline::run(&survey, &settings, None, &progress, |_| ()).expect("not cancelled");
@@ -30,9 +31,12 @@ pub fn run() {
 
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |products: &Products, wanted: &[Product]| {
+        let log = ProcessedLog {
+            survey: survey.clone(),
+            products: products.clone(),
+        };
         let order = Order {
-            survey: &survey,
-            products,
+            logs: std::slice::from_ref(&log),
             wanted,
             reference: None,
             search: None,

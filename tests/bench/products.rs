@@ -4,9 +4,10 @@ use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
 use bathyscope::outputs::{self, Order, Product, RunFolder};
-use bathyscope::pipeline::{self, Settings};
+use bathyscope::pipeline::{self, ProcessedLog, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 const PINGS_A_LINE: f64 = 10_000.0;
@@ -41,10 +42,13 @@ pub fn run() {
             taken_s / tracked_s
         );
     };
+    let logs = [ProcessedLog {
+        survey: Arc::new(survey),
+        products,
+    }];
     let write = |wanted: &[Product]| {
         let order = Order {
-            survey: &survey,
-            products: &products,
+            logs: &logs,
             wanted,
             reference: None,
             search: None,

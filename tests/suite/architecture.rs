@@ -55,7 +55,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "mosaic",
             "geo",
             "formats",
-            "export",
         ],
     ),
     (

@@ -10,12 +10,13 @@ use bathyscope::formats::{
     points::{self, PointFormat},
 };
 use bathyscope::outputs::{self, Order, Product, RunFolder};
-use bathyscope::pipeline::{self, Preset, Settings};
+use bathyscope::pipeline::{self, Preset, ProcessedLog, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
 use proptest::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Numbers that headers should not hold, among some that they do.
 fn wild() -> impl Strategy<Value = f32> {
@@ -196,9 +197,13 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let progress = Progress::new();
     let products = pipeline::run(&survey, settings, None, &progress, |_| ()).expect("not stopped");
     let folder = tempfile::tempdir().expect("a folder");
+    let log = ProcessedLog {
+        survey: Arc::new(survey),
+        products,
+    };
+    let (survey, products) = (&log.survey, &log.products);
     let order = Order {
-        survey: &survey,
-        products: &products,
+        logs: std::slice::from_ref(&log),
         wanted: &[Product::Cloud],
         reference: None,
         search: None,

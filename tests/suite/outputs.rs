@@ -7,13 +7,14 @@ use bathyscope::app::Command;
 use bathyscope::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
 };
-use bathyscope::pipeline::{self, Settings};
+use bathyscope::pipeline::{self, ProcessedLog, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
 use bathyscope::survey::Survey;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Names of all files of a folder and of the folders in it.
 fn names(folder: &Path) -> Vec<String> {
@@ -118,21 +119,22 @@ fn help_and_panel_name_the_files_of_the_registry() {
 }
 
 /// A log of a pond over whose bed every product exists.
-fn survey() -> Survey {
+fn survey() -> Arc<Survey> {
     let mut scene = Scene::gentle();
     scene.track.lines = 3;
     scene.track.cross_lines = 1;
     scene.track.length_m = 40.0;
-    KnownSurvey::new(&scene, 5).survey
+    Arc::new(KnownSurvey::new(&scene, 5).survey)
 }
 
 /// All files of a run that searches for nothing, with their bytes.
-fn written(survey: &Survey, settings: &Settings, folder: &Path) -> Vec<(String, Vec<u8>)> {
+fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(String, Vec<u8>)> {
     let progress = Progress::new();
     let products = pipeline::run(survey, settings, None, &progress, |_| ()).expect("products");
+    let survey = survey.clone();
+    let log = ProcessedLog { survey, products };
     let order = Order {
-        survey,
-        products: &products,
+        logs: std::slice::from_ref(&log),
         wanted: &Product::ALL,
         reference: None,
         search: None,
