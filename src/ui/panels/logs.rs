@@ -70,15 +70,13 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
                     .on_hover_text(what)
                     .clicked()
             };
-            ask(button(ui, "✕", "Close", true), Command::CloseLog(id));
-            ask(
-                button(ui, "⏷", "Move down", can_sink),
-                Command::MoveLog(id, 1),
-            );
-            ask(
-                button(ui, "⏶", "Move up", can_rise),
-                Command::MoveLog(id, -1),
-            );
+            ask(button(ui, "×", "Close", true), Command::CloseLog(id));
+            // On one row only: there is no room for them beside every name.
+            if id == app.log.id && (can_rise || can_sink) {
+                let [down, up] = [Command::MoveLog(id, 1), Command::MoveLog(id, -1)];
+                ask(button(ui, "Down", "Move down", can_sink), down);
+                ask(button(ui, "Up", "Move up", can_rise), up);
+            }
             if app.is_processing(id) {
                 ui.add(egui::Spinner::new().size(12.0));
             }
@@ -88,7 +86,7 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
                 .map_or(0, |survey| survey.warnings.len());
             if warnings > 0 {
                 let colour = theme::stale_colour(app.options.theme);
-                ui.colored_label(colour, "⚠")
+                ui.colored_label(colour, "!")
                     .on_hover_text(text::plural(warnings, "warning", "warnings"));
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
