@@ -31,7 +31,9 @@ impl App {
     fn start_base_map(&mut self, path: PathBuf, is_of_last_time: bool) {
         // It has to be found again from whatever folder the next run starts in.
         let path = std::path::absolute(&path).unwrap_or(path);
-        let open = move |progress: &crate::progress::Progress| base_map::open(&path, progress);
+        let open = move |progress: &crate::progress::Progress| {
+            base_map::open(&path, progress).map_err(|error| error.to_string())
+        };
         self.opening_base_map = Some(OpeningBaseMap {
             task: Task::start(&self.jobs, open),
             is_of_last_time,

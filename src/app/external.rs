@@ -70,7 +70,8 @@ impl External {
         if let Some(known) = self.tracks.iter().find(|track| track.path() == path) {
             return Ok(known.clone());
         }
-        let read = Arc::new(TrackFile::read(path)?);
+        let read = TrackFile::read(path).map_err(|error| error.to_string())?;
+        let read = Arc::new(read);
         self.tracks.push(read.clone());
         Ok(read)
     }
@@ -92,7 +93,9 @@ impl App {
             Some(Instrument::Gauge) => read_gauge(&path)
                 .map(Read::Levels)
                 .map_err(|error| error.to_string()),
-            Some(Instrument::Receiver) => TrackFile::read(&path).map(Read::Track),
+            Some(Instrument::Receiver) => TrackFile::read(&path)
+                .map(Read::Track)
+                .map_err(|error| error.to_string()),
             None => Ok(Read::Points(path)),
         };
         self.log.external.reading = Some(Task::start(&self.jobs, work));
@@ -174,7 +177,8 @@ impl App {
                 self.log
                     .external
                     .track(path)?
-                    .lay_over(&mut now, offset_s)?;
+                    .lay_over(&mut now, offset_s)
+                    .map_err(|error| error.to_string())?;
                 Arc::new(now)
             }
         };

@@ -15,7 +15,7 @@ pub use place::Place;
 
 use crate::contained::contained;
 use crate::geo::LonLat;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::regular_file;
 use blocks::Blocks;
 use colours::Coding;
@@ -110,14 +110,57 @@ fn unusable(error: impl std::fmt::Display) -> String {
 }
 
 /// Opens a GeoTIFF: 8 bits a colour, north up, in degrees or metres of a system that [`crate::geo::Crs`] knows. Reads all of it once where it has no
-/// overviews and is large. The error is one sentence.
-pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, String> {
-    let damaged = || Err("the base map cannot be read: it is damaged".to_owned());
+/// overviews and is large.
+///
+/// # Errors
+/// When the file cannot be read or shown, or the work was cancelled.
+pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
+    let damaged = || Err(unusable("it is damaged").into());
     let opened = contained(|| open_file(path, progress)).unwrap_or_else(damaged);
-    opened.map_err(|text| format!("{text}: {}", path.display()))
+    opened.map_err(|fault| match fault {
+        Fault::Unusable(what) => BaseMapError::Unusable {
+            what,
+            path: path.to_owned(),
+        },
+        Fault::Cancelled(cancelled) => cancelled.into(),
+    })
 }
 
-fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, String> {
+/// Why a file is no base map.
+#[derive(Debug, thiserror::Error)]
+pub enum BaseMapError {
+    /// The file cannot be read or shown.
+    #[error("{what}: {}", path.display())]
+    Unusable {
+        /// What is wrong, and what to do.
+        what: String,
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The user stopped it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The same before anybody has said which file it is.
+enum Fault {
+    Unusable(String),
+    Cancelled(Cancelled),
+}
+
+impl From<String> for Fault {
+    fn from(what: String) -> Self {
+        Self::Unusable(what)
+    }
+}
+
+impl From<Cancelled> for Fault {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Cancelled(cancelled)
+    }
+}
+
+fn open_file(path: &Path, progress: &Progress) -> Result<BaseMap, Fault> {
     let file = regular_file::open(path).map_err(unusable)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_BLOCK_BYTES as usize;
@@ -314,7 +357,7 @@ impl BaseMap {
     }
 
     /// Where the coarsest level is too large to be looked at as a whole, makes one that is not, in one pass.
-    fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), String> {
+    fn add_coarse_level(&mut self, progress: &Progress) -> Result<(), Fault> {
         let index = self.levels.len() - 1;
         let level = &self.levels[index];
         let [columns, rows] = level.size;
@@ -323,9 +366,10 @@ impl BaseMap {
             return Ok(());
         }
         if u64::from(columns) * u64::from(rows) > MOST_WITHOUT_OVERVIEWS {
-            return Err(format!(
+            let what = format!(
                 "the base map has {columns} by {rows} pixels and no overviews of them; add some with gdaladdo"
-            ));
+            );
+            return Err(what.into());
         }
         let size = level.size.map(|cells| cells.div_ceil(factor));
         let mut sums = vec![[0u32; 4]; size[0] as usize * size[1] as usize];
@@ -333,7 +377,7 @@ impl BaseMap {
         progress.start(u64::from(rows.div_ceil(down)));
         for row in 0..rows.div_ceil(down) {
             for column in 0..columns.div_ceil(across) {
-                progress.check().map_err(unusable)?;
+                progress.check()?;
                 let block = self.block(index, [column, row]);
                 let block = block.ok_or_else(|| unusable("a block of it is damaged"))?;
                 let first = [column * across, row * down];

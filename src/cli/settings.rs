@@ -65,7 +65,10 @@ impl Logs {
     pub fn new(settings: Settings) -> Result<Self, String> {
         let track = settings.track.file.as_deref();
         Ok(Self {
-            track: track.map(TrackFile::read).transpose()?,
+            track: track
+                .map(TrackFile::read)
+                .transpose()
+                .map_err(|error| error.to_string())?,
             settings,
         })
     }
@@ -77,7 +80,8 @@ impl Logs {
     pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, String> {
         let track = self.track.as_ref();
         let track = track.map(|track| (track, self.settings.track.offset_s));
-        let survey = formats::open_with_track(path, track, progress)?;
+        let survey =
+            formats::open_with_track(path, track, progress).map_err(|error| error.to_string())?;
         tell_of_drawing(&survey, &self.settings);
         check_against(&survey, &self.settings)?;
         Ok(survey)

@@ -31,7 +31,7 @@ pub use gauge_file::{GaugeError, read_gauge};
 pub use medium::hold;
 pub use reference::{ReferenceError, ReferenceFile, open_reference};
 pub use scalar::ByteOrder;
-pub use track_file::{TrackFile, open_with_track};
+pub use track_file::{OpenWithTrackError, TrackError, TrackFile, open_with_track};
 
 use crate::progress::Progress;
 use crate::survey::{Bytes, Source, Survey};

@@ -1,12 +1,13 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
+use super::OpenError;
 use super::stray::drop_stray;
 use crate::calendar::unix_from_text;
 use crate::geo::LonLat;
 use crate::progress::Progress;
 use crate::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A track from a file.
@@ -32,9 +33,13 @@ impl TrackFile {
     /// Reads a track. CSV has the columns `time` (ISO 8601, Unix seconds, or seconds of the log), `lon` and `lat`, degrees, and
     /// perhaps `heading_deg`; GPX its track points.
     ///
-    /// The error is one sentence, the path last.
-    pub fn read(path: &Path) -> Result<Self, String> {
-        let fail = |what: String| format!("{what}: {}", path.display());
+    /// # Errors
+    /// When the file cannot be read, or holds no track.
+    pub fn read(path: &Path) -> Result<Self, TrackError> {
+        let fail = |what: String| TrackError::Unusable {
+            what,
+            path: path.to_owned(),
+        };
         let bytes = regular_file::read(path, LONGEST)
             .map_err(|error| fail(format!("cannot read the track: {error}")))?;
         let text = std::str::from_utf8(&bytes)
@@ -69,16 +74,15 @@ impl TrackFile {
     /// Lays the track over a survey in place of the recorder's, each place `offset_s` later than the file says. The file joins the
     /// survey's sources. What the track does not cover has no place from then on, and a warning says so.
     ///
-    /// The error is one sentence: nothing of the log is covered, or nobody knows when it was recorded.
-    pub fn lay_over(&self, survey: &mut Survey, offset_s: f64) -> Result<(), String> {
-        let path = self.external.path.display();
+    /// # Errors
+    /// When nothing of the log is covered, or nobody knows when it was recorded.
+    pub fn lay_over(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
+        let path = || self.external.path.clone();
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
             (true, _) => 0.0,
             (false, Some(start_unix_s)) => start_unix_s,
             (false, None) => {
-                return Err(format!(
-                    "the log does not know the time, so the track cannot be laid over it; give its times in seconds of the log: {path}"
-                ));
+                return Err(TrackError::UnknownTime { path: path() });
             }
         };
         let fix = |&(time_s, position, compass_rad): &(f64, LonLat, f32)| Fix {
@@ -97,10 +101,10 @@ impl TrackFile {
         let outside = times.clone().filter(|time_s| !inside(*time_s)).count();
         let count = times.count();
         if outside == count {
-            return Err(format!(
-                "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if a clock was wrong: {path}",
-                span_s[0], span_s[1]
-            ));
+            return Err(TrackError::Elsewhere {
+                span_s,
+                path: path(),
+            });
         }
         let place = None;
         let stray = stray.map(|what| format!("Of the external track {what}."));
@@ -128,13 +132,58 @@ impl TrackFile {
     }
 }
 
+/// Why a track cannot be used: one sentence, the path last.
+#[derive(Debug, thiserror::Error)]
+pub enum TrackError {
+    /// The file cannot be read, or holds no track.
+    #[error("{what}: {}", path.display())]
+    Unusable {
+        /// What is wrong, with the line where it is known, and what to do.
+        what: String,
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The track has dates and the log has none.
+    #[error(
+        "the log does not know the time, so the track cannot be laid over it; give its times in seconds of the log: {}", path.display()
+    )]
+    UnknownTime {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// The track is of another time.
+    #[error(
+        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if a clock was wrong: {}", span_s[0], span_s[1], path.display()
+    )]
+    Elsewhere {
+        /// Its first and its last fix, seconds of the log.
+        span_s: [f64; 2],
+        /// Which file.
+        path: PathBuf,
+    },
+}
+
+/// Why a log cannot be opened with a track over it.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenWithTrackError {
+    /// The log cannot be opened, or the user stopped it.
+    #[error(transparent)]
+    Log(#[from] OpenError),
+    /// The track does not fit it.
+    #[error(transparent)]
+    Track(#[from] TrackError),
+}
+
 /// Opens a log and lays a track over it, if there is one.
+///
+/// # Errors
+/// When the log cannot be opened, the track does not fit it, or the work was cancelled.
 pub fn open_with_track(
     path: &Path,
     track: Option<(&TrackFile, f64)>,
     progress: &Progress,
-) -> Result<Survey, String> {
-    let mut survey = super::open(path, progress).map_err(|error| error.to_string())?;
+) -> Result<Survey, OpenWithTrackError> {
+    let mut survey = super::open(path, progress)?;
     if let Some((track, offset_s)) = track {
         track.lay_over(&mut survey, offset_s)?;
     }
@@ -250,7 +299,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        TrackFile::read(&path)
+        TrackFile::read(&path).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -296,9 +345,13 @@ mod tests {
             dated
                 .lay_over(&mut unknown, 0.0)
                 .unwrap_err()
+                .to_string()
                 .contains("does not know the time")
         );
-        let error = dated.lay_over(&mut survey(), 3600.0).unwrap_err();
+        let error = dated
+            .lay_over(&mut survey(), 3600.0)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("track.offset_s"), "{error}");
         for (text, words) in [
             ("time,x,y\n1,2,3\n", "time, lon and lat"),

@@ -5,9 +5,10 @@ use super::placing::{GeoKeys, Placing};
 use crate::contained::contained;
 use crate::regular_file;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::ops::Range;
 use std::path::Path;
+use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
@@ -36,35 +37,66 @@ const GDAL_METADATA: u16 = 42_112;
 /// Reads the first image of a file.
 ///
 /// # Errors
-/// A sentence without the path.
-pub fn read_cells(path: &Path) -> Result<RasterPoints, String> {
-    contained(|| read_open(path))
-        .unwrap_or_else(|| Err("the GeoTIFF cannot be read: it is damaged".to_owned()))
+/// When the file cannot be read, or holds no heights with a place.
+pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
+    contained(|| read_open(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
 }
 
-fn unusable(error: impl std::fmt::Display) -> String {
-    format!("the GeoTIFF cannot be read: {error}")
+/// Why a raster gives no points, in a sentence without the path.
+#[derive(Debug, thiserror::Error)]
+pub enum CellsError {
+    /// The system does not give it.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Io(#[from] io::Error),
+    /// It is no TIFF, or one of a kind that is not known.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Tiff(#[from] TiffError),
+    /// It contradicts itself.
+    #[error("the GeoTIFF cannot be read: {0}")]
+    Damaged(&'static str),
+    /// It has more cells than are looked at.
+    #[error(
+        "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
+    )]
+    TooManyCells {
+        /// Cells from west to east.
+        columns: u32,
+        /// Cells from north to south.
+        rows: u32,
+    },
+    /// It has more cells with a value than fit into memory as points.
+    #[error(
+        "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
+    )]
+    TooManyPoints,
+    /// It has several bands.
+    #[error("the GeoTIFF is a picture, not one band of heights or depths")]
+    Picture,
+    /// It has no transform.
+    #[error("the TIFF does not say where it lies; write a GeoTIFF")]
+    Nowhere,
+    /// Its cells hold no number that a height could be.
+    #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
+    NoHeights,
 }
 
-fn read_open(path: &Path) -> Result<RasterPoints, String> {
-    let file = regular_file::open(path).map_err(unusable)?;
+fn read_open(path: &Path) -> Result<RasterPoints, CellsError> {
+    let file = regular_file::open(path)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = LARGEST_BLOCK;
-    let decoder = Decoder::new(BufReader::new(file)).map_err(unusable)?;
+    let decoder = Decoder::new(BufReader::new(file))?;
     let mut decoder = decoder.with_limits(limits);
-    let (columns, rows) = decoder.dimensions().map_err(unusable)?;
+    let (columns, rows) = decoder.dimensions()?;
     if u64::from(columns) * u64::from(rows) > MOST_CELLS {
-        return Err(format!(
-            "the GeoTIFF has {columns} by {rows} cells, more than {MOST_CELLS}; make a coarser one"
-        ));
+        return Err(CellsError::TooManyCells { columns, rows });
     }
-    let colours = decoder.colortype().map_err(unusable)?;
+    let colours = decoder.colortype()?;
     if !matches!(colours, tiff::ColorType::Gray(_)) {
-        return Err("the GeoTIFF is a picture, not one band of heights or depths".to_owned());
+        return Err(CellsError::Picture);
     }
     let keys = GeoKeys::read(&mut decoder);
     let place = Placing::read(&mut decoder, &keys)
-        .ok_or("the TIFF does not say where it lies; write a GeoTIFF")?
+        .ok_or(CellsError::Nowhere)?
         .of_middles();
     let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
     let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
@@ -84,9 +116,7 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
                 }
             }
             match points.len() > MOST_POINTS {
-                true => Err(format!(
-                    "the GeoTIFF has more than {MOST_POINTS} cells with a value; cut it to the survey, or make it coarser"
-                )),
+                true => Err(CellsError::TooManyPoints),
                 false => Ok(()),
             }
         },
@@ -104,11 +134,11 @@ fn read_open(path: &Path) -> Result<RasterPoints, String> {
 fn each_block(
     decoder: &mut Decoder<BufReader<File>>,
     [columns, rows]: [u32; 2],
-    mut take: impl FnMut([usize; 2], usize, &[f64]) -> Result<(), String>,
-) -> Result<(), String> {
+    mut take: impl FnMut([usize; 2], usize, &[f64]) -> Result<(), CellsError>,
+) -> Result<(), CellsError> {
     let (width, height) = decoder.chunk_dimensions();
     if width == 0 || height == 0 {
-        return Err("the GeoTIFF cannot be read: it is cut into pieces without a cell".to_owned());
+        return Err(CellsError::Damaged("it is cut into pieces without a cell"));
     }
     for row in 0..rows.div_ceil(height) {
         let across = columns.div_ceil(width);
@@ -116,7 +146,7 @@ fn each_block(
             let block = row * across + column;
             let (shown, _) = decoder.chunk_data_dimensions(block);
             let shown = shown.max(1) as usize;
-            let values = decoder.read_chunk(block).map_err(unusable)?;
+            let values = decoder.read_chunk(block)?;
             let first = [(column * width) as usize, (row * height) as usize];
             // Few rows at a time: as f64 a block may be twice its size.
             let step = (PIECE / shown).max(1) * shown;
@@ -135,7 +165,7 @@ fn each_block(
 const PIECE: usize = 1 << 20;
 
 /// Some of a block's numbers; `None` beyond its end.
-fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64>>, String> {
+fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64>>, CellsError> {
     fn wide<T: Copy + Into<f64>>(values: &[T], range: Range<usize>) -> Option<Vec<f64>> {
         let values = values.get(range.start..range.end.min(values.len()))?;
         let wide = values.iter().map(|value| (*value).into()).collect();
@@ -148,11 +178,6 @@ fn numbers(block: &DecodingResult, range: Range<usize>) -> Result<Option<Vec<f64
         DecodingResult::I32(values) => wide(values, range),
         DecodingResult::U16(values) => wide(values, range),
         DecodingResult::U32(values) => wide(values, range),
-        _ => {
-            return Err(
-                "the GeoTIFF holds no heights: its numbers have one or more than four bytes"
-                    .to_owned(),
-            );
-        }
+        _ => return Err(CellsError::NoHeights),
     })
 }

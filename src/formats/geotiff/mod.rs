@@ -22,7 +22,7 @@ mod scratch;
 mod statistics;
 mod writer;
 
-pub use cells::{RasterPoints, read_cells};
+pub use cells::{CellsError, RasterPoints, read_cells};
 pub use placing::{GeoKeys, Placing};
 
 use crate::geo::Crs;

@@ -137,7 +137,7 @@ fn of_raster(
     if names.is_some_and(|names| names != &["x", "y", "z"]) {
         return Err("the coordinates of a GeoTIFF are always x, y and z".to_owned());
     }
-    let raster = geotiff::read_cells(path)?;
+    let raster = geotiff::read_cells(path).map_err(|error| error.to_string())?;
     let depths = raster.downwards && names.is_none();
     let note =
         depths.then(|| "the raster holds depths, which are turned into elevations".to_owned());

@@ -105,7 +105,8 @@ fn what_cannot_lie_under_a_map_is_refused_in_a_sentence() {
         ("colours.json", "cannot be read"),
         ("absent.tif", "cannot be read"),
     ] {
-        let text = open(&file(name), &Progress::new()).err().expect("refused");
+        let refused = open(&file(name), &Progress::new()).err();
+        let text = refused.expect("refused").to_string();
         assert!(text.contains(why) && text.ends_with(name), "{text}");
         assert!(!text.contains('\n') && text.len() < 400, "{text}");
     }
