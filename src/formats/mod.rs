@@ -13,6 +13,7 @@ mod depths;
 mod foreign;
 mod gauge_file;
 pub mod geotiff;
+mod gpx;
 pub mod humminbird;
 mod join;
 pub mod lowrance;
@@ -25,6 +26,7 @@ mod scalar;
 mod shelf;
 mod stray;
 mod track_file;
+mod xml;
 pub mod xtf;
 
 pub use gauge_file::{GaugeError, read_gauge};

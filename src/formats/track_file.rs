@@ -1,6 +1,7 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
 use super::OpenError;
+use super::gpx::gpx_points;
 use super::stray::drop_stray;
 use crate::calendar::unix_from_text;
 use crate::geo::LonLat;
@@ -242,39 +243,17 @@ fn position(lon_deg: Option<f64>, lat_deg: Option<f64>) -> Option<LonLat> {
     exists.then_some(LonLat { lon_deg, lat_deg })
 }
 
-/// The points `<trkpt lat="" lon=""><time></time></trkpt>`; those without a time are left out.
+/// The track points of a GPX file; those without a time are left out.
 fn from_gpx(text: &str) -> Fixes {
     let mut fixes = Vec::new();
-    for (index, point) in text.split("<trkpt").skip(1).enumerate() {
-        let fail = || format!("track point {} has no place that can be read", index + 1);
-        let (head, rest) = point.split_once('>').ok_or_else(fail)?;
-        let number = |name| attribute(head, name)?.parse().ok();
-        let position = position(number("lon"), number("lat")).ok_or_else(fail)?;
-        let body = rest.split("</trkpt>").next().unwrap_or_default();
-        let time = body
-            .split_once("<time>")
-            .and_then(|(_, rest)| rest.split_once("</time>"));
-        let time_s = time.and_then(|(time, _)| unix_from_text(time.trim()));
-        // A point without children is closed in its head: what follows is not its own.
-        let time_s = time_s.filter(|_| !head.ends_with('/'));
+    for (index, point) in gpx_points(text)?.into_iter().enumerate() {
+        let [lon_deg, lat_deg] = point.lon_lat.map_or([None; 2], |at| at.map(Some));
+        let position = position(lon_deg, lat_deg)
+            .ok_or_else(|| format!("track point {} has no place that can be read", index + 1))?;
+        let time_s = unix_from_text(point.time.trim());
         fixes.extend(time_s.map(|time_s| (time_s, position, f32::NAN)));
     }
     Ok(fixes)
-}
-
-/// The value of an attribute, in either kind of quotes.
-fn attribute<'a>(head: &'a str, name: &str) -> Option<&'a str> {
-    let mut rest = head;
-    loop {
-        let (before, after) = rest.split_once('=')?;
-        let after = after.trim_start();
-        let quote = after.chars().next().filter(|c| matches!(c, '"' | '\''))?;
-        let (value, next) = after[1..].split_once(quote)?;
-        if before.trim().rsplit(char::is_whitespace).next() == Some(name) {
-            return Some(value);
-        }
-        rest = next;
-    }
 }
 
 #[cfg(test)]

@@ -2,13 +2,16 @@
 
 use super::statistics::Statistics;
 use super::{Band, RasterSpec};
+use crate::formats::xml::{attribute, is, text_of};
 use crate::printable::xml;
+use quick_xml::Reader;
+use quick_xml::events::Event;
 use std::fmt::Write as _;
 
 /// Name of the item that says which way values count, as the CF conventions name it, and what it says of depths.
-pub const POSITIVE: &str = "positive";
+const POSITIVE: &str = "positive";
 /// See [`POSITIVE`].
-pub const DOWN: &str = "down";
+const DOWN: &str = "down";
 
 /// The text of the tag.
 pub fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) -> String {
@@ -53,15 +56,26 @@ pub fn gdal_metadata(spec: &RasterSpec, band: &Band, statistics: &Statistics) ->
 
 /// Whether the text of such a tag, by whatever program, says that values count downwards.
 pub fn counts_downwards(text: &str) -> bool {
-    let items = text.split("<Item").skip(1);
-    let attribute = format!("name=\"{POSITIVE}\"");
-    items.into_iter().any(|item| {
-        let parts = item.split_once('>');
-        parts.is_some_and(|(head, rest)| {
-            let value = rest.split('<').next().unwrap_or_default();
-            head.contains(&attribute) && value.trim().eq_ignore_ascii_case(DOWN)
-        })
-    })
+    let mut reader = Reader::from_str(text);
+    // Of the item that says so, where it is open.
+    let mut value: Option<String> = None;
+    loop {
+        match (reader.read_event(), &mut value) {
+            (Err(_) | Ok(Event::Eof), _) => return false,
+            (Ok(Event::Start(item)), _) => {
+                let says_so = attribute(&item, "name").is_some_and(|name| name == POSITIVE);
+                value = (is(&item, "Item") && says_so).then(String::new);
+            }
+            (Ok(Event::End(_)), Some(said)) => {
+                if said.trim().eq_ignore_ascii_case(DOWN) {
+                    return true;
+                }
+                value = None;
+            }
+            (Ok(event), Some(said)) => said.extend(text_of(&event)),
+            _ => {}
+        }
+    }
 }
 
 #[cfg(test)]
@@ -72,6 +86,10 @@ mod tests {
     fn the_way_of_counting_is_read_from_its_item_alone() {
         let down = "<GDALMetadata>\n <Item name=\"X\">down</Item>\n <Item name=\"positive\" sample=\"0\">down</Item></GDALMetadata>";
         assert!(counts_downwards(down));
+        assert!(counts_downwards(
+            &down.replace("\"positive\"", "'positive'")
+        ));
+        assert!(!counts_downwards(&format!("<!-- {down} -->")));
         assert!(!counts_downwards(
             &down.replace(">down</Item></G", ">up</Item></G")
         ));
