@@ -180,7 +180,7 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         );
     }
     // The switch that was just turned on turns the other off.
-    shown.colour = match (by_depth && !(by_log && !was[1]), by_log) {
+    shown.colour = match (by_depth && (!by_log || was[1]), by_log) {
         (true, _) => CloudColour::Depth,
         (false, true) => CloudColour::Log,
         (false, false) => CloudColour::Source,
