@@ -21,7 +21,7 @@ pub struct SettingsArgs {
     #[arg(long, value_name = "FILE.toml")]
     settings: Vec<PathBuf>,
     /// One setting, for example first_return.threshold=0.35
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", long_help = pipeline::settings::help())]
     assignments: Vec<String>,
 }
 

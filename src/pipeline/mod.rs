@@ -16,7 +16,7 @@ mod placing;
 mod processed_log;
 mod products;
 mod report;
-mod settings;
+pub mod settings;
 
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
 pub use depth::{

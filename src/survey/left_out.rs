@@ -84,25 +84,12 @@ impl LeftOutSettings {
     /// # Errors
     /// The rule that is broken.
     pub fn check(&self) -> Result<(), &'static str> {
-        let above_zero = |value: Option<f64>| value.is_none_or(|value| value > 0.0);
         let is_span = |stretch: &Stretch| match (stretch.pings, stretch.time_s) {
             (Some([first, last]), None) => first <= last,
             (None, Some([from_s, to_s])) => from_s <= to_s,
             _ => false,
         };
         let rules = [
-            (
-                above_zero(self.max_turn_deg_s),
-                "left_out.max_turn_deg_s must be above 0",
-            ),
-            (
-                above_zero(self.min_speed_mps),
-                "left_out.min_speed_mps must be above 0",
-            ),
-            (
-                (0.0..=3600.0).contains(&self.min_duration_s),
-                "left_out.min_duration_s must lie between 0 and 3600",
-            ),
             (
                 self.stretches.len() <= MOST_STRETCHES,
                 "left_out.stretches may hold 100000 stretches at most",

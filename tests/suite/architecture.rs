@@ -246,3 +246,29 @@ fn files_stay_small_enough_to_read() {
         .collect();
     assert!(long.is_empty(), "{long:#?}");
 }
+
+#[test]
+fn controls_of_settings_have_their_range_from_the_table() {
+    // The filter of boxes and the comparison have controls that move no setting.
+    const NO_SETTINGS: [&str; 2] = ["review/queue.rs", "residuals/reference.rs"];
+    let panels = source().join("ui/panels");
+    let parts = panels.join("parts.rs");
+    let mut offences = Vec::new();
+    for path in rust_files(&panels) {
+        let other = NO_SETTINGS.iter().any(|name| path.ends_with(name));
+        let code = code(&path);
+        let makes_one = ["Slider::new", "DragValue::new"]
+            .iter()
+            .any(|control| code.contains(control));
+        if makes_one && !other && path != parts {
+            offences.push(format!("{} makes a control of its own", path.display()));
+        }
+    }
+    let code = code(&parts);
+    let before_ranges = code.split("..=").map(|before| before.chars().last());
+    let literal = |last: Option<char>| last.is_some_and(|last| last.is_ascii_digit());
+    if before_ranges.into_iter().any(literal) || !code.contains("Slider::new") {
+        offences.push("parts.rs has a range of its own".to_owned());
+    }
+    assert!(offences.is_empty(), "{offences:#?}");
+}

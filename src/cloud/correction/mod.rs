@@ -11,7 +11,7 @@ pub use sound_speed::{SoundSpeedSettings, sound_speed_m_s};
 pub use statement::DepthReference;
 
 use crate::calendar;
-use crate::survey::{Gauge, Survey, WATER_LEVELS_M};
+use crate::survey::{Gauge, Survey};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -31,11 +31,6 @@ pub struct WaterLevelSettings {
     pub gauge: Option<Arc<Gauge>>,
 }
 
-/// Most that a recorder's clock is wrong, seconds: more than a day is another day's log.
-const MOST_CLOCK_OFFSET_S: f64 = 10.0 * 86_400.0;
-/// Most that the heights of logs over one water differ, metres.
-const MOST_HEIGHT_OFFSET_M: f64 = 100.0;
-
 /// What is known of water and transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthSettings {
@@ -50,26 +45,6 @@ pub struct DepthSettings {
     pub height_offset_m: f64,
     /// Sound speed.
     pub sound_speed: SoundSpeedSettings,
-}
-
-impl DepthSettings {
-    /// Refuses what cannot be, in one sentence.
-    pub fn check(&self) -> Result<(), &'static str> {
-        if !(0.0..=100.0).contains(&self.draft_m) {
-            return Err("draft_m must lie between 0 and 100");
-        }
-        if !WATER_LEVELS_M.contains(&self.water_level_m) {
-            return Err("water_level_m must lie between -1000 and 10000");
-        }
-        let clock_offsets_s = -MOST_CLOCK_OFFSET_S..=MOST_CLOCK_OFFSET_S;
-        if !clock_offsets_s.contains(&self.water_level.clock_offset_s) {
-            return Err("water_level.clock_offset_s must lie between -864000 and 864000");
-        }
-        if !(-MOST_HEIGHT_OFFSET_M..=MOST_HEIGHT_OFFSET_M).contains(&self.height_offset_m) {
-            return Err("height_offset_m must lie between -100 and 100");
-        }
-        self.sound_speed.check()
-    }
 }
 
 /// What is done to the depths of one survey.

@@ -1,54 +1,13 @@
 //! Step 2: from samples to metres. All scales side by side, and the stretch that the pixels per metre come from.
 
-use super::parts::{self, Choice, Section, choice, fact, section};
+use super::parts::{self, Section, fact, section, setting};
 use crate::app::{Action, Command};
-use crate::calibration::{
-    Calibration, FlatSpot, OffsetMode, PingRange, PpdReach, Scale, ScaleMode,
-};
+use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
 use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
 use std::ops::Range;
-
-const MODES: &[Choice<ScaleMode>] = &[
-    (
-        ScaleMode::Header,
-        "recorded range",
-        "The range that the recorder states for each ping.",
-    ),
-    (
-        ScaleMode::FlatSpot,
-        "flat spot (PPD)",
-        "Pixels per metre measured at a flat stretch, PPD = p / d.",
-    ),
-];
-
-const REACHES: &[Choice<PpdReach>] = &[
-    (
-        PpdReach::Factor,
-        "on recorded range",
-        "The flat spot corrects the recorded range by a factor, so it holds for pings of another range too.",
-    ),
-    (
-        PpdReach::Constant,
-        "one constant",
-        "The same pixels per metre for all pings, as published: wrong where the range was changed.",
-    ),
-];
-
-const OFFSETS: &[Choice<OffsetMode>] = &[
-    (
-        OffsetMode::Auto,
-        "where it fits",
-        "Taken off where it is one that a pulse, a filter or a draft causes; ranges of survey-grade logs stay as they are.",
-    ),
-    (
-        OffsetMode::Fit,
-        "also survey-grade",
-        "As before, and on survey-grade logs too.",
-    ),
-    (OffsetMode::None, "none", "Ranges stay as they are."),
-];
 
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -58,37 +17,15 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         stage: Some(Stage::Calibration),
     };
     section(ui, context, &heading, |ui, context| {
-        choice(
+        setting(ui, context, &rows::SCALE);
+        setting(
             ui,
             context,
-            "Scale",
-            "Which scale turns samples into metres.",
-            MODES,
-            context.app.log.settings.calibration.mode,
-            |settings, mode| settings.calibration.mode = mode,
+            match context.app.log.settings.calibration.mode {
+                ScaleMode::FlatSpot => &rows::PPD_REACH,
+                ScaleMode::Header => &rows::OFFSET,
+            },
         );
-        if context.app.log.settings.calibration.mode == ScaleMode::FlatSpot {
-            choice(
-                ui,
-                context,
-                "PPD holds",
-                "What the flat spot's scale is for pings of another recorded range.",
-                REACHES,
-                context.app.log.settings.calibration.ppd,
-                |settings, reach| settings.calibration.ppd = reach,
-            );
-        }
-        if context.app.log.settings.calibration.mode == ScaleMode::Header {
-            choice(
-                ui,
-                context,
-                "Offset",
-                "What is done about a constant between first-return ranges and recorded depths.",
-                OFFSETS,
-                context.app.log.settings.calibration.offset,
-                |settings, offset| settings.calibration.offset = offset,
-            );
-        }
         let Some(products) = context.app.log.products.clone() else {
             parts::remark(ui, "No result yet.");
             return;

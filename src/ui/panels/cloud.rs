@@ -1,71 +1,13 @@
 //! Step 3: the point cloud.
 
-use super::parts::{self, Choice, Knob, Section, choice, fact, knob, section};
+use super::parts::{self, Section, fact, section, setting};
 use crate::app::Figures;
 use crate::cloud::{Geometry, Residuals};
+use crate::pipeline::settings::rows;
 use crate::pipeline::{Products, Stage};
 use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
 use egui::Ui;
-
-const GEOMETRIES: &[Choice<Geometry>] = &[
-    (
-        Geometry::Slope,
-        "slope",
-        "The first return lies where the bottom is square to the beam.",
-    ),
-    (
-        Geometry::Nadir,
-        "nadir",
-        "z = r, y = 0: the first return is straight below.",
-    ),
-    (
-        Geometry::SelfConsistent,
-        "self-consistent",
-        "As published, with PPD measured so that the depth at the flat spot is reproduced.",
-    ),
-    (
-        Geometry::Published,
-        "published",
-        "z = r cos(α2), y = r sin(α2), as printed in the paper.",
-    ),
-];
-
-const HEADINGS: &[Choice<HeadingSource>] = &[
-    (
-        HeadingSource::TrackFit,
-        "track fit",
-        "A line fitted to the fixes in a time window around the ping.",
-    ),
-    (
-        HeadingSource::Cog,
-        "recorded course",
-        "Course over ground as the recorder stored it.",
-    ),
-    (
-        HeadingSource::Compass,
-        "compass",
-        "The recorded compass heading, where the boat had one.",
-    ),
-    (
-        HeadingSource::Steps,
-        "fix to fix (published)",
-        "h = p(i+1) − p(i): most steps are zero, and those pings give no point.",
-    ),
-];
-
-const PROJECTIONS: &[Choice<Projection>] = &[
-    (
-        Projection::Enu,
-        "local metres",
-        "Metres on the ground, east and north of the first fix.",
-    ),
-    (
-        Projection::Mercator,
-        "Mercator (published)",
-        "Pseudo-Mercator metres: stretched by 1 / cos(latitude).",
-    ),
-];
 
 /// How the side-scan points lie over the soundings of their own pings: named alike wherever it stands.
 pub(super) const SAME_PING: &str = "At same ping";
@@ -124,79 +66,19 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let settings = context.app.log.settings.clone();
-    choice(
-        ui,
-        context,
-        "Geometry",
-        "Where a first return is placed.",
-        GEOMETRIES,
-        settings.cloud.geometry,
-        |settings, geometry| settings.cloud.geometry = geometry,
-    );
-    if matches!(
-        settings.cloud.geometry,
-        Geometry::Published | Geometry::SelfConsistent
-    ) {
-        let angle = Knob {
-            name: "Angle α2",
-            undo: "angle",
-            hint: "α2 of the paper: angle of the first return from the vertical; 16 degrees in the published code.",
-            range: 0.0..=60.0,
-            step: 0.5,
-            decimals: 1,
-            suffix: "°",
-        };
-        knob(
-            ui,
-            context,
-            angle,
-            settings.cloud.alpha2_deg,
-            |settings, value| {
-                settings.cloud.alpha2_deg = value;
-            },
-        );
+    let geometry = settings.cloud.geometry;
+    setting(ui, context, &rows::GEOMETRY);
+    if matches!(geometry, Geometry::Published | Geometry::SelfConsistent) {
+        setting(ui, context, &rows::ALPHA2);
     }
-    if settings.cloud.geometry == Geometry::Published {
+    if geometry == Geometry::Published {
         parts::warning(ui, context, &published_depth(settings.cloud.alpha2_deg));
     }
-    choice(
-        ui,
-        context,
-        "Heading",
-        "Where the heading of a ping comes from.",
-        HEADINGS,
-        settings.heading.source,
-        |settings, source| settings.heading.source = source,
-    );
+    setting(ui, context, &rows::HEADING);
     if settings.heading.source == HeadingSource::TrackFit {
-        let window = Knob {
-            name: "Window",
-            undo: "heading window",
-            hint: "Width of the time window that the heading line is fitted over.",
-            range: 0.5..=30.0,
-            step: 0.5,
-            decimals: 1,
-            suffix: " s",
-        };
-        knob(
-            ui,
-            context,
-            window,
-            settings.heading.window_s,
-            |settings, value| {
-                settings.heading.window_s = value;
-            },
-        );
+        setting(ui, context, &rows::HEADING_WINDOW);
     }
-    choice(
-        ui,
-        context,
-        "Plane",
-        "The plane that the cloud is built in.",
-        PROJECTIONS,
-        settings.projection,
-        |settings, projection| settings.projection = projection,
-    );
+    setting(ui, context, &rows::PROJECTION);
     if settings.projection == Projection::Mercator {
         parts::remark(ui, "Mercator metres are longer than ground metres.");
     }

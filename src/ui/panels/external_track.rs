@@ -1,11 +1,11 @@
 //! The track of another receiver in place of the recorder's, and how far its clock is off.
 
-use super::parts::{self, Section, fact, remark, row, section};
-use crate::app::{Action, Command};
-use crate::pipeline::Settings;
+use super::parts::{self, Section, fact, remark, section, setting};
+use crate::app::Action;
 use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
-use egui::{DragValue, Ui};
+use egui::Ui;
 
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -19,8 +19,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         parts::file(
             ui,
             context,
-            "Track",
-            "Places of another receiver, RTK or an autopilot, in place of the recorder's.",
+            &rows::TRACK_FILE,
             path.as_deref(),
             [Action::OpenTrack, Action::RemoveTrack],
         );
@@ -33,26 +32,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 /// The offset of the clock, and what it does to the distance between the tracks.
 fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let mut offset_s = context.app.log.settings.track.offset_s;
-    let hint = "Added to the times of the track: how far its clock is behind that of the recorder.";
-    let response = row(ui, "Time offset", hint, |ui| {
-        ui.add(
-            DragValue::new(&mut offset_s)
-                .speed(0.02)
-                .fixed_decimals(2)
-                .suffix(" s"),
-        )
-    });
-    if response.changed() || response.drag_stopped() {
-        let mut settings = Settings::clone(&context.app.log.settings);
-        // Hundredths of a second stay hundredths.
-        settings.track.offset_s = (offset_s * 100.0).round() / 100.0;
-        context.push(Command::Change {
-            settings: Box::new(settings),
-            label: "time offset",
-            live: response.dragged() && !response.drag_stopped(),
-        });
-    }
+    setting(ui, context, &rows::TRACK_OFFSET);
     let apart = &context.app.log.external.apart;
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the places that recorder and receiver have at the same times: \

@@ -1,34 +1,12 @@
 //! Step 1: where the bottom is first heard.
 
-use super::parts::{self, Choice, Knob, Section, choice, knob, section};
+use super::parts::{self, Section, section, setting};
 use crate::app::{Action, Command, Tool};
-use crate::first_return::{Method, SampleMode};
 use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
 use crate::survey::Side;
 use crate::ui::{ViewContext, text, theme};
 use egui::{Button, Response, RichText, Ui};
-
-const METHODS: &[Choice<Method>] = &[
-    (
-        Method::Tracker,
-        "tracker",
-        "The bottom edge as one line, among the samples that reach the threshold.",
-    ),
-    (
-        Method::Threshold,
-        "threshold",
-        "The first sample that reaches the threshold, as in the paper.",
-    ),
-];
-
-const IMAGES: &[Choice<SampleMode>] = &[
-    (SampleMode::Bytes, "recorded bytes", "One sample a byte."),
-    (
-        SampleMode::Words,
-        "int32 words (published)",
-        "Four bytes read as one number, as the published code does: 700 columns of 2800.",
-    ),
-];
 
 /// Draws the section.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
@@ -137,93 +115,14 @@ fn action(response: Response, action: Action) -> Response {
 }
 
 fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let settings = context.app.log.settings.clone();
-    let first_return = &settings.first_return;
-    choice(
-        ui,
-        context,
-        "Method",
-        "How the first return is found.",
-        METHODS,
-        first_return.method,
-        |settings, method| settings.first_return.method = method,
-    );
-    choice(
-        ui,
-        context,
-        "Image",
-        "What a sample of the picture is.",
-        IMAGES,
-        settings.image.samples,
-        |settings, samples| settings.image.samples = samples,
-    );
-    let threshold = Knob {
-        name: "Threshold",
-        undo: "threshold",
-        hint: "Normalised intensity that a sample must reach to count as a return; the paper uses 0.30. Keys [ and ].",
-        range: 0.0..=1.0,
-        step: 0.01,
-        decimals: 2,
-        suffix: "",
-    };
-    knob(
-        ui,
-        context,
-        threshold,
-        // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
-        (f64::from(first_return.threshold) * 1e4).round() / 1e4,
-        |settings, value| settings.first_return.threshold = value as f32,
-    );
-    let dead_zone = Knob {
-        name: "Dead zone",
-        undo: "dead zone",
-        hint: "Slant range around the transducer that is ignored: its ring-down.",
-        range: 0.0..=5.0,
-        step: 0.05,
-        decimals: 2,
-        suffix: " m",
-    };
-    knob(
-        ui,
-        context,
-        dead_zone,
-        first_return.dead_zone_m,
-        |settings, value| {
-            settings.first_return.dead_zone_m = value;
-        },
-    );
-    let margin = Knob {
-        name: "Canopy margin",
-        undo: "canopy margin",
-        hint: "A return nearer than the recorded depth by more than this is flagged as canopy, fish or another obstacle.",
-        range: 0.0..=2.0,
-        step: 0.05,
-        decimals: 2,
-        suffix: " m",
-    };
-    knob(
-        ui,
-        context,
-        margin,
-        first_return.canopy_margin_m,
-        |settings, value| {
-            settings.first_return.canopy_margin_m = value;
-        },
-    );
-    let confidence = Knob {
-        name: "Least conf.",
-        undo: "least confidence",
-        hint: "The point of a first return that is less sure than this is not kept. Confidence is the chance that a return lies within 25 cm of the nearest ground, as measured on simulated ponds.",
-        range: 0.0..=1.0,
-        step: 0.05,
-        decimals: 2,
-        suffix: "",
-    };
-    knob(
-        ui,
-        context,
-        confidence,
-        (f64::from(first_return.min_confidence) * 1e4).round() / 1e4,
-        |settings, value| settings.first_return.min_confidence = value as f32,
-    );
+    for row in [
+        &rows::METHOD,
+        &rows::SAMPLES,
+        &rows::THRESHOLD,
+        &rows::DEAD_ZONE,
+        &rows::CANOPY_MARGIN,
+        &rows::MIN_CONFIDENCE,
+    ] {
+        setting(ui, context, row);
+    }
 }

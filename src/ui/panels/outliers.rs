@@ -1,8 +1,9 @@
 //! Step 4: radius outlier removal, shown before anything goes.
 
-use super::parts::{self, Knob, Section, fact, knob, section};
+use super::parts::{self, Section, fact, section, setting};
 use crate::app::{Action, Command};
 use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
 
@@ -15,7 +16,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     section(ui, context, &heading, |ui, context| {
         removed(ui, context);
-        controls(ui, context);
+        setting(ui, context, &rows::RADIUS);
+        setting(ui, context, &rows::MIN_NEIGHBOURS);
         preview(ui, context);
     });
 }
@@ -35,40 +37,6 @@ fn removed(ui: &mut Ui, context: &ViewContext<'_>) {
             text::count(outliers.removed),
             100.0 * outliers.share()
         ),
-    );
-}
-
-fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let outliers = context.app.log.settings.outliers.clone();
-    let radius = Knob {
-        name: "Radius",
-        undo: "outlier radius",
-        hint: "Radius of the sphere around a point; 3.011 m in the paper.",
-        range: 0.1..=10.0,
-        step: 0.001,
-        decimals: 3,
-        suffix: " m",
-    };
-    knob(ui, context, radius, outliers.radius_m, |settings, value| {
-        settings.outliers.radius_m = value;
-    });
-    let neighbours = Knob {
-        name: "Neighbours",
-        undo: "outlier neighbours",
-        hint: "A point stays when its sphere holds more than this many points, itself included; 10 in the paper.",
-        range: 1.0..=100.0,
-        step: 1.0,
-        decimals: 0,
-        suffix: "",
-    };
-    knob(
-        ui,
-        context,
-        neighbours,
-        outliers.min_neighbors as f64,
-        |settings, value| {
-            settings.outliers.min_neighbors = value.round().max(1.0) as usize;
-        },
     );
 }
 

@@ -1,9 +1,10 @@
 //! The few parts that all panels are made of: sections, rows, facts, and controls that change a setting.
 
 use crate::app::{Action, Command};
+use crate::pipeline::settings::{Choice, Control, Kind, Number, Row};
 use crate::pipeline::{EngineStatus, Settings, Stage};
 use crate::ui::{ViewContext, theme};
-use egui::{Align, Layout, Response, RichText, Ui, WidgetText};
+use egui::{Align, DragValue, Layout, Response, RichText, Ui, WidgetText};
 
 /// The heading of a panel's part, and whether it is open.
 pub struct Section {
@@ -179,12 +180,11 @@ pub fn fact(ui: &mut Ui, name: &str, hint: &str, value: impl Into<WidgetText>) {
     };
 }
 
-/// A name and the file that is in use for it, with buttons that choose one and that leave it.
+/// A setting that is a file: the one in use, with buttons that choose one and that leave it.
 pub fn file(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    name: &str,
-    hint: &str,
+    setting: &Row,
     path: Option<&std::path::Path>,
     [open, remove]: [Action; 2],
 ) {
@@ -195,7 +195,7 @@ pub fn file(
         }
     };
     ui.horizontal(|ui| {
-        name_cell(ui, name, hint);
+        name_cell(ui, setting.label, setting.hint);
         let Some(path) = path else {
             return press(ui, "Choose…", open);
         };
@@ -222,34 +222,16 @@ pub fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
 }
 
-/// A setting as a slider.
-pub struct Knob {
-    /// Name in front of it.
-    pub name: &'static str,
-    /// Name of its change in the undo menu.
-    pub undo: &'static str,
-    /// What it does, with the paper's symbol.
-    pub hint: &'static str,
-    /// Lowest and highest value.
-    pub range: std::ops::RangeInclusive<f64>,
-    /// Smallest step.
-    pub step: f64,
-    /// Digits after the point.
-    pub decimals: usize,
-    /// Unit behind the number.
-    pub suffix: &'static str,
-}
-
 /// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider than its panel.
-fn value_width(ui: &Ui, knob: &Knob) -> f32 {
+fn value_width(ui: &Ui, number: &Number) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let width = |value: f64| {
-        let text = format!("{value:.*}{}", knob.decimals, knob.suffix);
+        let text = format!("{value:.*}{}", number.decimals, number.suffix());
         let colour = egui::Color32::PLACEHOLDER;
         let galley = ui.painter().layout_no_wrap(text, font.clone(), colour);
         galley.size().x
     };
-    let widest = width(*knob.range.start()).max(width(*knob.range.end()));
+    let widest = number.range.map(width).into_iter().fold(0.0, f32::max);
     (widest + 2.0 * ui.spacing().button_padding.x)
         .ceil()
         .max(58.0)
@@ -264,68 +246,88 @@ pub fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.advance_cursor_after_rect(area);
 }
 
-/// A slider for a setting; a whole drag is one undo step.
-pub fn knob(
+/// The control of a setting, as its row of the table has it; a whole drag is one undo step.
+pub fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static Row) {
+    // A figure above that comes or goes with the results must not end a drag.
+    let own = egui::UiBuilder::new().scope_id(egui::Id::unique(("setting", row.key)));
+    ui.scope_builder(own, |ui| match &row.kind {
+        Kind::Number(setting) => number(ui, context, row, setting),
+        Kind::Choice(setting) => choice(ui, context, row, setting),
+        // Files have [`file`]; what else is not a number or a name is chosen in a view.
+        Kind::Numbers { .. } | Kind::Text(_) => {}
+    });
+}
+
+fn number(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    knob: Knob,
-    value: f64,
-    set: impl FnOnce(&mut Settings, f64),
+    setting: &'static Row,
+    number: &'static Number,
 ) {
-    let mut wanted = value;
-    let response = row(ui, knob.name, knob.hint, |ui| {
-        let value_width = value_width(ui, &knob);
+    let [least, most] = number.ends();
+    let mut wanted = number.shown(&context.app.log.settings);
+    let hint = match number.without.filter(|_| number.zero_is_none()) {
+        Some(without) => format!("{} At 0: {without}.", setting.hint),
+        None => setting.hint.to_owned(),
+    };
+    let response = row(ui, setting.label, &hint, |ui| {
+        if number.control == Control::Drag {
+            let value = DragValue::new(&mut wanted)
+                .range(least..=most)
+                // Showing must change nothing.
+                .clamp_existing_to_range(false)
+                .speed(2.0 * number.step);
+            return ui.add(
+                value
+                    .fixed_decimals(number.decimals)
+                    .suffix(number.suffix()),
+            );
+        }
+        let value_width = value_width(ui, number);
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
-            egui::Slider::new(&mut wanted, knob.range.clone())
+            egui::Slider::new(&mut wanted, least..=most)
+                .logarithmic(number.control == Control::LogSlider)
+                .smallest_positive(number.step)
                 // A value is rounded when it is edited, not when it is shown: showing must change nothing.
                 .clamping(egui::SliderClamping::Edits)
-                .step_by(knob.step)
-                .fixed_decimals(knob.decimals)
-                .suffix(knob.suffix),
+                .step_by(number.step)
+                .fixed_decimals(number.decimals)
+                .suffix(number.suffix()),
         )
     });
     if response.changed() || response.drag_stopped() {
         let mut settings = Settings::clone(&context.app.log.settings);
         if response.changed() {
-            set(&mut settings, wanted);
+            number.take(&mut settings, wanted);
         }
         context.push(Command::Change {
             settings: Box::new(settings),
-            label: knob.undo,
+            label: setting.name,
             live: response.dragged() && !response.drag_stopped(),
         });
     }
 }
 
-/// One of several values of a setting: value, name, what it means.
-pub type Choice<T> = (T, &'static str, &'static str);
-
-/// A setting as a list to choose from.
-pub fn choice<T: Copy + PartialEq>(
+fn choice(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
-    name: &'static str,
-    hint: &str,
-    options: &[Choice<T>],
-    current: T,
-    set: impl FnOnce(&mut Settings, T),
+    setting: &'static Row,
+    choice: &'static Choice,
 ) {
-    let shown = options
-        .iter()
-        .find(|(value, ..)| *value == current)
-        .map_or("", |(_, shown, _)| *shown);
+    let current = (choice.get)(&context.app.log.settings);
+    let shown = choice.names.iter().find(|name| name.value == current);
     let mut picked = None;
-    row(ui, name, hint, |ui| {
-        egui::ComboBox::from_id_salt(name)
+    row(ui, setting.label, setting.hint, |ui| {
+        egui::ComboBox::from_id_salt(setting.key)
             .width(ui.available_width() - 2.0)
-            .selected_text(shown)
+            .selected_text(shown.map_or(current.as_str(), |name| name.label))
             .show_ui(ui, |ui| {
-                for (value, label, meaning) in options {
-                    let item = ui.selectable_label(*value == current, *label);
-                    if item.on_hover_text(*meaning).clicked() {
-                        picked = Some(*value);
+                for name in choice.names {
+                    let item = ui.selectable_label(name.value == current, name.label);
+                    if item.on_hover_text(name.meaning).clicked() {
+                        picked = Some(name.value);
                     }
                 }
             })
@@ -333,10 +335,10 @@ pub fn choice<T: Copy + PartialEq>(
     });
     if let Some(value) = picked {
         let mut settings = Settings::clone(&context.app.log.settings);
-        set(&mut settings, value);
+        (choice.set)(&mut settings, value);
         context.push(Command::Change {
             settings: Box::new(settings),
-            label: name,
+            label: setting.name,
             live: false,
         });
     }

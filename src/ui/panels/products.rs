@@ -1,9 +1,9 @@
 //! Step 6: what other programs open.
 
-use super::parts::{self, Choice, Section, choice, section};
+use super::parts::{self, Section, section, setting};
 use crate::app::{Action, Command};
-use crate::geo::CrsChoice;
 use crate::outputs::{OUTPUT_FILES, Product, When, files_in_words};
+use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -37,45 +37,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             );
             parts::warning(ui, context, &text);
         }
-        system(ui, context);
+        setting(ui, context, &rows::CRS);
         groups(ui, context);
         parts::remark(
             ui,
             "Beside each lies its record: inputs, settings, system, extent.",
         );
     });
-}
-
-/// The systems that can be chosen here; any other by `crs` in a file of settings.
-const SYSTEMS: &[Choice<CrsChoice>] = &[
-    (
-        CrsChoice::Utm,
-        "UTM",
-        "Metres in the zone of the first fix.",
-    ),
-    (
-        CrsChoice::Wgs84,
-        "WGS84",
-        "Longitude and latitude, degrees.",
-    ),
-    (
-        CrsChoice::WebMercator,
-        "web Mercator",
-        "What maps of the web are drawn in.",
-    ),
-];
-
-fn system(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let current = context.app.log.settings.crs;
-    choice(
-        ui,
-        context,
-        "System",
-        "The coordinate system of GeoTIFF, LAZ, XYZ and shapefiles.",
-        SYSTEMS,
-        current,
-        |settings, system| settings.crs = system,
-    );
 }
 
 /// What is written: a box to tick for each group of files.

@@ -1,9 +1,10 @@
 //! What is known of water and transducer, and what it does to the depths.
 
-use super::parts::{self, Knob, Section, knob, section};
+use super::parts::{self, Section, section, setting};
 use crate::app::{Action, Command};
 use crate::pipeline::Settings;
 use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;
 use egui::Ui;
 
@@ -27,40 +28,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    let [draft_m, level_m] = [
-        context.app.log.settings.draft_m,
-        context.app.log.settings.water_level_m,
-    ];
-    let draft = Knob {
-        name: "Draft",
-        undo: "draft",
-        hint: "How deep the transducer hangs below the water's surface: added to every depth.",
-        range: 0.0..=2.0,
-        step: 0.01,
-        decimals: 2,
-        suffix: " m",
-    };
-    knob(ui, context, draft, draft_m, |settings, value| {
-        settings.draft_m = value;
-    });
-    let level = Knob {
-        name: "Water level",
-        undo: "water level",
-        hint: "Height of the water over the level that depths should count from: taken off every depth.",
-        range: -5.0..=5.0,
-        step: 0.01,
-        decimals: 2,
-        suffix: " m",
-    };
-    knob(ui, context, level, level_m, |settings, value| {
-        settings.water_level_m = value;
-    });
+    setting(ui, context, &rows::DRAFT);
+    setting(ui, context, &rows::WATER_LEVEL);
     let readings = context.app.log.settings.water_level.file.clone();
     parts::file(
         ui,
         context,
-        "Readings",
-        "Readings of the water's height over time; the water level above is that of their zero.",
+        &rows::WATER_LEVEL_FILE,
         readings.as_deref(),
         [Action::OpenWaterLevels, Action::RemoveWaterLevels],
     );
@@ -85,61 +59,9 @@ fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
             live: false,
         });
     }
-    let Some(temperature_c) = speed.temperature_c.filter(|_| known) else {
-        return;
-    };
-    let temperature = Knob {
-        name: "Water",
-        undo: "water temperature",
-        hint: "Temperature of the water, which with salinity gives the speed of sound (Chen and Millero 1977).",
-        range: 0.0..=40.0,
-        step: 0.1,
-        decimals: 1,
-        suffix: " °C",
-    };
-    knob(
-        ui,
-        context,
-        temperature,
-        temperature_c,
-        |settings, value| {
-            settings.sound_speed.temperature_c = Some(value);
-        },
-    );
-    let salinity = Knob {
-        name: "Salinity",
-        undo: "salinity",
-        hint: "Practical salinity: 0 in fresh water, 35 in the ocean.",
-        range: 0.0..=40.0,
-        step: 0.5,
-        decimals: 1,
-        suffix: "",
-    };
-    knob(
-        ui,
-        context,
-        salinity,
-        speed.salinity_psu,
-        |settings, value| {
-            settings.sound_speed.salinity_psu = value;
-        },
-    );
-    let recorder = Knob {
-        name: "Recorder",
-        undo: "recorder's sound speed",
-        hint: "The speed of sound that the recorder computed ranges with: 1500 m/s in most, 1463 m/s in some for fresh water.",
-        range: 1400.0..=1600.0,
-        step: 1.0,
-        decimals: 0,
-        suffix: " m/s",
-    };
-    knob(
-        ui,
-        context,
-        recorder,
-        speed.recorder_m_s,
-        |settings, value| {
-            settings.sound_speed.recorder_m_s = value;
-        },
-    );
+    if known && speed.temperature_c.is_some() {
+        for row in [&rows::TEMPERATURE, &rows::SALINITY, &rows::RECORDER_SPEED] {
+            setting(ui, context, row);
+        }
+    }
 }

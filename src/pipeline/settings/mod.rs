@@ -1,0 +1,209 @@
+//! All settings of the pipeline under the keys that scripts use, and the two presets.
+//!
+//! `rows` is the table of them: key, range, unit, words. `table` makes check, help and the manual's page of it, `keys` lays files and
+//! assignments over settings.
+
+mod keys;
+pub mod rows;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
+
+use crate::bathymetry::SurfaceSettings;
+use crate::bathymetry::isobaths::IsobathSettings;
+use crate::calibration::{CalibrationSettings, OffsetMode, PpdReach, ScaleMode};
+use crate::cloud::correction::{SoundSpeedSettings, WaterLevelSettings};
+use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSettings};
+use crate::detection::DetectorSettings;
+use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
+use crate::formats::{GaugeError, read_gauge};
+use crate::geo::CrsChoice;
+use crate::mosaic::MosaicSettings;
+use crate::survey::{HeadingSettings, HeadingSource, LeftOutSettings, Projection, TrackSettings};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Settings that cannot be understood, in one sentence.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct SettingsError(pub String);
+
+/// A named set of settings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// The paper's formulas to the digit, so that its figures can be reproduced.
+    Published,
+    /// What measures best on surveys of known truth.
+    #[default]
+    Recommended,
+}
+
+impl Preset {
+    /// `published` or `recommended`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Preset::Published => "published",
+            Preset::Recommended => "recommended",
+        }
+    }
+}
+
+/// Everything that decides what the pipeline computes. The field names are the setting keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// `projection`.
+    pub projection: Projection,
+    /// `crs`: the system of maps and of the point files for other programs.
+    pub crs: CrsChoice,
+    /// How deep the transducer hangs below the water's surface, metres: added to every depth.
+    pub draft_m: f64,
+    /// Height of the water's surface above the level that depths count from, metres: taken off every one. With readings, the
+    /// height of their zero.
+    pub water_level_m: f64,
+    /// `water_level.*`: readings over time.
+    pub water_level: WaterLevelSettings,
+    /// What is added to every elevation of the log, metres, so that it agrees with others of its survey: `height_offsets` finds it
+    /// from crossings.
+    pub height_offset_m: f64,
+    /// `sound_speed.*`.
+    pub sound_speed: SoundSpeedSettings,
+    /// `image.*`.
+    pub image: ImageSettings,
+    /// `first_return.*`.
+    pub first_return: FirstReturnSettings,
+    /// `bottom.*`: the bottom drawn by hand.
+    #[serde(skip_serializing_if = "BottomSettings::is_empty")]
+    pub bottom: BottomSettings,
+    /// `calibration.*`.
+    pub calibration: CalibrationSettings,
+    /// `cloud.*`.
+    pub cloud: CloudSettings,
+    /// `heading.*`.
+    pub heading: HeadingSettings,
+    /// `track.*`, for a track from another receiver; it acts when the track is laid over the log, before any stage.
+    pub track: TrackSettings,
+    /// `left_out.*`: turns, stops and other stretches that count for nothing.
+    pub left_out: LeftOutSettings,
+    /// `outliers.*`.
+    pub outliers: OutlierSettings,
+    /// `detector.*`, for `process`. The window has its own choice of model and confidence.
+    pub detector: DetectorSettings,
+    /// `mosaic.*`.
+    pub mosaic: MosaicSettings,
+    /// `surface.*`.
+    pub surface: SurfaceSettings,
+    /// `isobaths.*`.
+    pub isobaths: IsobathSettings,
+}
+
+impl Settings {
+    /// Reads the water levels that `water_level.file` names, if any.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or holds no water levels.
+    pub fn load_water_level(&mut self) -> Result<(), GaugeError> {
+        let file = self.water_level.file.as_deref();
+        self.water_level.gauge = file.map(read_gauge).transpose()?.map(Arc::new);
+        Ok(())
+    }
+
+    /// The settings of a preset.
+    pub fn preset(preset: Preset) -> Self {
+        match preset {
+            Preset::Recommended => Self::default(),
+            Preset::Published => Self {
+                projection: Projection::Mercator,
+                image: ImageSettings {
+                    samples: SampleMode::Words,
+                },
+                first_return: FirstReturnSettings {
+                    method: Method::Threshold,
+                    threshold: 0.30,
+                    // 24 of the published picture's pixels, at its 0.033977 m a pixel, on either side of the middle.
+                    dead_zone_m: 0.815,
+                    min_confidence: 0.0,
+                    ..FirstReturnSettings::default()
+                },
+                calibration: CalibrationSettings {
+                    mode: ScaleMode::FlatSpot,
+                    pings: None,
+                    ppd: PpdReach::Constant,
+                    offset: OffsetMode::None,
+                },
+                cloud: CloudSettings {
+                    geometry: Geometry::Published,
+                    alpha2_deg: 16.0,
+                    down_scan: DownScan::All,
+                },
+                heading: HeadingSettings {
+                    source: HeadingSource::Steps,
+                    ..HeadingSettings::default()
+                },
+                outliers: OutlierSettings {
+                    radius_m: 3.011,
+                    min_neighbors: 10,
+                },
+                detector: DetectorSettings::default(),
+                mosaic: MosaicSettings::default(),
+                ..Self::default()
+            },
+        }
+    }
+
+    /// What is known of water and transducer.
+    pub fn depth(&self) -> DepthSettings {
+        DepthSettings {
+            draft_m: self.draft_m,
+            water_level_m: self.water_level_m,
+            water_level: self.water_level.clone(),
+            height_offset_m: self.height_offset_m,
+            sound_speed: self.sound_speed.clone(),
+        }
+    }
+
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water, its transducer) from others.
+    pub fn with_survey_of(&self, other: &Self) -> Self {
+        let mut settings = self.clone();
+        settings.bottom = other.bottom.clone();
+        settings.calibration.pings = other.calibration.pings;
+        settings.track = other.track.clone();
+        settings.left_out.log = other.left_out.log.clone();
+        settings.left_out.stretches = other.left_out.stretches.clone();
+        settings.draft_m = other.draft_m;
+        settings.water_level_m = other.water_level_m;
+        settings.water_level = other.water_level.clone();
+        settings.height_offset_m = other.height_offset_m;
+        settings.sound_speed = other.sound_speed.clone();
+        settings
+    }
+
+    /// The preset that these settings are, if any; what holds for one survey, and the choices of detector and maps, do not count.
+    pub fn matching_preset(&self) -> Option<Preset> {
+        let mut plain = self.with_survey_of(&Self::default());
+        plain.detector = DetectorSettings::default();
+        plain.mosaic = MosaicSettings::default();
+        plain.surface = SurfaceSettings::default();
+        plain.isobaths = IsobathSettings::default();
+        plain.crs = CrsChoice::default();
+        [Preset::Recommended, Preset::Published]
+            .into_iter()
+            .find(|&preset| plain == Self::preset(preset))
+    }
+
+    /// Refuses values that no stage can work with.
+    ///
+    /// # Errors
+    /// A sentence that names the key.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        rows::ROWS.iter().try_for_each(|row| row.check(self))?;
+        let rules = self.sound_speed.check().and_then(|()| self.bottom.check());
+        let rules = rules.and_then(|()| self.left_out.check());
+        rules.map_err(|rule| SettingsError(rule.to_owned()))?;
+        let crs = self.crs.check();
+        crs.map_err(|error| SettingsError(error.to_string()))
+    }
+}

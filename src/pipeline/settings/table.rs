@@ -1,0 +1,342 @@
+//! What a row of the table of settings is, and what is made of all rows: the check, the help and the manual's page.
+
+use super::rows::ROWS;
+use super::{Preset, Settings, SettingsError};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fmt::Write as _;
+
+/// A setting: its key, its words, and what it may be.
+#[derive(Debug)]
+pub struct Row {
+    /// The key of files and of `--set`, `surface.max_gap_m`.
+    pub key: &'static str,
+    /// In front of its control.
+    pub label: &'static str,
+    /// What it is in a sentence, `gap of the depth map`.
+    pub name: &'static str,
+    /// What it does, with the paper's symbol where it has one.
+    pub hint: &'static str,
+    /// What it may be.
+    pub kind: Kind,
+}
+
+/// What a setting may be.
+#[derive(Debug)]
+pub enum Kind {
+    /// A number.
+    Number(Number),
+    /// One of several names.
+    Choice(Choice),
+    /// Numbers, as many as wanted.
+    Numbers {
+        /// Unit of all.
+        unit: &'static str,
+        /// Least and greatest that each may be.
+        range: [f64; 2],
+        /// Reads them.
+        get: fn(&Settings) -> &[f64],
+    },
+    /// Anything else, in words: a file, a stretch of pings.
+    Text(&'static str),
+}
+
+/// A setting that is a number.
+#[derive(Debug)]
+pub struct Number {
+    /// `m`, `°/s`; empty where it has none.
+    pub unit: &'static str,
+    /// Least and greatest value, both allowed.
+    pub range: [f64; 2],
+    /// Smallest step of its control; whole where it is 1 and there are no decimals.
+    pub step: f64,
+    /// Digits behind the point.
+    pub decimals: usize,
+    /// How it is moved.
+    pub control: Control,
+    /// What happens without a value, where it may have none.
+    pub without: Option<&'static str>,
+    /// Reads it.
+    pub get: fn(&Settings) -> Option<f64>,
+    /// Writes it; `None` where it may have no value.
+    pub set: fn(&mut Settings, Option<f64>),
+}
+
+/// How a number is moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// Along a line.
+    Slider,
+    /// Along a line on which each decade is as long as the next: where more than two of them are of use.
+    LogSlider,
+    /// By its last digit: where no line is long enough.
+    Drag,
+}
+
+impl Number {
+    /// Whether its control has a zero that stands for no value: where it may have none, and zero is none that it may have.
+    pub fn zero_is_none(&self) -> bool {
+        self.without.is_some() && self.range[0] > 0.0
+    }
+
+    /// The ends of its control.
+    pub fn ends(&self) -> [f64; 2] {
+        match self.zero_is_none() {
+            true => [0.0, self.range[1]],
+            false => self.range,
+        }
+    }
+
+    /// The value at its control; 0 without one.
+    pub fn shown(&self, settings: &Settings) -> f64 {
+        (self.get)(settings).unwrap_or(0.0)
+    }
+
+    /// Takes over the value of its control; hundredths stay hundredths.
+    pub fn take(&self, settings: &mut Settings, value: f64) {
+        let per_unit = 10f64.powi(self.decimals as i32);
+        let value = (value * per_unit).round() / per_unit;
+        let is_none = self.zero_is_none() && value < self.range[0];
+        (self.set)(settings, (!is_none).then_some(value));
+    }
+
+    /// The unit behind a number, ` m` or `°`.
+    pub fn suffix(&self) -> String {
+        match self.unit {
+            "" | "°" => self.unit.to_owned(),
+            unit => format!(" {unit}"),
+        }
+    }
+}
+
+/// A setting that is one of several names.
+#[derive(Debug)]
+pub struct Choice {
+    /// Those to choose from.
+    pub names: &'static [Named],
+    /// What else it may be in a file, `EPSG:NUMBER`; empty where there is nothing else.
+    pub others: &'static str,
+    /// Reads its name.
+    pub get: fn(&Settings) -> String,
+    /// Writes it by its name; what it cannot be changes nothing.
+    pub set: fn(&mut Settings, &str),
+}
+
+/// One of the names that a setting may be.
+#[derive(Debug)]
+pub struct Named {
+    /// In files and for `--set`.
+    pub value: &'static str,
+    /// In a panel.
+    pub label: &'static str,
+    /// What it means.
+    pub meaning: &'static str,
+}
+
+/// A number of the settings, of whatever type.
+pub(super) trait Numeric {
+    fn get(&self) -> Option<f64>;
+    fn set(&mut self, value: Option<f64>);
+}
+
+impl Numeric for f64 {
+    fn get(&self) -> Option<f64> {
+        Some(*self)
+    }
+
+    fn set(&mut self, value: Option<f64>) {
+        *self = value.unwrap_or(*self);
+    }
+}
+
+impl Numeric for f32 {
+    fn get(&self) -> Option<f64> {
+        // 0.3 as f32 is not 0.3 as f64; a hundredth stays a hundredth.
+        Some((f64::from(*self) * 1e4).round() / 1e4)
+    }
+
+    fn set(&mut self, value: Option<f64>) {
+        *self = value.map_or(*self, |value| value as f32);
+    }
+}
+
+impl Numeric for usize {
+    fn get(&self) -> Option<f64> {
+        Some(*self as f64)
+    }
+
+    fn set(&mut self, value: Option<f64>) {
+        *self = value.map_or(*self, |value| value.round() as usize);
+    }
+}
+
+impl Numeric for u32 {
+    fn get(&self) -> Option<f64> {
+        Some(f64::from(*self))
+    }
+
+    fn set(&mut self, value: Option<f64>) {
+        *self = value.map_or(*self, |value| value.round() as u32);
+    }
+}
+
+impl<T: Numeric + Default> Numeric for Option<T> {
+    fn get(&self) -> Option<f64> {
+        self.as_ref().and_then(Numeric::get)
+    }
+
+    fn set(&mut self, value: Option<f64>) {
+        *self = value.map(|value| {
+            let mut number = T::default();
+            number.set(Some(value));
+            number
+        });
+    }
+}
+
+/// The name of a choice, as files have it.
+pub(super) fn name_of<T: Serialize>(chosen: &T) -> String {
+    match toml::Value::try_from(chosen) {
+        Ok(toml::Value::String(name)) => name,
+        Ok(other) => other.to_string(),
+        Err(_) => String::new(),
+    }
+}
+
+/// Chooses by the name; what is none of them changes nothing.
+pub(super) fn choose<T: DeserializeOwned>(chosen: &mut T, name: &str) {
+    let value = match name.parse() {
+        Ok(flag) => toml::Value::Boolean(flag),
+        Err(_) => toml::Value::String(name.to_owned()),
+    };
+    if let Ok(value) = T::deserialize(value) {
+        *chosen = value;
+    }
+}
+
+impl Row {
+    /// Refuses a value that no stage can work with.
+    pub(super) fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
+        let ([least, most], values) = match &self.kind {
+            Kind::Number(number) => (number.range, (number.get)(settings).into_iter().collect()),
+            Kind::Numbers { range, get, .. } => (*range, get(settings).to_vec()),
+            Kind::Choice(_) | Kind::Text(_) => return Ok(()),
+        };
+        let fits = |value: &f64| (least..=most).contains(value);
+        match values.iter().all(fits) {
+            true => Ok(()),
+            false => Err(SettingsError(format!(
+                "{} must lie between {least} and {most}",
+                self.key
+            ))),
+        }
+    }
+
+    /// What it may be, in words: `0.1 to 1000 m`, `threshold | tracker`.
+    pub fn values(&self) -> String {
+        match &self.kind {
+            Kind::Number(number) => {
+                let [least, most] = number.range;
+                format!("{least} to {most}{}", number.suffix())
+            }
+            Kind::Numbers { unit, range, .. } => {
+                format!("[A, B, ...], each {} to {} {unit}", range[0], range[1])
+            }
+            Kind::Choice(choice) => {
+                let names = choice.names.iter().map(|name| name.value);
+                let others = Some(choice.others).filter(|others| !others.is_empty());
+                names.chain(others).collect::<Vec<_>>().join(" | ")
+            }
+            Kind::Text(what) => (*what).to_owned(),
+        }
+    }
+
+    /// What it does, and what happens without a value where it may have none.
+    pub fn meaning(&self) -> String {
+        match &self.kind {
+            Kind::Number(Number {
+                without: Some(without),
+                ..
+            }) => format!("{} Without one: {without}.", self.hint),
+            _ => self.hint.to_owned(),
+        }
+    }
+}
+
+/// The row of a key.
+pub fn row(key: &str) -> Option<&'static Row> {
+    ROWS.iter().copied().find(|row| row.key == key)
+}
+
+/// All keys with what they may be, for `--help`.
+pub fn help() -> String {
+    let widest = ROWS.iter().map(|row| row.key.len()).max().unwrap_or(0);
+    let mut text = String::from(
+        "One setting, for example first_return.threshold=0.35; may be given again. Keys and values:\n",
+    );
+    for row in ROWS {
+        // Writing to a string cannot fail.
+        write!(text, "\n{:<widest$}  {}", row.key, row.values()).ok();
+    }
+    text
+}
+
+/// The table as Markdown, for the manual: a part for each group of keys, a line for each key.
+pub fn markdown() -> String {
+    let mut text = String::new();
+    let mut last = None;
+    for row in ROWS {
+        let group = row.key.split_once('.').map_or("", |(group, _)| group);
+        if last != Some(group) {
+            let title = match group {
+                "" => "Settings of the survey".to_owned(),
+                group => format!("`{group}.*`"),
+            };
+            // Writing to a string cannot fail.
+            write!(text, "\n### {title}\n\n| key | values | recommended | published | meaning |\n|---|---|---|---|---|\n").ok();
+            last = Some(group);
+        }
+        let [recommended, published] =
+            [Preset::Recommended, Preset::Published].map(|preset| value_in(row, preset));
+        let mut meaning = row.meaning();
+        if let Kind::Choice(choice) = &row.kind {
+            for name in choice.names {
+                write!(meaning, " `{}`: {}", name.value, name.meaning).ok();
+            }
+        }
+        let cells = [row.values(), recommended, published, meaning];
+        // A bar would end the cell.
+        let [values, recommended, published, meaning] = cells.map(|cell| cell.replace('|', "\\|"));
+        writeln!(
+            text,
+            "| `{}` | {values} | {recommended} | {published} | {meaning} |",
+            row.key
+        )
+        .ok();
+    }
+    text.trim_start().to_owned()
+}
+
+/// The value of a setting in a preset; a dash where it has none.
+fn value_in(row: &Row, preset: Preset) -> String {
+    let settings = Settings::preset(preset);
+    let value = match &row.kind {
+        Kind::Number(number) => (number.get)(&settings).map(|value| value.to_string()),
+        Kind::Choice(choice) => Some((choice.get)(&settings)),
+        Kind::Numbers { .. } | Kind::Text(_) => text_value(&settings, row.key),
+    };
+    value.unwrap_or_else(|| "–".to_owned())
+}
+
+fn text_value(settings: &Settings, key: &str) -> Option<String> {
+    let table = toml::Table::try_from(settings).ok()?;
+    let mut value = &toml::Value::Table(table);
+    for part in key.split('.') {
+        value = value.get(part)?;
+    }
+    match value {
+        toml::Value::String(text) => Some(text.clone()),
+        toml::Value::Array(items) if items.is_empty() => None,
+        other => Some(other.to_string()),
+    }
+}

@@ -1,0 +1,145 @@
+//! The table against the settings: serde's own lists of fields and variants are the oracle.
+
+use super::rows::{self, ROWS};
+use super::{Kind, Preset, Settings, help, markdown, row};
+use std::collections::BTreeSet;
+
+/// What serde expected in place of a name that does not exist.
+fn expected(toml: &str) -> Vec<String> {
+    let error = toml::from_str::<Settings>(toml).expect_err("no such name");
+    let text = error.message().to_owned();
+    let list = text.split_once("expected").map_or("", |(_, list)| list);
+    let names = list.split('`').skip(1).step_by(2);
+    names.map(str::to_owned).collect()
+}
+
+#[test]
+fn every_setting_has_a_row_and_every_row_a_setting() {
+    let groups = expected("no_such_key = 1");
+    let mut keys = BTreeSet::new();
+    for group in groups.iter().filter(|group| *group != "bottom") {
+        // A group tells its fields; a setting that it holds no key of that name.
+        match toml::from_str::<Settings>(&format!("[{group}]\nno_such_key = 1")) {
+            Err(error) if error.message().contains("unknown field") => {
+                let fields = expected(&format!("[{group}]\nno_such_key = 1"));
+                keys.extend(fields.iter().map(|field| format!("{group}.{field}")));
+            }
+            _ => {
+                keys.insert(group.clone());
+            }
+        }
+    }
+    let in_table: BTreeSet<String> = ROWS.iter().map(|row| row.key.to_owned()).collect();
+    assert_eq!(in_table, keys);
+    assert_eq!(in_table.len(), ROWS.len(), "a key has one row");
+}
+
+#[test]
+fn every_preset_lies_within_the_table() {
+    for preset in [Preset::Published, Preset::Recommended] {
+        assert_eq!(Settings::preset(preset).check(), Ok(()));
+    }
+}
+
+#[test]
+fn a_number_is_checked_at_both_ends_of_its_range() {
+    for row in ROWS {
+        let Kind::Number(number) = &row.kind else {
+            continue;
+        };
+        let [least, most] = number.range;
+        assert!(least < most && number.step > 0.0, "{}", row.key);
+        let check = |value: f64| {
+            let assigned = Settings::default().with_assignment(&format!("{}={value}", row.key));
+            assigned.and_then(|settings| settings.check().map(|()| settings))
+        };
+        for end in [least, most] {
+            let settings = check(end).unwrap_or_else(|error| panic!("{} {end}: {error}", row.key));
+            assert_eq!((number.get)(&settings), Some(end), "{}", row.key);
+        }
+        // Beyond by a step, where the type can hold it.
+        for beyond in [least - number.step, most + number.step] {
+            let error = check(beyond).expect_err(row.key);
+            assert!(error.0.contains(row.key), "{error}");
+        }
+        let mut settings = Settings::default();
+        number.take(&mut settings, 0.5 * (least + most));
+        let shown = number.shown(&settings);
+        assert!((shown - 0.5 * (least + most)).abs() <= 0.5, "{}", row.key);
+        number.take(&mut settings, 0.0);
+        if number.zero_is_none() {
+            assert_eq!((number.get)(&settings), None, "{}", row.key);
+        }
+    }
+    assert!(
+        Settings::default()
+            .with_assignment("isobaths.depths_m=[1.0, nan]")
+            .and_then(|settings| settings.check())
+            .is_err()
+    );
+}
+
+#[test]
+fn a_choice_has_all_names_that_its_type_has() {
+    for row in ROWS {
+        let Kind::Choice(choice) = &row.kind else {
+            continue;
+        };
+        let names: BTreeSet<String> =
+            (choice.names.iter().map(|name| name.value.to_owned())).collect();
+        let toml = match row.key.split_once('.') {
+            Some((group, key)) => format!("[{group}]\n{key} = \"no_such_name\""),
+            None => format!("{} = \"no_such_name\"", row.key),
+        };
+        // A flag is no enumeration, and a system may have any number.
+        if !names.contains("true") && choice.others.is_empty() {
+            assert_eq!(names, expected(&toml).into_iter().collect(), "{}", row.key);
+        }
+        let mut settings = Settings::default();
+        for name in choice.names {
+            (choice.set)(&mut settings, name.value);
+            assert_eq!((choice.get)(&settings), name.value, "{}", row.key);
+        }
+        let before = settings.clone();
+        (choice.set)(&mut settings, "no_such_name");
+        assert_eq!(settings, before);
+    }
+}
+
+#[test]
+fn help_and_manual_hold_every_key() {
+    let (help, page) = (help(), markdown());
+    for row in ROWS {
+        assert!(help.contains(&format!("\n{} ", row.key)), "{}", row.key);
+        assert!(page.contains(&format!("| `{}` |", row.key)), "{}", row.key);
+    }
+    let radius = help
+        .lines()
+        .find(|line| line.starts_with("outliers.radius_m "));
+    let radius = radius.expect("a line");
+    assert!(radius.ends_with("  0.01 to 100 m"), "{radius}");
+    let line = page.lines().find(|line| line.contains("`projection`"));
+    let line = line.expect("a line");
+    assert!(
+        line.contains("enu \\| mercator | enu | mercator |"),
+        "{line}"
+    );
+    assert_eq!(row("draft_m").map(|row| row.label), Some(rows::DRAFT.label));
+}
+
+#[test]
+fn presets_are_recognised_whatever_the_flat_spot() {
+    for preset in [Preset::Published, Preset::Recommended] {
+        let settings = Settings::preset(preset)
+            .with_assignment("calibration.pings=1..9")
+            .unwrap();
+        assert_eq!(settings.matching_preset(), Some(preset));
+    }
+    assert_eq!(
+        Settings::default()
+            .with_assignment("cloud.alpha2_deg=12")
+            .unwrap()
+            .matching_preset(),
+        None
+    );
+}
