@@ -1,6 +1,7 @@
 //! `NAME.qml` beside `NAME.tif`: colours that QGIS takes up when it opens the raster.
 
-use super::{ExportError, write_aside, xml};
+use super::{ExportError, write_aside};
+use crate::printable::xml;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;

@@ -2,18 +2,14 @@
 
 use super::Handover;
 use crate::bathymetry::isobaths::{Storage, storage};
+use crate::presentation::plot::{Axis, Curve, Plot};
 use crate::presentation::text::typeset_count as count;
-use crate::presentation::ticks::ticks;
 use std::fmt::Write as _;
 
 /// Levels that the curves go through.
 const STEPS: usize = 60;
-/// Area of the curves, pixels, and room around it.
-const SIZE: [f64; 2] = [380.0, 240.0];
-const LEFT: f64 = 60.0;
-const BELOW: f64 = 40.0;
-const GAP: f64 = 90.0;
-const RIGHT: f64 = 36.0;
+/// Area of the curves, pixels.
+const PLOT_PX: [f64; 2] = [360.0, 240.0];
 
 /// Curves and table; empty without a depth map.
 pub fn storage_section(from: &Handover<'_>) -> String {
@@ -56,67 +52,28 @@ pub fn storage_section(from: &Handover<'_>) -> String {
     html + "</table>\n<p>What was not mapped does not count: a basin holds more than this where the survey leaves parts of it out.</p>\n"
 }
 
+/// Area and volume, each across a plot whose depth runs down.
 fn curves(rows: &[Storage]) -> String {
-    let width = LEFT + 2.0 * SIZE[0] + GAP + RIGHT;
-    let height = SIZE[1] + BELOW + 8.0;
-    let mut drawn = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" aria-label=\"Area and volume below each level\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" font-family=\"sans-serif\" font-size=\"11\">\n"
-    );
-    let area = |row: &Storage| row.area_m2;
-    let volume = |row: &Storage| row.volume_m3;
-    // Writing to a string cannot fail.
-    curve(&mut drawn, rows, LEFT, "area, m\u{b2}", area).ok();
-    let second = LEFT + SIZE[0] + GAP;
-    curve(&mut drawn, rows, second, "volume, m\u{b3}", volume).ok();
-    drawn + "</svg>"
-}
-
-/// One curve: the amount across, the depth down.
-fn curve(
-    drawn: &mut String,
-    rows: &[Storage],
-    left: f64,
-    name: &str,
-    of: fn(&Storage) -> f64,
-) -> std::fmt::Result {
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
-        return Ok(());
+        return String::new();
     };
-    let most = of(first).max(f64::MIN_POSITIVE);
-    let extent_m = (last.depth_m - first.depth_m).max(f64::MIN_POSITIVE);
-    let x = |row: &Storage| left + of(row) / most * SIZE[0];
-    let y = |depth_m: f64| 8.0 + (depth_m - first.depth_m) / extent_m * SIZE[1];
-    for (amount, _) in ticks(0.0, most) {
-        let at = left + amount / most * SIZE[0];
-        writeln!(
-            drawn,
-            "<path d=\"M{at:.1} 8V{:.1}\" stroke=\"#dddddd\"/><text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-            8.0 + SIZE[1],
-            8.0 + SIZE[1] + 15.0,
-            count(amount.round() as usize),
-        )?;
-    }
-    for (depth_m, label) in ticks(first.depth_m, last.depth_m) {
-        let at = y(depth_m);
-        writeln!(
-            drawn,
-            "<path d=\"M{left:.1} {at:.1}H{:.1}\" stroke=\"#dddddd\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-            left + SIZE[0],
-            left - 5.0,
-            at + 4.0,
-        )?;
-    }
-    let mut path = String::new();
-    for (index, row) in rows.iter().enumerate() {
-        let letter = if index == 0 { 'M' } else { 'L' };
-        write!(path, "{letter}{:.1} {:.1}", x(row), y(row.depth_m))?;
-    }
-    writeln!(
-        drawn,
-        "<path d=\"{path}\" stroke=\"#0b5394\" stroke-width=\"2\" fill=\"none\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{name} deeper than</text><text transform=\"translate({:.1} {:.1}) rotate(-90)\" text-anchor=\"middle\">depth, m</text>",
-        left + 0.5 * SIZE[0],
-        8.0 + SIZE[1] + 32.0,
-        left - 42.0,
-        8.0 + 0.5 * SIZE[1],
-    )
+    let plot = |name: &str, amount: fn(&Storage) -> f64| {
+        let mut across = Axis::new(&format!("{name} deeper than"), [0.0, amount(first)]);
+        for (value, label) in &mut across.ticks {
+            *label = count(value.round() as usize);
+        }
+        let plot = Plot {
+            title: format!("{name} deeper than each level"),
+            across,
+            up: Axis::new("depth, m", [last.depth_m, first.depth_m]),
+            curves: vec![Curve {
+                name: name.to_owned(),
+                points: rows.iter().map(|row| [amount(row), row.depth_m]).collect(),
+            }],
+            mark: None,
+            limit: None,
+        };
+        plot.svg(PLOT_PX)
+    };
+    plot("area, m\u{b2}", |row| row.area_m2) + &plot("volume, m\u{b3}", |row| row.volume_m3)
 }

@@ -1,9 +1,9 @@
 //! A map on the page: from metres of a plane to pixels, with graticule, scale bar and north arrow.
 
-use crate::export::xml;
 use crate::geo::{CoordinateFormat, MapPlane};
 use crate::presentation::graticule::{Family, Net};
 use crate::presentation::ticks;
+use crate::printable::xml;
 use std::fmt::Write as _;
 
 /// Largest map, pixels.

@@ -3,8 +3,9 @@
 use super::frame::Frame;
 use super::{Handover, raster};
 use crate::detection::review::State;
-use crate::export::{ObjectRow, chip, xml};
+use crate::export::{ObjectRow, chip};
 use crate::presentation::text::{decimal, position};
+use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

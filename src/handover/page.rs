@@ -5,7 +5,7 @@ use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
 use super::{Handover, chart, objects, summary, tables};
 use crate::bathymetry::Light;
-use crate::export::xml;
+use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1b1b1b;margin:0 auto;padding:28px;max-width:1100px}\

@@ -2,10 +2,10 @@
 
 use super::{Handover, objects};
 use crate::calendar;
-use crate::export::xml;
 use crate::presentation::text::{
     area, decimal, long_date, long_duration, position, typeset_count as count, way,
 };
+use crate::printable::xml;
 use crate::survey::PingNav;
 use std::fmt::Write as _;
 

@@ -2,9 +2,9 @@
 
 use super::Handover;
 use crate::calibration::ScaleMode;
-use crate::export::xml;
 use crate::pipeline::{CalibrationReport, Preset, Settings};
 use crate::presentation::text::{bytes, typeset_count as count};
+use crate::printable::xml;
 use std::fmt::Write as _;
 
 type Written = Result<(), std::fmt::Error>;

@@ -1,11 +1,14 @@
 //! Everything on one page: figures, curves, matrix and the list of mistakes.
 
-use super::{Outcome, svg, table};
+use super::{Outcome, table};
 use crate::detection::Rect;
 use crate::detection::metrics::CurvePoint;
-use crate::export::xml;
+use crate::presentation::plot::{Axis, Curve, Plot};
+use crate::printable::xml;
 use std::fmt::Write as _;
 
+/// Area of the curves, pixels.
+const PLOT_PX: [f64; 2] = [360.0, 360.0];
 /// Longest list on the page; JSON lists all.
 const MOST_ROWS: usize = 2000;
 
@@ -32,7 +35,7 @@ type Written = Result<(), std::fmt::Error>;
 fn curves(outcome: &Outcome, page: &mut String) -> Written {
     let all = &outcome.darknet;
     let at_score = format!("confidence {}", outcome.score);
-    let precision_recall = |name: String, points: &[CurvePoint]| svg::Curve {
+    let precision_recall = |name: String, points: &[CurvePoint]| Curve {
         name,
         points: (points.iter())
             .map(|point| [point.recall, point.precision])
@@ -41,28 +44,31 @@ fn curves(outcome: &Outcome, page: &mut String) -> Written {
     let of_class = (outcome.paired.classes.iter().zip(&all.classes))
         .map(|(name, class)| precision_recall(name.clone(), &class.curve));
     let first = precision_recall("all classes".to_owned(), &all.curve);
-    let drawn = svg::svg(&svg::Plot {
-        across: "recall",
-        up: "precision",
+    let plot = Plot {
+        title: "Precision over recall".to_owned(),
+        across: Axis::new("recall", [0.0, 1.0]),
+        up: Axis::new("precision", [0.0, 1.0]),
         curves: [first].into_iter().chain(of_class).collect(),
         mark: Some((
             [all.counts.recall(), all.counts.precision()],
             at_score.clone(),
         )),
         limit: None,
-    });
+    };
     writeln!(
         page,
-        "<h2>Curves (Darknet's rule, IoU {})</h2>\n<figure>{drawn}</figure>",
-        outcome.iou
+        "<h2>Curves (Darknet's rule, IoU {})</h2>\n<figure>{}</figure>",
+        outcome.iou,
+        plot.svg(PLOT_PX)
     )?;
-    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| svg::Curve {
+    let over_confidence = |name: &str, of: fn(&CurvePoint) -> f64| Curve {
         name: name.to_owned(),
         points: steps(&all.curve, of),
     };
-    let drawn = svg::svg(&svg::Plot {
-        across: "confidence from which boxes are shown",
-        up: "share, all classes",
+    let plot = Plot {
+        title: "F1, precision and recall over the confidence".to_owned(),
+        across: Axis::new("confidence from which boxes are shown", [0.0, 1.0]),
+        up: Axis::new("share, all classes", [0.0, 1.0]),
         curves: vec![
             over_confidence("F1", |point| point.f1),
             over_confidence("precision", |point| point.precision),
@@ -70,8 +76,8 @@ fn curves(outcome: &Outcome, page: &mut String) -> Written {
         ],
         mark: None,
         limit: Some((outcome.score, at_score)),
-    });
-    writeln!(page, "<figure>{drawn}</figure>")
+    };
+    writeln!(page, "<figure>{}</figure>", plot.svg(PLOT_PX))
 }
 
 /// A share over the confidence: between two scores that occur, the boxes shown stay the same.

@@ -3,7 +3,6 @@
 mod html;
 mod json;
 mod surveys;
-mod svg;
 mod table;
 
 use super::output;

@@ -2,7 +2,8 @@
 
 use super::TrackPiece;
 use crate::calendar::timestamp;
-use crate::export::{ExportError, Summary, write_aside, xml};
+use crate::export::{ExportError, Summary, write_aside};
+use crate::printable::xml;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 

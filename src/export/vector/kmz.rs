@@ -4,8 +4,9 @@ use super::Line;
 use super::zipped::one_file;
 use crate::bathymetry::isobaths::Polygon;
 use crate::export::geojson::{areas, positions};
-use crate::export::{ExportError, Summary, write_aside, xml};
+use crate::export::{ExportError, Summary, write_aside};
 use crate::geo::LonLat;
+use crate::printable::xml;
 use std::io::{self, Write};
 use std::path::Path;
 
