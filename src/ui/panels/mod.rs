@@ -1,6 +1,7 @@
 //! What stands around the views: one file a panel. Each reads the state and pushes commands.
 
-pub mod calibration;
+pub mod axes;
+mod calibration;
 pub mod cloud;
 pub mod external_track;
 pub mod first_return;

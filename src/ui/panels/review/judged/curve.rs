@@ -4,18 +4,18 @@ use super::share;
 use crate::app::{Command, ViewOptions};
 use crate::detection::metrics::{Counts, CurvePoint};
 use crate::detection::truth::{Comparison, Standing};
+use crate::presentation::plot::Axis;
+use crate::ui::panels::axes::Axes;
 use crate::ui::{ViewContext, text, theme};
 use egui::{
-    Align2, CursorIcon, FontId, Painter, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, Ui,
-    WidgetInfo, pos2, vec2,
+    CursorIcon, Painter, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
 };
 
 /// Height of the picture, points.
 const HEIGHT: f32 = 138.0;
 /// Its width, points.
-const WIDTH: f32 = 146.0;
-/// Room for the words of the axes, points.
-const MARGIN: f32 = 24.0;
+const WIDTH: f32 = 166.0;
 
 /// Draws the curve, and the figures beside it. A click on the curve moves the slider there.
 pub fn ui(
@@ -26,14 +26,15 @@ pub fn ui(
 ) {
     ui.horizontal(|ui| {
         let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, HEIGHT), Sense::click());
-        let plot = Plot::new(rect);
-        draw(&ui.painter_at(rect), &plot, comparison, standing, &context.app.options);
+        let painter = ui.painter_at(rect);
+        let plot = shares(&painter, rect);
+        draw(&painter, &plot, comparison, standing, &context.app.options);
         let said = said(standing);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
         let picked = response
             .interact_pointer_pos()
             .filter(|_| response.clicked())
-            .and_then(|at| plot.nearest(comparison.curve(), at));
+            .and_then(|at| nearest(&plot, comparison.curve(), at));
         if let Some(point) = picked {
             let mut queue = context.app.log.reviewing.queue.clone();
             queue.threshold = point.score;
@@ -107,43 +108,35 @@ fn figures(ui: &mut Ui, counts: &Counts) {
     );
 }
 
-/// Between shares and the screen.
-struct Plot {
-    area: Rect,
+/// Recall across, precision up.
+fn shares(painter: &Painter, rect: Rect) -> Axes {
+    let axis = |name: &str| Axis {
+        name: name.to_owned(),
+        ends: [0.0, 1.0],
+        ticks: [0.0, 0.5, 1.0]
+            .map(|share| (share, share.to_string()))
+            .to_vec(),
+    };
+    Axes::new(painter, rect, axis("recall"), axis("precision"))
 }
 
-impl Plot {
-    fn new(rect: Rect) -> Self {
-        let min = rect.min + vec2(MARGIN, 5.0);
-        Self {
-            area: Rect::from_min_max(min, rect.max - vec2(6.0, MARGIN)),
-        }
-    }
-
-    fn at(&self, recall: f64, precision: f64) -> Pos2 {
-        // Shares, which an `f32` holds.
-        self.area
-            .lerp_inside(vec2(recall as f32, 1.0 - precision as f32))
-    }
-
-    /// The point of the curve nearest to a place.
-    fn nearest<'a>(&self, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
-        let distance = |point: &CurvePoint| self.at(point.recall, point.precision).distance_sq(at);
-        curve
-            .iter()
-            .filter(|point| point.recall.is_finite())
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    }
+/// The point of the curve nearest to a place.
+fn nearest<'a>(axes: &Axes, curve: &'a [CurvePoint], at: Pos2) -> Option<&'a CurvePoint> {
+    let distance = |point: &CurvePoint| axes.at(point.recall, point.precision).distance_sq(at);
+    curve
+        .iter()
+        .filter(|point| point.recall.is_finite())
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 fn draw(
     painter: &Painter,
-    plot: &Plot,
+    plot: &Axes,
     comparison: &Comparison,
     standing: &Standing,
     options: &ViewOptions,
 ) {
-    axes(painter, plot, options);
+    plot.draw(painter, theme::plot_ink(options));
     let accent = theme::accent_colour(options.theme);
     let points: Vec<Pos2> = (comparison.curve().iter())
         .filter(|point| point.recall.is_finite())
@@ -164,39 +157,14 @@ fn draw(
     }
 }
 
-fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
-    let ink = theme::plot_ink(options);
-    let area = plot.area;
-    let font = FontId::proportional(10.0);
-    for share in [0.0, 0.5, 1.0] {
-        let faint = Stroke::new(1.0, ink.gamma_multiply(0.2));
-        let at = plot.at(share, share);
-        painter.vline(at.x, area.y_range(), faint);
-        painter.hline(area.x_range(), at.y, faint);
-        let number = format!("{share}");
-        let below = pos2(at.x, area.bottom() + 2.0);
-        painter.text(below, Align2::CENTER_TOP, &number, font.clone(), ink);
-        let beside = pos2(area.left() - 3.0, at.y);
-        painter.text(beside, Align2::RIGHT_CENTER, &number, font.clone(), ink);
-    }
-    let below = pos2(area.center().x, area.bottom() + 12.0);
-    painter.text(below, Align2::CENTER_TOP, "recall", font.clone(), ink);
-    let precision = painter.layout_no_wrap("precision".to_owned(), font, ink);
-    let quarter = std::f32::consts::FRAC_PI_2;
-    let start = pos2(
-        area.left() - MARGIN,
-        area.center().y + 0.25 * area.height() + precision.size().x / 2.0,
-    );
-    painter.add(egui::epaint::TextShape::new(start, precision, ink).with_angle(-quarter));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui::{Context, LayerId, RawInput};
 
     #[test]
     fn a_click_takes_the_nearest_point_of_the_curve() {
-        let plot = Plot::new(Rect::from_min_size(pos2(0.0, 0.0), vec2(WIDTH, HEIGHT)));
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(WIDTH, HEIGHT));
         let point = |score, recall, precision| CurvePoint {
             score,
             precision,
@@ -208,18 +176,23 @@ mod tests {
             point(0.5, 0.8, 0.9),
             point(0.1, 1.0, 0.4),
         ];
-        let near = |recall, precision| {
-            let found = plot.nearest(&curve, plot.at(recall, precision));
-            found.map(|point| point.score)
-        };
-        assert_eq!(near(0.25, 0.9), Some(0.9));
-        assert_eq!(near(0.85, 0.8), Some(0.5));
-        assert_eq!(near(0.95, 0.2), Some(0.1));
-        assert_eq!(
-            plot.at(0.0, 0.0),
-            plot.area.left_bottom(),
-            "the origin lies below on the left"
-        );
-        assert!(plot.nearest(&[], pos2(0.0, 0.0)).is_none());
+        let ctx = Context::default();
+        let _output = ctx.run_ui(RawInput::default(), |ui| {
+            let painter = ui.ctx().layer_painter(LayerId::background());
+            let plot = shares(&painter, rect);
+            let near = |recall, precision| {
+                let found = nearest(&plot, &curve, plot.at(recall, precision));
+                found.map(|point| point.score)
+            };
+            assert_eq!(near(0.25, 0.9), Some(0.9));
+            assert_eq!(near(0.85, 0.8), Some(0.5));
+            assert_eq!(near(0.95, 0.2), Some(0.1));
+            assert_eq!(
+                plot.at(0.0, 0.0),
+                plot.area.left_bottom(),
+                "the origin lies below on the left"
+            );
+            assert!(nearest(&plot, &[], pos2(0.0, 0.0)).is_none());
+        });
     }
 }
