@@ -1,8 +1,8 @@
 //! `cloud.laz`: kept points in a map's coordinates, for survey programs.
 
 use super::gps_time::adjusted_standard_s;
-use super::{ExportError, Summary, colour, extra_bytes, write_aside};
-use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use super::{ExportError, LogPoints, Summary, colour, extra_bytes, write_aside};
+use crate::cloud::{CloudPoint, PointSource};
 use crate::first_return::{FirstReturns, Pick};
 use crate::formats::points::{LasWriter, transforms};
 use crate::geo::Crs;
@@ -31,43 +31,54 @@ const BATHYMETRIC: u8 = 40;
 /// the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
 /// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
 /// the log knows when it was; otherwise seconds after the log's time zero.
+///
+/// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
+/// where one of them does not know when it was.
 pub fn cloud_laz(
     path: &Path,
-    survey: &Survey,
-    returns: &FirstReturns,
     crs: &Crs,
-    place: impl Fn(&CloudPoint) -> [f64; 2] + Sync,
-    cloud: &PointCloud,
-    kept: &[bool],
+    place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2] + Sync,
+    logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    let flagged = cloud.points.par_iter().zip(kept);
-    let points = flagged.filter(|(_, kept)| **kept).map(|(point, _)| point);
-    let points: Vec<(&CloudPoint, [f64; 2])> = points.map(|point| (point, place(point))).collect();
+    let mut points: Vec<(u16, &LogPoints<'_>, &CloudPoint, [f64; 2])> = Vec::new();
+    for (number, log) in (1..).zip(logs) {
+        let flagged = log.cloud.points.par_iter().zip(log.kept);
+        let kept = flagged.filter(|(_, kept)| **kept).map(|(point, _)| point);
+        let source = if logs.len() > 1 { number } else { 0 };
+        points.par_extend(kept.map(|point| (source, log, point, place(log, point))));
+    }
+    let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
     write_aside(path, |file| {
-        let places = points.iter().map(|(point, [x, y])| [*x, *y, point.z_m]);
+        let places = (points.iter()).map(|(_, _, point, [x, y])| [*x, *y, point.z_m]);
         let resolution = match crs.is_degrees() {
             true => RESOLUTION_DEG,
             false => RESOLUTION_M,
         };
-        let [x, y] = crs.place(survey.track.frame.origin());
+        let origin = logs.first().map(|log| log.survey.track.frame.origin());
+        let [x, y] = origin.map_or([0.0; 2], |origin| crs.place(origin));
         let finest = [resolution, resolution, RESOLUTION_M];
         let transforms = transforms(places, [x, y, 0.0], finest)?;
-        let header = las_header(survey, crs, transforms).map_err(io::Error::other)?;
+        let header = las_header(knows_time, crs, transforms).map_err(io::Error::other)?;
         let mut writer = LasWriter::new(file, header)?;
         let mut summary = Summary::default();
-        for (point, at) in points {
+        for (source, log, point, at) in points {
             summary.add(at, point.z_m);
-            writer.point(las_point(survey, returns, point, at).map_err(io::Error::other)?)?;
+            let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
+            let written = las_point(log.survey, log.returns, start_unix_s, point, at);
+            writer.point(Point {
+                point_source_id: source,
+                ..written.map_err(io::Error::other)?
+            })?;
         }
         writer.finish()?;
         Ok(summary)
     })
 }
 
-fn las_header(survey: &Survey, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
+fn las_header(knows_time: bool, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
-    if survey.start_unix_s.is_some() {
+    if knows_time {
         builder.gps_time_type = GpsTimeType::Standard;
     }
     builder.point_format = Format::new(FORMAT)?;
@@ -83,6 +94,7 @@ fn las_header(survey: &Survey, crs: &Crs, transforms: Vector<Transform>) -> las:
 fn las_point(
     survey: &Survey,
     returns: &FirstReturns,
+    start_unix_s: Option<f64>,
     point: &CloudPoint,
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
@@ -94,7 +106,7 @@ fn las_point(
             .map(|ping| ping.time_s),
     };
     let time_s = time_s.unwrap_or(0.0);
-    let gps_time_s = survey.start_unix_s.map_or(time_s, |start_unix_s| {
+    let gps_time_s = start_unix_s.map_or(time_s, |start_unix_s| {
         adjusted_standard_s(start_unix_s + time_s)
     });
     let [red, green, blue] = colour(point.source).map(|value| u16::from(value) * 257);

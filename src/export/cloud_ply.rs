@@ -1,16 +1,15 @@
 //! `cloud.ply`: kept points in local metres with the paper's colours.
 
-use super::{ExportError, Summary, colour, write_aside};
-use crate::cloud::PointCloud;
+use super::{ExportError, LogPoints, Summary, colour, write_aside};
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Writes the kept points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes.
-pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<Summary, ExportError> {
+pub fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
-        let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
+        let points = logs.iter().flat_map(LogPoints::kept_points);
         write!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment metres east, north and up of the survey's origin\n\
@@ -18,7 +17,7 @@ pub fn cloud_ply(path: &Path, cloud: &PointCloud, kept: &[bool]) -> Result<Summa
              property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
             points.clone().count()
         )?;
-        for (point, _) in points {
+        for point in points {
             summary.add([point.east_m, point.north_m], point.z_m);
             for value in [point.east_m, point.north_m, point.z_m] {
                 out.write_all(&value.to_le_bytes())?;

@@ -1,26 +1,26 @@
 //! `cloud.xyz`: kept points as plain text, for whatever reads columns.
 
-use super::{ExportError, Summary, write_aside};
-use crate::cloud::{CloudPoint, PointCloud};
+use super::{ExportError, LogPoints, Summary, write_aside};
+use crate::cloud::CloudPoint;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Writes the kept points as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` tells where a
-/// point lies. z is elevation in metres above the transducer, so negative.
+/// point of a log lies. z is elevation in metres above the transducer, so negative.
 pub fn cloud_xyz(
     path: &Path,
     decimals: usize,
-    place: impl Fn(&CloudPoint) -> [f64; 2],
-    cloud: &PointCloud,
-    kept: &[bool],
+    place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2],
+    logs: &[LogPoints<'_>],
 ) -> Result<Summary, ExportError> {
-    let points = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
-        for (point, _) in points {
-            let [x, y] = place(point);
-            summary.add([x, y], point.z_m);
-            writeln!(out, "{x:.decimals$} {y:.decimals$} {:.3}", point.z_m)?;
+        for log in logs {
+            for point in log.kept_points() {
+                let [x, y] = place(log, point);
+                summary.add([x, y], point.z_m);
+                writeln!(out, "{x:.decimals$} {y:.decimals$} {:.3}", point.z_m)?;
+            }
         }
         out.flush()?;
         Ok(summary)

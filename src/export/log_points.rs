@@ -1,0 +1,62 @@
+//! What the tables and clouds of points are written from: one log, or all of a survey.
+
+use crate::calibration::Calibration;
+use crate::cloud::{CloudPoint, PointCloud};
+use crate::first_return::FirstReturns;
+use crate::survey::{LeftOut, Navigation, Survey};
+use std::borrow::Cow;
+
+/// The points of a log and what they come from.
+#[derive(Clone, Copy)]
+pub struct LogPoints<'a> {
+    /// What the log is called, in a table of several logs.
+    pub name: &'a str,
+    /// The recording.
+    pub survey: &'a Survey,
+    /// Where its pings are.
+    pub navigation: &'a Navigation,
+    /// Its first returns.
+    pub returns: &'a FirstReturns,
+    /// Its scales.
+    pub calibration: &'a Calibration,
+    /// What counts for nothing.
+    pub left_out: &'a LeftOut,
+    /// Its points.
+    pub cloud: &'a PointCloud,
+    /// One flag a point.
+    pub kept: &'a [bool],
+}
+
+impl<'a> LogPoints<'a> {
+    /// The kept points in the cloud's order.
+    pub fn kept_points(&self) -> impl Iterator<Item = &'a CloudPoint> + Clone + use<'a> {
+        let flagged = self.cloud.points.iter().zip(self.kept);
+        flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
+    }
+}
+
+/// The column of the log's name and what stands in it, each with its comma: only a table of several logs has one.
+pub(super) struct LogColumn {
+    /// `log,`, or nothing.
+    pub header: &'static str,
+    is_shown: bool,
+}
+
+impl LogColumn {
+    pub fn of(logs: &[LogPoints<'_>]) -> Self {
+        let is_shown = logs.len() > 1;
+        Self {
+            header: if is_shown { "log," } else { "" },
+            is_shown,
+        }
+    }
+
+    /// The field of a log, quoted where its name holds what ends a field.
+    pub fn field<'a>(&self, log: &LogPoints<'a>) -> Cow<'a, str> {
+        match (self.is_shown, log.name.contains([',', '"', '\n', '\r'])) {
+            (false, _) => Cow::Borrowed(""),
+            (true, false) => Cow::Owned(format!("{},", log.name)),
+            (true, true) => Cow::Owned(format!("\"{}\",", log.name.replace('"', "\"\""))),
+        }
+    }
+}
