@@ -1,5 +1,7 @@
 //! `bathyscope process`: the whole pipeline without a window.
 
+mod survey;
+
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
@@ -8,26 +10,30 @@ use crate::app::PIXEL_M;
 use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
-use crate::outputs::{self, Merged, Order, Product, RunFolder};
-use crate::pipeline::{self, ProcessedLog, Reference, Report, Settings};
+use crate::outputs::{self, Order, Product};
+use crate::pipeline::{self, ProcessedLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::survey::{Identity, Survey};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::slice;
 use std::sync::Arc;
 
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct ProcessArgs {
-    /// The logs, or folders of logs; several are written into a folder each, named after the log
+    /// The logs, or folders of logs; several are one survey, with one set of products
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
     /// Folder for the products; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Also make one depth map of all logs together, in the folder itself, with merged.json about how they agree
+    /// Keep several logs apart: write each into a folder of its own, named after the log, in place of one survey of all of them
     #[arg(long)]
-    merge: bool,
+    each: bool,
+    /// Apply the height offsets that the crossings of several logs show, so that their depths agree; report.json lists them either way
+    #[arg(long, conflicts_with = "each")]
+    adjust: bool,
     /// Where the boat was, from another receiver, in place of the recorder's track: CSV with time, lon and lat, or GPX;
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
@@ -71,13 +77,10 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         reference: args.reference.as_deref(),
         review: args.review.as_deref(),
     };
-    match (many::logs(&args.surveys).as_slice(), args.merge) {
-        ([_], true) => Err("--merge makes one map of several logs; name two or more".to_owned()),
-        ([survey], false) => {
-            how.process(&logs, survey, |_| args.output.clone())?;
-            Ok(())
-        }
-        (surveys, merge) => each(surveys, &logs, &how, merge, &args.output),
+    match many::logs(&args.surveys).as_slice() {
+        [survey] => how.process(&logs, survey, |_| args.output.clone()),
+        surveys if args.each => each(surveys, &logs, &how, &args.output),
+        surveys => survey::process(surveys, &logs, &how, args.adjust, &args.output),
     }
 }
 
@@ -102,76 +105,38 @@ impl How<'_> {
         logs: &Logs,
         path: &Path,
         folder: impl FnOnce(&Survey) -> PathBuf,
-    ) -> Result<(ProcessedLog, Report), String> {
+    ) -> Result<(), String> {
         let survey = logs.open(path, &Progress::new())?;
         let folder = folder(&survey);
         process_into(Arc::new(survey), self, &folder)
     }
 }
 
-fn each(
-    surveys: &[PathBuf],
-    logs: &Logs,
-    how: &How<'_>,
-    merge: bool,
-    output: &Path,
-) -> Result<(), String> {
+fn each(surveys: &[PathBuf], logs: &Logs, how: &How<'_>, output: &Path) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
-    let mut merged = Merged::default();
     let mut failed = 0;
     for path in surveys {
-        match how.process(logs, path, |survey| folders.next(&survey.name())) {
-            Ok((log, report)) if merge => merged.add(&log.survey, &log.products, &report),
-            Ok(_) => {}
-            Err(sentence) => {
-                failed += 1;
-                output::tell(format_args!("bathyscope: {sentence}"));
-            }
+        if let Err(sentence) = how.process(logs, path, |survey| folders.next(&survey.name())) {
+            failed += 1;
+            output::tell(format_args!("bathyscope: {sentence}"));
         }
     }
-    if merge {
-        write_merged(&merged, how.wanted, output)?;
-    }
-    if failed == 0 {
-        return Ok(());
-    }
-    Err(format!(
-        "{failed} of {} logs could not be processed, for the reasons above",
-        surveys.len()
-    ))
+    all_or(failed, surveys.len())
 }
 
-/// Writes the map of all logs together.
-fn write_merged(merged: &Merged, wanted: &[Product], folder: &Path) -> Result<(), String> {
-    if merged.len() < 2 {
-        output::tell(
-            "warning: fewer than two logs could be processed, so there is nothing to merge",
-        );
-        return Ok(());
+/// An error where some of the logs could not be processed.
+fn all_or(failed: usize, all: usize) -> Result<(), String> {
+    match failed {
+        0 => Ok(()),
+        _ => Err(format!(
+            "{failed} of {all} logs could not be processed, for the reasons above"
+        )),
     }
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("merging");
-    let (files, warnings) = merged.write(wanted, RunFolder::begin(folder)?, &progress)?;
-    drop(status);
-    for warning in warnings {
-        output::tell(format_args!("warning: {warning}"));
-    }
-    output::results(format_args!(
-        "merged {} logs: wrote {} into {}",
-        merged.len(),
-        files.join(", "),
-        folder.display()
-    ))
 }
 
 /// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
-/// what came out, which it gives back.
-pub fn process_into(
-    survey: Arc<Survey>,
-    how: &How<'_>,
-    folder: &Path,
-) -> Result<(ProcessedLog, Report), String> {
+/// what came out.
+pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result<(), String> {
     let How {
         settings,
         model,
@@ -196,7 +161,7 @@ pub fn process_into(
         .map(|_| Raster::new(&survey, &products.navigation, PIXEL_M));
     let log = ProcessedLog { survey, products };
     let order = Order {
-        logs: std::slice::from_ref(&log),
+        logs: slice::from_ref(&log),
         wanted,
         reference: (reference.as_ref())
             .map(|reference| (reference, Matching::Surface { max_gap_m })),
@@ -213,6 +178,5 @@ pub fn process_into(
         let objects = found::proposed(found, model.names());
         output::results(format_args!("proposed by the detector: {objects}"))?;
     }
-    output::results(written.summary(folder))?;
-    Ok((log, written.report))
+    output::results(written.summary(folder))
 }

@@ -115,6 +115,15 @@ impl TrackShare {
         share
     }
 
+    /// Adds that of another track.
+    pub fn add(&mut self, other: &Self) {
+        self.sounding_pings += other.sounding_pings;
+        self.side_scan_only_pings += other.side_scan_only_pings;
+        self.pings_without_depth += other.pings_without_depth;
+        self.track_m += other.track_m;
+        self.side_scan_only_m += other.side_scan_only_m;
+    }
+
     /// The share of the track over which depth rests on side-scan only, 0 to 1.
     pub fn side_scan_only(&self) -> f64 {
         self.side_scan_only_m / self.track_m.max(f64::MIN_POSITIVE)

@@ -1,6 +1,7 @@
 //! The outline of the ground that was heard.
 
 use super::Layout;
+use super::layout::{bounds_of, grid_over};
 use super::scan::spans;
 use crate::bathymetry::isobaths::{Polygon, depth_areas};
 use crate::bathymetry::{Grid, Surface};
@@ -10,20 +11,21 @@ use crate::progress::{Cancelled, Progress};
 const SQUARE_M: f64 = 0.5;
 const MOST_SQUARES: f64 = 2000.0;
 
-/// The ground that any strip covers, in the plane of the layout; to half a square. Empty where nothing is shown.
-pub fn footprint(layout: &Layout, progress: &Progress) -> Result<Vec<Polygon>, Cancelled> {
-    let Some(rough) = layout.grid(SQUARE_M) else {
+/// The ground that any strip of the logs covers, in the plane that their layouts share; to half a square. Empty where nothing is shown.
+pub fn footprint(layouts: &[Layout], progress: &Progress) -> Result<Vec<Polygon>, Cancelled> {
+    let Some(bounds) = bounds_of(layouts.iter()) else {
         return Ok(Vec::new());
     };
+    let rough = grid_over(bounds, SQUARE_M);
     let most = rough.columns.max(rough.rows) as f64;
     let side_m = SQUARE_M * (most / MOST_SQUARES).max(1.0);
-    let Some(grid) = layout.grid(side_m).map(with_margin) else {
-        return Ok(Vec::new());
-    };
+    let grid = with_margin(grid_over(bounds, side_m));
     let mut heard = vec![0.0_f32; grid.len()];
-    for (_, _, strip) in layout.strips() {
-        progress.check()?;
-        cover(&grid, layout.corners(&strip), &mut heard);
+    for layout in layouts {
+        for (_, _, strip) in layout.strips() {
+            progress.check()?;
+            cover(&grid, layout.corners(&strip), &mut heard);
+        }
     }
     let surface = Surface {
         grid,

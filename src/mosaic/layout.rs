@@ -408,6 +408,18 @@ fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -
         .collect()
 }
 
+/// What all of some layouts cover; `None` when nothing is shown.
+pub(super) fn bounds_of<'a>(layouts: impl Iterator<Item = &'a Layout>) -> Option<Bounds> {
+    layouts.filter_map(Layout::bounds).reduce(|all, one| {
+        [
+            all[0].min(one[0]),
+            all[1].min(one[1]),
+            all[2].max(one[2]),
+            all[3].max(one[3]),
+        ]
+    })
+}
+
 /// The grid over some ground, its edges at whole cells.
 pub(super) fn grid_over([west, south, east, north]: Bounds, cell_m: f64) -> Grid {
     let west_m = (west / cell_m).floor() * cell_m;

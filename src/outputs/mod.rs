@@ -5,7 +5,7 @@
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
 //! side-scan mosaic, `detections` what a search proposes, `page` the report; `record` is what lies beside each file. `boxes` writes
-//! what was decided about boxes, `lessons` as pictures for training, `merged` the depth map of several logs.
+//! what was decided about boxes, `lessons` as pictures for training.
 
 mod boxes;
 mod clouds;
@@ -14,7 +14,6 @@ mod depth;
 mod detections;
 mod earlier_run;
 mod lessons;
-mod merged;
 mod mosaic;
 mod overwrite;
 mod page;
@@ -31,7 +30,6 @@ pub use boxes::{BoxesWritten, write_boxes};
 pub use comparison::{ComparisonRecord, write_differences};
 pub use detections::{Proposed, write_detected, write_detected_in_picture};
 pub use earlier_run::EarlierRun;
-pub use merged::Merged;
 pub use overwrite::begin;
 pub use product::{Product, files_in_words};
 pub use registry::{Described, OUTPUT_FILES, OutputFile, When, row_of};

@@ -6,9 +6,14 @@ use crate::bathymetry::Grid;
 use crate::export::{RasterError, Summary, geotiff};
 use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::geo::MapPlane;
-use crate::mosaic::{Colours, Layout, TILE_CELLS, gain_table, tile};
+use crate::mosaic::{
+    Colours, Layout, MosaicLog, TILE_CELLS, Tile, TileIndex, gain_table, joint_grid, joint_tile,
+    tile,
+};
+use crate::pipeline::joint::mosaic_logs;
 use crate::pipeline::mosaic_layout;
-use crate::survey::Survey;
+use crate::progress::Cancelled;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Most tiles that a mosaic may span, with those that hold nothing: a fix that is far off makes a huge, empty map.
@@ -16,27 +21,47 @@ const MOST_TILES: usize = 1_000_000;
 
 /// Echoes at their place on the map.
 pub struct Placed {
-    layout: Layout,
+    echoes: Echoes,
     grid: Grid,
+}
+
+/// Of a log alone, or of several brought to each other's levels.
+enum Echoes {
+    One(Box<Layout>),
+    Several(Vec<MosaicLog>),
 }
 
 impl Placed {
     /// Where the echoes of a survey lie; why they cannot be drawn.
-    pub fn new(results: &Results<'_>) -> Result<Self, String> {
-        let layout = mosaic_layout(results.survey, results.products, &results.plane.map);
-        let Some(grid) = layout.grid(results.products.settings.mosaic.cell_m) else {
-            return Err(
-                "no mosaic: no ping has side-scan, a place, a heading and an altitude".to_owned(),
-            );
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(results: &Results<'_>) -> Result<Result<Self, String>, Cancelled> {
+        let (map, settings) = (&results.plane.map, &results.products.settings.mosaic);
+        let (echoes, grid) = match results.order.logs {
+            [log] => {
+                let layout = mosaic_layout(&log.survey, &log.products, map);
+                let grid = layout.grid(settings.cell_m);
+                (Echoes::One(Box::new(layout)), grid)
+            }
+            logs => {
+                let logs = mosaic_logs(logs, map, settings, results.progress)?;
+                let grid = joint_grid(&logs, settings.cell_m);
+                (Echoes::Several(logs), grid)
+            }
+        };
+        let Some(grid) = grid else {
+            let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
+            return Ok(Err(why.to_owned()));
         };
         let [down, across] = [grid.rows, grid.columns].map(|cells| cells.div_ceil(TILE_CELLS));
         if down.saturating_mul(across) > MOST_TILES {
-            return Err(format!(
+            return Ok(Err(format!(
                 "no mosaic: it would have {} by {} cells; choose a larger mosaic.cell_m, or look for positions that are far off",
                 grid.columns, grid.rows
-            ));
+            )));
         }
-        Ok(Self { layout, grid })
+        Ok(Ok(Self { echoes, grid }))
     }
 }
 
@@ -45,24 +70,41 @@ impl Placed {
 pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
     let (survey, progress) = (results.survey, results.progress);
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
-    let Placed { layout, grid } = results.mosaic()?.as_ref()?;
-    let index = layout.index(grid);
-    let gain = gain_table(survey, layout, progress).map_err(|error| error.to_string())?;
-    let tiles: Vec<[usize; 2]> = index.tiles().map(|(row, column)| [row, column]).collect();
-    let draw = |place: [usize; 2]| {
-        let drawn = tile(survey, layout, grid, &index, &gain, settings, place);
-        let levels = drawn.levels.iter();
-        match settings.colours {
-            Colours::Grey => drawn.levels,
-            Colours::Copper => levels
-                .flat_map(|&level| settings.colours.rgba(level))
-                .collect(),
-        }
+    let Placed { echoes, grid } = results.mosaic()?.as_ref()?;
+    let system = || FileContent::new(Coordinates::System(map.crs.clone()), summary(grid, map));
+    let save = |tiles: BTreeSet<[usize; 2]>, draw: &(dyn Fn([usize; 2]) -> Tile + Sync)| {
+        let tiles: Vec<[usize; 2]> = tiles.into_iter().collect();
+        let drawn = |place: [usize; 2]| {
+            let levels = draw(place).levels;
+            match settings.colours {
+                Colours::Grey => levels,
+                Colours::Copper => (levels.iter())
+                    .flat_map(|&level| settings.colours.rgba(level))
+                    .collect(),
+            }
+        };
+        let spec = spec(grid, map, &results.name(), settings.colours);
+        geotiff(path, &spec, &tiles, drawn, progress)
+            .map_err(|error: RasterError| error.to_string())
     };
-    let spec = spec(grid, map, survey, settings.colours);
-    geotiff(path, &spec, &tiles, draw, progress).map_err(|error: RasterError| error.to_string())?;
-    let system = Coordinates::System(map.crs.clone());
-    Ok(FileContent::new(system, summary(grid, map)))
+    let places = |index: &TileIndex| -> Vec<[usize; 2]> {
+        index.tiles().map(|(row, column)| [row, column]).collect()
+    };
+    match echoes {
+        Echoes::One(layout) => {
+            let index = layout.index(grid);
+            let gain = gain_table(survey, layout, progress).map_err(|error| error.to_string())?;
+            let draw = |place| tile(survey, layout, grid, &index, &gain, settings, place);
+            save(places(&index).into_iter().collect(), &draw)?;
+        }
+        Echoes::Several(logs) => {
+            let indices: Vec<TileIndex> = logs.iter().map(|log| log.layout.index(grid)).collect();
+            let parts: Vec<(&MosaicLog, &TileIndex)> = logs.iter().zip(&indices).collect();
+            let draw = |place| joint_tile(&parts, grid, settings, place);
+            save(indices.iter().flat_map(places).collect(), &draw)?;
+        }
+    }
+    Ok(system())
 }
 
 fn summary(grid: &Grid, map: &MapPlane) -> Summary {
@@ -88,7 +130,7 @@ const LEVEL: Band = Band {
 
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
-fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> RasterSpec {
+fn spec(grid: &Grid, map: &MapPlane, name: &str, colours: Colours) -> RasterSpec {
     // Levels are one band, which a map program can stretch; colours are a picture.
     let (cells, band) = match colours {
         Colours::Grey => (Cells::Level, Some(LEVEL)),
@@ -103,6 +145,6 @@ fn spec(grid: &Grid, map: &MapPlane, survey: &Survey, colours: Colours) -> Raste
         crs: map.crs.clone(),
         cells,
         band,
-        description: format!("Side-scan mosaic of {}", survey.name()),
+        description: format!("Side-scan mosaic of {name}"),
     }
 }

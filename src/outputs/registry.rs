@@ -100,8 +100,8 @@ const NOT_OF_TRACK: &[&str] = &[
     "cloud",
     "detector",
     "draft_m",
-    "first_return",
     "height_offset_m",
+    "first_return",
     "image",
     "isobaths",
     "mosaic",
@@ -234,7 +234,7 @@ const fn compared(
     writer: Writer,
 ) -> OutputFile {
     OutputFile {
-        needs: &[Need::Reference],
+        needs: &[Need::OneLog, Need::Reference],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths with the reference",
         record: described(what, "points", measured),
@@ -244,6 +244,7 @@ const fn compared(
 
 const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
     OutputFile {
+        needs: &[Need::OneLog],
         regardless_of: NOT_OF_BOXES,
         brief,
         record: described(BOXES, "boxes", ""),
@@ -390,7 +391,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         Writer::Results(depth::contours::storage),
     ),
     OutputFile {
-        needs: &[Need::Agreement],
+        needs: &[Need::OneLog, Need::Agreement],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths, all statistics",
         record: described(
@@ -455,6 +456,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         )
     },
     OutputFile {
+        needs: &[Need::OneLog],
         brief: "this page",
         ..row(
             "report.html",

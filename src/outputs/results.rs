@@ -6,12 +6,12 @@ use super::track::Ground;
 use super::write::Order;
 use crate::bathymetry::Surface;
 use crate::detection::{Detection, find};
-use crate::export::{self, TrackPiece};
+use crate::export::{self, LogPoints, TrackPiece};
 use crate::geo::LonLat;
-use crate::mosaic::footprint;
+use crate::mosaic::{Layout, footprint};
 use crate::pipeline::{
     Agreement, Contours, Crossed, Input, NamedComparison, Plane, ProcessedLog, Products,
-    comparisons, crossed, depth_surface, mosaic_layout,
+    comparisons, crossed, joint_depth_surface, mosaic_layout,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -40,6 +40,8 @@ pub enum Need {
     Mosaic,
     /// What the depths are compared with besides.
     Reference,
+    /// One log alone: the file shows what belongs to a single log.
+    OneLog,
 }
 
 /// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
@@ -51,6 +53,8 @@ pub(super) struct Results<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub plane: Plane<'a>,
+    /// What each log is called.
+    pub names: Vec<String>,
     pub progress: &'a Progress,
     track: OnceLock<Vec<TrackPiece>>,
     ground: OnceLock<Ground>,
@@ -81,19 +85,17 @@ impl<'a> Results<'a> {
     /// Of what is ordered; nothing is computed yet.
     ///
     /// # Errors
-    /// A sentence when there is not one log, or the system that `crs` names does not fit it.
+    /// A sentence when there is no log, or the system that `crs` names does not fit the first.
     pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, String> {
-        let [ProcessedLog { survey, products }] = order.logs else {
-            let count = order.logs.len();
-            return Err(format!(
-                "the files of a run are those of one log, not of {count}"
-            ));
+        let Some(ProcessedLog { survey, products }) = order.logs.first() else {
+            return Err("there is no log whose files could be written".to_owned());
         };
         Ok(Self {
             order,
             survey,
             products,
             plane: Plane::of(survey, products)?,
+            names: names(order),
             progress,
             track: OnceLock::new(),
             ground: OnceLock::new(),
@@ -121,12 +123,12 @@ impl<'a> Results<'a> {
         let told = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
-            Need::KeptPoints if self.products.kept.contains(&true) => None,
+            Need::KeptPoints if self.logs().any(|(_, made)| made.kept.contains(&true)) => None,
             Need::KeptPoints => told(no_cloud(self.products)),
             Need::Track if self.track().is_empty() => {
                 told("no track: the log has no position, or the boat lay still")
             }
-            Need::Footprint if self.ground()?.shapes.is_empty() && self.survey.has_side_scan() => {
+            Need::Footprint if self.ground()?.shapes.is_empty() && self.has_side_scan() => {
                 told("no footprint: no ping has side-scan, a place, a heading and an altitude")
             }
             Need::Footprint if self.ground()?.shapes.is_empty() => silent(),
@@ -146,18 +148,22 @@ impl<'a> Results<'a> {
                     "no residuals: the log has no side-scan points near a sounding, and its track does not cross itself",
                 )
             }
-            Need::SideScan if !self.survey.has_side_scan() => silent(),
+            Need::SideScan if !self.has_side_scan() => silent(),
             Need::Mosaic => match self.mosaic()? {
                 Err(why) => told(why),
                 Ok(_) => None,
             },
             Need::Reference if self.order.reference.is_none() => silent(),
+            Need::OneLog if self.order.logs.len() > 1 => told(
+                "no report.html, residuals.json or detections: they show one log; process --each log by itself for them",
+            ),
             Need::Track
             | Need::Footprint
             | Need::Surface
             | Need::Agreement
             | Need::SideScan
-            | Need::Reference => None,
+            | Need::Reference
+            | Need::OneLog => None,
         })
     }
 
@@ -166,18 +172,73 @@ impl<'a> Results<'a> {
         self.plane.to_lon_lat(place)
     }
 
-    /// The way of the boat.
+    /// The logs of the survey, one or several, with their results.
+    pub fn logs(&self) -> impl Iterator<Item = (&'a Survey, &'a Products)> {
+        let logs = self.order.logs.iter();
+        logs.map(|log| (log.survey.as_ref(), &log.products))
+    }
+
+    /// What the tables and clouds of points are written from.
+    pub fn log_points(&self) -> Vec<LogPoints<'_>> {
+        let logs = self.names.iter().zip(self.logs());
+        logs.map(|(name, (survey, products))| LogPoints {
+            name,
+            survey,
+            navigation: &products.navigation,
+            returns: &products.returns,
+            calibration: &products.calibration,
+            left_out: &products.left_out,
+            cloud: &products.cloud,
+            kept: &products.kept,
+        })
+        .collect()
+    }
+
+    fn has_side_scan(&self) -> bool {
+        self.logs().any(|(survey, _)| survey.has_side_scan())
+    }
+
+    /// What the survey is called: by its log, or by all of them.
+    pub fn name(&self) -> String {
+        match self.names.as_slice() {
+            [first, .., last] if self.names.len() > 3 => {
+                format!("{first} to {last} ({} logs)", self.names.len())
+            }
+            names => names.join(", "),
+        }
+    }
+
+    /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
     pub fn track(&self) -> &[TrackPiece] {
-        self.track
-            .get_or_init(|| export::track(self.survey, &self.products.navigation))
+        self.track.get_or_init(|| {
+            let pieces = self.logs().flat_map(|(survey, products)| {
+                let later_s = survey.start_unix_s.zip(self.start_unix_s());
+                let later_s = later_s.map_or(0.0, |(own_s, first_s)| own_s - first_s);
+                let mut pieces = export::track(survey, &products.navigation);
+                for point in pieces.iter_mut().flat_map(|piece| &mut piece.points) {
+                    point.time_s += later_s;
+                }
+                pieces
+            });
+            pieces.collect()
+        })
+    }
+
+    /// Unix seconds of the time zero of the first log; `None` where one of the logs does not know when it was.
+    pub fn start_unix_s(&self) -> Option<f64> {
+        let all_know = self.logs().all(|(survey, _)| survey.start_unix_s.is_some());
+        self.survey.start_unix_s.filter(|_| all_know)
     }
 
     /// The ground that the side-scan covers.
     pub fn ground(&self) -> Result<&Ground, String> {
         once(&self.ground, || {
             let map = &self.plane.map;
-            let layout = mosaic_layout(self.survey, self.products, map);
-            let shapes = footprint(&layout, self.progress).map_err(in_words)?;
+            let layouts: Vec<Layout> = self
+                .logs()
+                .map(|(survey, products)| mosaic_layout(survey, products, map))
+                .collect();
+            let shapes = footprint(&layouts, self.progress).map_err(in_words)?;
             Ok(Ground::new(shapes, map))
         })
     }
@@ -185,7 +246,8 @@ impl<'a> Results<'a> {
     /// The depth map; `None` where the depths span none.
     pub fn surface(&self) -> Result<Option<&Surface>, String> {
         let surface = once(&self.surface, || {
-            depth_surface(&self.plane, self.products, self.progress).map_err(in_words)
+            let made = joint_depth_surface(self.order.logs, &self.plane.map, self.progress);
+            made.map_err(in_words)
         });
         surface.map(Option::as_ref)
     }
@@ -225,7 +287,7 @@ impl<'a> Results<'a> {
 
     /// Where the echoes lie; why they cannot be drawn.
     pub fn mosaic(&self) -> Result<&Result<Placed, String>, String> {
-        once(&self.mosaic, || Ok(Placed::new(self)))
+        once(&self.mosaic, || Placed::new(self).map_err(in_words))
     }
 
     /// The survey against the reference; `None` without one.
@@ -265,6 +327,21 @@ impl<'a> Results<'a> {
         });
         made.map(|found| Some(found.as_slice()))
     }
+}
+
+/// What the logs are called, each otherwise: two recorders both begin with `Rec00001`.
+fn names(order: &Order<'_>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    let logs = order.logs.iter().map(|log| log.survey.name());
+    for name in logs {
+        let same = |taken: &&String| taken.split(" (").next() == Some(name.as_str());
+        let count = names.iter().filter(same).count();
+        names.push(match count {
+            0 => name,
+            count => format!("{name} ({})", count + 1),
+        });
+    }
+    names
 }
 
 /// Why there is no point to write.

@@ -48,11 +48,10 @@ fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, Stri
 
 /// Writes `track.gpx`.
 pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
-    let survey = results.survey;
-    let start_unix_s = survey.start_unix_s;
+    let start_unix_s = results.start_unix_s();
     in_degrees(export::track_gpx(
         path,
-        &survey.name(),
+        &results.name(),
         start_unix_s,
         results.track(),
     ))
@@ -65,7 +64,7 @@ pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String
 
 /// Writes `track.kmz`.
 pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
-    let name = results.survey.name();
+    let name = results.name();
     in_degrees(export::lines_kmz(path, &name, &lines(results, &name)))
 }
 
@@ -73,7 +72,7 @@ pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
 pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
     let crs = &results.plane.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
-    let lines = lines(results, &results.survey.name());
+    let lines = lines(results, &results.name());
     export::lines_shapefile(path, crs, &names, &lines)
         .map(|lines| FileContent::new(Coordinates::System(crs.clone()), lines))
         .map_err(|error| error.to_string())
@@ -101,7 +100,7 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> Line {
 
 /// Writes `footprint.geojson`.
 pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
-    let (ground, name) = (results.ground()?, results.survey.name());
+    let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place);
     with_area(ground, in_degrees(written))
@@ -109,7 +108,7 @@ pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileConte
 
 /// Writes `footprint.kmz`.
 pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
-    let (ground, name) = (results.ground()?, results.survey.name());
+    let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::areas_kmz(path, &name, &ground.shapes, place);
     with_area(ground, in_degrees(written))

@@ -10,6 +10,7 @@ use super::run_folder::RunFolder;
 use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
+use crate::pipeline::joint::joint_report;
 use crate::pipeline::{ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use std::path::Path;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 
 /// What is to be written.
 pub struct Order<'a> {
-    /// The logs that the files are of, with what the pipeline made of them: one today.
+    /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
     pub logs: &'a [ProcessedLog],
     /// What is written beside `first_returns.csv`, `cloud.csv` and `report.json`.
     pub wanted: &'a [Product],
@@ -113,7 +114,7 @@ pub fn write(
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
     let mut run = Run {
-        report: Report::new(results.survey, results.products, progress).map_err(in_words)?,
+        report: report(&results).map_err(in_words)?,
         results,
         written: Vec::new(),
         folder: &folder,
@@ -138,7 +139,9 @@ pub fn write(
     }
     let mut files: Vec<&'static str> = run.written.iter().map(|row| row.name).collect();
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
-        if let Writer::Run(write) = row.writer {
+        if let Writer::Run(write) = row.writer
+            && first_missing(row, &run.results)?.is_none()
+        {
             write(&mut run, &path.join(row.name))?;
             files.push(row.name);
         }
@@ -155,6 +158,18 @@ pub fn write(
         report,
         found,
     })
+}
+
+/// The report of the log, or of all logs.
+fn report(results: &Results<'_>) -> Result<Report, Cancelled> {
+    let several = match results.order.logs {
+        [_] => None,
+        logs => joint_report(logs, &results.names, results.progress)?,
+    };
+    match several {
+        Some(all) => Ok(all),
+        None => Report::new(results.survey, results.products, results.progress),
+    }
 }
 
 /// Files that were made of results, and why others were not.

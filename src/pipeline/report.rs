@@ -1,6 +1,7 @@
 //! `report.json`: what went in, with which settings, what came out, and how far to trust it.
 
 use super::fingerprint::{Fingerprint, Input, hash_inputs, in_hexadecimal};
+use super::joint::LogsReport;
 use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{Residuals, TrackShare, residuals};
@@ -43,6 +44,9 @@ pub struct Report {
     pub residuals: Option<Residuals>,
     /// What these depths are, and what was not corrected.
     pub statement: String,
+    /// The logs of a survey of several, and how they agree; absent of one log.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub logs: Option<LogsReport>,
     /// Warnings of the reader and of every stage.
     pub warnings: Vec<String>,
     /// The other files of the run, records among them: what is not listed here, or is another file by now, is not of this run.
@@ -195,6 +199,7 @@ impl Report {
             .join(" ")
             .trim_start()
             .to_owned(),
+            logs: None,
             warnings: warnings(survey, products),
             files: Vec::new(),
         })
@@ -220,6 +225,7 @@ impl Report {
             calibration,
             track,
             residuals,
+            logs,
             ..
         } = self;
         let mut lines = vec![
@@ -249,7 +255,10 @@ impl Report {
                 counts.left_out_soundings
             ));
         }
-        lines.extend(calibration.summary());
+        match logs {
+            Some(logs) => lines.push(logs.summary()),
+            None => lines.extend(calibration.summary()),
+        }
         if track.side_scan_only_pings > 0 && counts.soundings > 0 {
             lines.push(format!(
                 "depth rests on side-scan only over {:.0} of {:.0} m of track ({:.0} %): the recorder had no bottom there",
@@ -265,6 +274,29 @@ impl Report {
             ));
         }
         lines.join("\n")
+    }
+}
+
+impl Counts {
+    /// Adds those of another log.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.pings += other.pings;
+        self.soundings += other.soundings;
+        self.soundings_without_bottom += other.soundings_without_bottom;
+        self.port_first_returns += other.port_first_returns;
+        self.starboard_first_returns += other.starboard_first_returns;
+        self.canopy += other.canopy;
+        self.canopy_left_out += other.canopy_left_out;
+        self.low_confidence += other.low_confidence;
+        self.moving += other.moving;
+        self.zero_heading += other.zero_heading;
+        self.left_out_pings += other.left_out_pings;
+        self.left_out_soundings += other.left_out_soundings;
+        self.points += other.points;
+        self.side_scan_points += other.side_scan_points;
+        self.outliers_removed += other.outliers_removed;
+        self.outliers_removed_share =
+            self.outliers_removed as f64 / self.side_scan_points.max(1) as f64;
     }
 }
 

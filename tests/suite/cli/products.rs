@@ -401,58 +401,163 @@ fn residuals_show_the_choices_the_crossings_and_what_they_hang_on() {
     assert!((number(&first["lon"]) + 82.11).abs() < 1e-3);
 }
 
-#[test]
-fn several_logs_of_one_water_make_one_map() {
-    let temporary = tempfile::tempdir().expect("a temporary folder");
-    let folder = temporary.path();
-    // One bed, two missions: the second has its lines between those of the first.
-    for (name, seed, spacing_m) in [("a", "1", 8.0), ("b", "2", 5.0)] {
+/// Two missions over one bed: the lines of the second lie between those of the first, its boat hangs 30 cm higher over the ground, and
+/// it sails a day later.
+fn simulate_two(folder: &Path) {
+    for (name, seed, spacing_m, depth_m, start_s) in
+        [("a", "1", 8.0, 2.6, 0), ("b", "2", 5.0, 2.9, 86_400)]
+    {
         let scene = format!(
-            "[bed]\nseed = 9\n[track]\nlength_m = 25.0\ncross_length_m = 20.0\nspacing_m = {spacing_m:.1}\n"
+            "start_unix_s = {}\n[bed]\nseed = 9\nmean_depth_m = {depth_m}\n[track]\nlength_m = 25.0\ncross_length_m = 20.0\nspacing_m = {spacing_m:.1}\n",
+            1_634_000_000 + start_s
+        );
+        // The level area is as deep in both unless it is moved too.
+        let scene = format!(
+            "{scene}[bed.terrace]\neast_m = 8.0\nnorth_m = 0.0\nlength_m = 10.0\nwidth_m = 20.0\ndepth_m = {:.1}\nedge_m = 6.0\n",
+            depth_m - 0.1
         );
         fs::write(folder.join("scene.toml"), scene).unwrap();
-        run(
-            folder,
-            &["simulate", "scene.toml", "-o", name, "--seed", seed],
-        );
+        let simulate = ["simulate", "scene.toml", "-o", name, "--seed", seed];
+        run(folder, &simulate);
     }
-    let process = ["process", "a.sl2", "b.sl2", "--merge", "--no-objects"];
-    let some = ["--products", "depth,isobaths", "-o", "out"];
+}
+
+#[test]
+fn several_logs_are_one_survey() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulate_two(folder);
+    let process = ["process", "a.sl2", "b.sl2", "--adjust", "--no-objects"];
+    let some = [
+        "--products",
+        "cloud,track,depth,isobaths,mosaic",
+        "-o",
+        "out",
+    ];
     let said = run(folder, &[&process[..], &some].concat());
-    assert!(said.contains("merged 2 logs"), "{said}");
+    assert!(said.contains("a: height offset -0.15"), "{said}");
     let out = folder.join("out");
-    for made in ["a", "b"].map(|log| out.join(log)).iter().chain([&out]) {
-        assert_made(made, &DEPTH, true);
-        assert_made(made, &ISOBATHS, true);
-    }
-    let record = json(&out.join("merged.json"));
-    let logs = record["logs"].as_array().unwrap();
+    assert_made(&out, &DEPTH, true);
+    assert_made(&out, &ISOBATHS, true);
+    let others = [
+        "cloud.laz",
+        "cloud.xyz",
+        "track.gpx",
+        "footprint.kmz",
+        "mosaic.tif",
+    ];
+    assert_made(&out, &others, true);
+    let record = json(&out.join("report.json"));
+    let logs = record["logs"]["logs"].as_array().unwrap();
     assert_eq!(logs.len(), 2);
-    for (log, name) in logs.iter().zip(["a.sl2", "b.sl2"]) {
-        assert_eq!(log["inputs"][0]["file"], name);
-        // Another mission over the same bed: 3 cm of noise and what lies between lines.
+    for (log, (name, true_m)) in logs.iter().zip([("a", -0.15), ("b", 0.15)]) {
+        assert_eq!(log["log"], name);
+        assert_eq!(log["inputs"][0]["file"], format!("{name}.sl2"));
+        // A few crossings with 3 cm of noise and fixes rounded to a metre.
+        assert!(
+            (log["offset_m"].as_f64().unwrap() - true_m).abs() < 0.03,
+            "{log}"
+        );
+        assert!((log["height_offset_in_force_m"].as_f64().unwrap() - true_m).abs() < 0.03);
+        assert!(log["statement"].as_str().unwrap().contains("height offset"));
         let found = &log["against_the_others"];
         assert!(found["n"].as_u64().unwrap() > 500, "{found}");
         assert!(found["median_m"].as_f64().unwrap().abs() < 0.05, "{found}");
         assert!(found["p95_m"].as_f64().unwrap() < 0.3, "{found}");
     }
-    let crossings = &record["crossings"];
-    let between = &crossings["between_logs"];
-    assert!(between["n"].as_u64().unwrap() >= 4, "{crossings}");
-    assert!(crossings["n"].as_u64() > between["n"].as_u64());
-    assert!(between["rms_m"].as_f64().unwrap() < 0.1, "{crossings}");
-    // The map of both lies on that of each, and reaches farther.
-    let held = |one: &str| -> Value {
+    let between = &record["logs"]["crosslines"]["between_logs"];
+    assert!(between["n"].as_u64().unwrap() >= 4, "{between}");
+    assert!(between["rms_m"].as_f64().unwrap() < 0.1, "{between}");
+    // Every table says which log.
+    for (table, least) in [("cloud.csv", 2000), ("first_returns.csv", 1000)] {
+        let text = fs::read_to_string(out.join(table)).unwrap();
+        assert!(text.starts_with("log,"), "{table}");
+        for log in ["\na,", "\nb,"] {
+            assert!(text.matches(log).count() > least / 2, "{table} {log}");
+        }
+    }
+    let counted = |log: &Value| log["counts"]["pings"].as_u64().unwrap();
+    assert_eq!(counted(&record), logs.iter().map(counted).sum::<u64>());
+    let record_beside = json(&out.join("depth.tif.json"));
+    assert_eq!(record_beside["inputs"].as_array().unwrap().len(), 2);
+    // The map of both lies on that of each but for half of their difference, and reaches farther.
+    run(
+        folder,
+        &[
+            "process",
+            "a.sl2",
+            "b.sl2",
+            "--each",
+            "--no-objects",
+            "--products",
+            "depth",
+            "-o",
+            "each",
+        ],
+    );
+    for (one, half_m) in [("each/a/depth.tif", 0.15), ("each/b/depth.tif", -0.15)] {
         let args = ["compare", "out/depth.tif", one, "--json", "--radius", "0.4"];
-        serde_json::from_str(&run(folder, &args)).expect("JSON")
-    };
-    for one in ["out/a/depth.tif", "out/b/depth.tif"] {
-        let found = held(one);
-        assert!(found["median_m"].as_f64().unwrap().abs() < 0.03, "{found}");
+        let found: Value = serde_json::from_str(&run(folder, &args)).expect("JSON");
+        // Measured minus reference elevation: the first log's map is the shallower one.
+        assert!(
+            (found["median_m"].as_f64().unwrap() + half_m).abs() < 0.04,
+            "{found}"
+        );
         assert!(found["unmatched"].as_u64().unwrap() > 0, "{found}");
     }
-    let alone = ["process", "a.sl2", "--merge", "-o", "alone"];
-    assert!(refusal(folder, &alone, 1).contains("two or more"));
+    assert!(
+        refusal(
+            folder,
+            &[
+                "process",
+                "a.sl2",
+                "b.sl2",
+                "--reference",
+                "a.sl2",
+                "-o",
+                "no"
+            ],
+            1
+        )
+        .contains("--each")
+    );
+}
+
+#[test]
+fn the_same_bytes_under_another_name_are_taken_once() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    run(folder, &["simulate", "-o", "pond"]);
+    fs::copy(folder.join("pond.sl2"), folder.join("copy.sl2")).unwrap();
+    let options = ["--no-objects", "--products", "cloud,depth", "-o"];
+    let warned = told(
+        folder,
+        &[
+            &["process", "pond.sl2", "copy.sl2"],
+            &options[..],
+            &["both"],
+        ]
+        .concat(),
+    );
+    assert!(
+        warned.contains("same bytes as pond") && warned.contains("copy.sl2"),
+        "{warned}"
+    );
+    run(
+        folder,
+        &[&["process", "pond.sl2"], &options[..], &["one"]].concat(),
+    );
+    // What is left is one log, and its files are those of one log to the byte.
+    for file in [
+        "cloud.csv",
+        "first_returns.csv",
+        "cloud.laz",
+        "depth.tif",
+        "report.json",
+    ] {
+        let [both, one] = ["both", "one"].map(|out| fs::read(folder.join(out).join(file)).unwrap());
+        assert!(both == one, "{file}");
+    }
 }
 
 #[test]

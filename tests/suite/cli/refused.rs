@@ -136,7 +136,7 @@ fn surveys_of_one_name_get_a_folder_each() {
     }
     run(
         folder,
-        &["process", "a/Rec1.sl2", "b/Rec1.sl2", "-o", "out"],
+        &["process", "--each", "a/Rec1.sl2", "b/Rec1.sl2", "-o", "out"],
     );
     assert_eq!(names(&folder.join("out")), ["Rec1", "Rec1-2"]);
     let report = fs::read_to_string(folder.join("out/Rec1-2/report.json")).expect("a report");
@@ -145,7 +145,7 @@ fn surveys_of_one_name_get_a_folder_each() {
     // One that cannot be read costs the others nothing, and is told by the exit code.
     let output = bathyscope(folder, &["process", "no.sl2", "pond.sl2", "-o", "more"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(folder.join("more/pond/report.json").is_file());
+    assert!(folder.join("more/report.json").is_file());
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
         errors.contains("no.sl2") && errors.contains("1 of 2 logs"),

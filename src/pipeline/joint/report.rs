@@ -1,0 +1,166 @@
+//! What `report.json` says of a survey of several logs.
+
+use super::{CrosslineAnalysis, compare_logs, crossline_analysis, height_offsets};
+use crate::bathymetry::compare::Comparison;
+use crate::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
+use crate::cloud::{Residuals, TrackShare};
+use crate::pipeline::report::Counts;
+use crate::pipeline::{CalibrationReport, Input, ProcessedLog, Report};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::LeftOutStretch;
+use serde::Serialize;
+
+/// All logs of a survey, and how they agree.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LogsReport {
+    /// What the offsets below count from.
+    pub datum: &'static str,
+    /// Every log.
+    pub logs: Vec<LogReport>,
+    /// How every two logs differ that meet, before any offset is applied; `residual_m` is what the offsets found leave of it.
+    pub pairs: Vec<PairDifference>,
+    /// Crossings of all tracks, with the offsets in force; `None` where none crosses another or itself.
+    pub crosslines: Option<CrosslineAnalysis>,
+}
+
+/// One log of several.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LogReport {
+    /// What it is called, also in the tables.
+    pub log: String,
+    /// The files read.
+    pub inputs: Vec<Input>,
+    /// Format in words.
+    pub format: String,
+    /// Unix seconds of its time zero.
+    pub start_unix_s: Option<f64>,
+    /// What is added to its elevations (`height_offset_m`).
+    pub height_offset_in_force_m: f64,
+    /// The offset that its meetings with other logs show, in force or not.
+    #[serde(flatten)]
+    pub offset: LogOffset,
+    /// How its points agree with the triangulated points of all others.
+    pub against_the_others: Comparison,
+    /// Counts.
+    pub counts: Counts,
+    /// Stretches that count for nothing.
+    pub left_out: Vec<LeftOutStretch>,
+    /// Scales.
+    pub calibration: CalibrationReport,
+    /// What the depths along the track come from.
+    pub track: TrackShare,
+    /// Side-scan against the recorded depth of the same ping.
+    pub residuals: Option<Residuals>,
+    /// What these depths are, and what was not corrected.
+    pub statement: String,
+}
+
+const DATUM: &str = "offset_m is what is to be added to the elevations of a log so that it agrees with those that it is connected with; \
+     the mean of connected logs is zero. Differences are elevations, the second log minus the first: positive is shallower.";
+
+/// The report of a survey of several logs: counts are those of all of them, `format`, `start_unix_s` and `calibration` those of the first,
+/// and what belongs to one log stands with it. `names` are what the logs are called. `None` without a log.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_report(
+    logs: &[ProcessedLog],
+    names: &[String],
+    progress: &Progress,
+) -> Result<Option<Report>, Cancelled> {
+    let single = |log: &ProcessedLog| Report::new(&log.survey, &log.products, progress);
+    let singles = logs.iter().map(single).collect::<Result<Vec<_>, _>>()?;
+    let Some(mut all) = singles.first().cloned() else {
+        return Ok(None);
+    };
+    let found = height_offsets(logs, Datum::Mean, progress)?;
+    all.inputs = Vec::new();
+    all.left_out = Vec::new();
+    all.residuals = None;
+    all.warnings = Vec::new();
+    let mut listed = Vec::new();
+    for (index, (single, offset)) in singles.into_iter().zip(found.logs).enumerate() {
+        if index > 0 {
+            all.counts.add(&single.counts);
+            all.track.add(&single.track);
+        }
+        all.inputs.extend(single.inputs.iter().cloned());
+        let warnings = single.warnings.iter();
+        all.warnings
+            .extend(warnings.map(|warning| format!("{}: {warning}", names[index])));
+        let others: Vec<&ProcessedLog> = logs
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .map(|(_, log)| log)
+            .collect();
+        listed.push(LogReport {
+            log: names[index].clone(),
+            inputs: single.inputs,
+            format: single.format,
+            start_unix_s: single.start_unix_s,
+            height_offset_in_force_m: logs[index].products.correction.height_offset_m(),
+            offset,
+            against_the_others: compare_logs(&[&logs[index]], &others, progress)?,
+            counts: single.counts,
+            left_out: single.left_out,
+            calibration: single.calibration,
+            track: single.track,
+            residuals: single.residuals,
+            statement: single.statement,
+        });
+    }
+    all.warnings.extend(not_connected(&listed));
+    all.logs = Some(LogsReport {
+        datum: DATUM,
+        logs: listed,
+        pairs: found.pairs,
+        crosslines: crossline_analysis(logs, progress)?,
+    });
+    Ok(Some(all))
+}
+
+/// Says which logs cannot be compared in height with the first.
+fn not_connected(logs: &[LogReport]) -> Option<String> {
+    let apart: Vec<&str> = logs
+        .iter()
+        .filter(|log| log.offset.group != 0)
+        .map(|log| log.log.as_str())
+        .collect();
+    (!apart.is_empty()).then(|| {
+        format!(
+            "heights cannot be compared with the first log, since no track leads there by crossings: {}",
+            apart.join(", ")
+        )
+    })
+}
+
+impl LogsReport {
+    /// The table of offsets, in lines for people.
+    pub fn summary(&self) -> String {
+        let line = |log: &LogReport| {
+            let LogOffset {
+                offset_m,
+                standard_error_m,
+                meetings,
+                ..
+            } = log.offset;
+            match meetings {
+                0 => format!("{}: meets no other log", log.log),
+                _ => format!(
+                    "{}: height offset {offset_m:+.3} +- {standard_error_m:.3} m by {meetings} meetings, {:+.3} m in force",
+                    log.log, log.height_offset_in_force_m
+                ),
+            }
+        };
+        let mut lines: Vec<String> = self.logs.iter().map(line).collect();
+        let between = self.crosslines.as_ref().and_then(|all| all.between_logs);
+        if let Some(between) = between {
+            lines.push(format!(
+                "crossings of two logs: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                between.n, between.median_m, between.sd_m, between.p95_m
+            ));
+        }
+        lines.join("\n")
+    }
+}
