@@ -178,8 +178,8 @@ fn window_compare_and_process_write_the_same_figures() {
 }
 
 /// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the window keeps it.
-fn decided_boxes(window: &Window, path: &Path) {
-    let log = &app(window).log;
+fn decided_boxes(app: &App, path: &Path) {
+    let log = &app.log;
     let survey = log.survey.as_ref().expect("a survey");
     let products = log.products.as_ref().expect("results");
     let raster = Raster::new(survey, &products.navigation, PIXEL_M);
@@ -206,7 +206,7 @@ fn decided_boxes(window: &Window, path: &Path) {
 
 /// The open log of the first mission with points of the second beside it, a stroke over its bottom and decided boxes; gives back the
 /// arguments that say the same to `process`.
-fn everything_at_once(window: &mut Window, folder: &Path) -> Vec<String> {
+fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
     // Metres that name no system: how they were taken is a note that belongs into the report.
     let process = "process second.sl2 --no-objects --products cloud -o second";
     run(folder, &process.split(' ').collect::<Vec<_>>());
@@ -216,13 +216,17 @@ fn everything_at_once(window: &mut Window, folder: &Path) -> Vec<String> {
         path: vec![[40.0, 4.0], [60.0, 3.5]],
         ink: Ink::Bottom,
     };
-    window.state_mut().app.apply(Command::DrawBottom(stroke));
-    window.run();
+    app.apply(Command::DrawBottom(stroke));
+    wait(app);
     let review = folder.join("boxes.json");
-    decided_boxes(window, &review);
-    (window.state_mut().app).apply(Command::OpenReview(review.clone()));
-    window.run();
-    compare_with(window, reference.clone());
+    decided_boxes(app, &review);
+    for command in [
+        Command::OpenReview(review.clone()),
+        Command::CompareWith(reference.clone()),
+    ] {
+        app.apply(command);
+        wait(app);
+    }
     let log = folder.join("first.sl2");
     let files = [
         ("process", log.clone()),
@@ -236,12 +240,19 @@ fn everything_at_once(window: &mut Window, folder: &Path) -> Vec<String> {
 
 #[test]
 fn window_and_process_write_the_same_bytes() {
-    let (mut window, folder) = two_missions();
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    let said = everything_at_once(&mut window, folder);
+    for (name, level_m, seed) in [("first.sl2", 0.0, 1), ("second.sl2", 0.20, 2)] {
+        let known = KnownSurvey::new(&pond(level_m), seed);
+        std::fs::write(folder.join(name), known.truth.sl2_bytes()).expect("a log");
+    }
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    app.apply(Command::Open(folder.join("first.sl2")));
+    wait(&mut app);
+    let said = everything_at_once(&mut app, folder);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
-    (window.state_mut().app).apply(Command::Export(by_window.clone()));
-    window.run();
+    app.apply(Command::Export(by_window.clone()));
+    wait(&mut app);
     let mut args: Vec<&str> = said.iter().map(String::as_str).collect();
     args.extend(["--no-objects", "-o", "process"]);
     run(folder, &args);
