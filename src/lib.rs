@@ -10,6 +10,7 @@
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
+//! manual holds the pages of the manual with tables derived from the program.
 //! base_map is a picture of the analyst's own under the map.
 //! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, contained, printable, regular_file and system_words serve them all.
 //! ```
@@ -34,6 +35,7 @@ pub mod first_return;
 pub mod formats;
 pub mod geo;
 pub mod handover;
+pub mod manual;
 pub mod mosaic;
 pub mod outputs;
 pub mod pipeline;

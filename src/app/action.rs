@@ -12,7 +12,7 @@ macro_rules! actions {
         }
 
         impl Action {
-            /// All actions, in the order of the help page.
+            /// All actions, in the order of the manual.
             pub const ALL: &'static [Action] = &[$(Action::$variant,)*];
 
             /// Name in menus and the palette.
@@ -62,7 +62,7 @@ actions! {
     Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
-    Help, "Keys and commands", Some("F1"), "Shows this list.";
+    Manual, "Manual…", Some("F1"), "Shows the manual: how to, keys, settings and files, with a search.";
     Update, "Update results", Some("Ctrl+R"), "Runs the steps whose results are missing or older than their settings.";
     Cancel, "Cancel processing", None, "Stops the step that is running; the last result stays.";
     FocusWaterfall, "Waterfall", Some("1"), "Moves the keyboard to the waterfall.";

@@ -10,6 +10,7 @@ mod filter;
 mod folders;
 mod found;
 mod info;
+mod manual;
 mod many;
 mod output;
 mod process;
@@ -77,6 +78,8 @@ enum Command {
     Snapshot(snapshot::SnapshotArgs),
     /// Make a survey of known truth: log, truth and objects
     Simulate(simulate::SimulateArgs),
+    /// Print the manual, or one page of it, as Markdown
+    Manual(manual::ManualArgs),
 }
 
 /// Runs the program with the process's own arguments.
@@ -139,6 +142,10 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Simulate(args)),
             ..
         } => simulate::run(args),
+        Cli {
+            command: Some(Command::Manual(args)),
+            ..
+        } => manual::run(args),
         Cli {
             command: None,
             surveys,

@@ -113,6 +113,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "simulation",
         ],
     ),
+    ("manual", &["app", "outputs", "pipeline"]),
     ("render", &[]),
 ];
 

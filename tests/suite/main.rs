@@ -25,6 +25,7 @@ mod handmade;
 mod hostile;
 mod large_boxes;
 mod logs_window;
+mod manual;
 mod many_logs;
 mod map_layers;
 mod map_tools;

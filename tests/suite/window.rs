@@ -1,7 +1,7 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
 use crate::support::{demo_log, snapshot_options};
-use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::app::{App, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::geo::CrsChoice;
 use bathyscope::pipeline::Preset;
 use bathyscope::pipeline::Settings;
@@ -315,21 +315,6 @@ fn the_palette_finds_a_command_by_a_few_letters() {
     );
     press(&mut window, Modifiers::NONE, Key::L);
     assert_eq!(app(&window).options.theme, ThemeChoice::Dark);
-}
-
-#[test]
-fn the_help_page_lists_every_command_with_its_key() {
-    let mut window = empty_window();
-    press(&mut window, Modifiers::NONE, Key::F1);
-    for action in Action::ALL {
-        assert!(
-            window.query_all_by_label(action.hint()).next().is_some(),
-            "{} is missing",
-            action.label()
-        );
-    }
-    press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(window.query_by_label(Action::Fit.hint()).is_none());
 }
 
 #[test]

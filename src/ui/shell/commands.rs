@@ -56,7 +56,7 @@ impl Shell {
             Action::ExportBoxes => self.export_boxes(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),
-            Action::Help => self.help_open = !self.help_open,
+            Action::Manual => self.manual.open = !self.manual.open,
             Action::Play => self.play.toggle(&self.app),
             Action::FocusWaterfall => self.layout.focus(View::Waterfall),
             Action::FocusMap => self.layout.focus(View::Map),

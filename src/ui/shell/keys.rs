@@ -89,7 +89,7 @@ fn drop_repeats(ui: &Ui) {
 }
 
 /// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first.
-pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Command>) {
+pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Command>) {
     let typing = ui.text_edit_focused();
     // A focused slider or button steps with arrows and acts on Space.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
@@ -108,7 +108,7 @@ pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Comma
         if is_plain(shortcut) && (typing || (control_focused && is_control_key(shortcut))) {
             continue;
         }
-        if !has_meaning(app, *action, control_focused, help_open) {
+        if !has_meaning(app, *action, control_focused, manual_open) {
             continue;
         }
         if ui.input_mut(|input| input.consume_shortcut(shortcut)) {
@@ -122,14 +122,14 @@ pub fn collect(ui: &mut Ui, app: &App, help_open: bool, commands: &mut Vec<Comma
 }
 
 /// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
-/// control has the keyboard; Escape closes the help page.
-fn has_meaning(app: &App, action: Action, control_focused: bool, help_open: bool) -> bool {
+/// control has the keyboard; Escape closes the manual.
+fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {
         Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
         Action::LeaveTool => {
             let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
-            !help_open && (reviewing.is_in_use() || drawn)
+            !manual_open && (reviewing.is_in_use() || drawn)
         }
         Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
         Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),

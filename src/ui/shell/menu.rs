@@ -113,7 +113,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.menu_button("Survey", |ui| survey(ui, context));
         ui.menu_button("Review", |ui| review(ui, context));
         ui.menu_button("Help", |ui| {
-            entries(ui, context, &[Action::Palette, Action::Help]);
+            entries(ui, context, &[Action::Palette, Action::Manual]);
         });
         ui.separator();
         buttons(ui, context);

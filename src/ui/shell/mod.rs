@@ -2,9 +2,9 @@
 
 mod commands;
 mod drop;
-mod help;
 mod keys;
 mod layout;
+mod manual;
 mod map_layers;
 mod menu;
 mod palette;
@@ -22,6 +22,7 @@ use crate::app::{App, Command, View};
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, Panel, Ui};
 use layout::Layout;
+use manual::Manual;
 use palette::Palette;
 use play::Play;
 use printing::Printing;
@@ -101,7 +102,7 @@ pub struct Shell {
     dialogs: Dialogs,
     play: Play,
     printing: Printing,
-    help_open: bool,
+    manual: Manual,
     alone: Option<Alone>,
     started: bool,
     /// The analyst knows that closing loses decisions.
@@ -123,7 +124,7 @@ impl Shell {
             dialogs: Dialogs::default(),
             play: Play::default(),
             printing: Printing::default(),
-            help_open: false,
+            manual: Manual::default(),
             alone: None,
             started: false,
             warned_of_loss: false,
@@ -175,7 +176,7 @@ impl Shell {
         self.dialogs.poll(&mut commands);
         drop::collect(ui, self.app.log_count() > 0, &mut commands);
         if !self.palette.is_open() && !self.dialogs.is_open() && !self.printing.is_open() {
-            keys::collect(ui, &self.app, self.help_open, &mut commands);
+            keys::collect(ui, &self.app, self.manual.open, &mut commands);
         }
         self.play.advance(ui, &self.app, &mut commands);
         let names_print = self.draw(ui, render_state, &mut commands);
@@ -292,7 +293,7 @@ impl Shell {
         });
         panels::notices::show(ui.ctx(), &mut context);
         self.palette.ui(ui.ctx(), &mut context);
-        help::ui(ui.ctx(), &mut self.help_open);
+        self.manual.ui(ui.ctx());
         self.dialogs.ui(ui.ctx(), &mut context);
         drop::overlay(ui);
         self.printing.ui(ui.ctx(), &mut context, &self.views)

@@ -1,0 +1,20 @@
+//! `bathyscope manual`: the manual, or one page of it, as Markdown.
+
+use super::output;
+use crate::manual::{self, Topic};
+
+/// `bathyscope manual [TOPIC]`.
+#[derive(Debug, clap::Args)]
+pub struct ManualArgs {
+    /// The page to print; all pages without it
+    topic: Option<Topic>,
+}
+
+/// Prints the manual on stdout.
+///
+/// # Errors
+/// stdout cannot be written.
+pub fn run(args: ManualArgs) -> Result<(), String> {
+    let text = args.topic.map_or_else(manual::whole, Topic::text);
+    output::results(text.trim_end())
+}

@@ -1,0 +1,173 @@
+//! The part of Markdown that the manual uses: headings, paragraphs, lists, fenced code, tables, and code within text.
+
+/// A piece of text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// Its text, without marks.
+    pub text: String,
+    /// A key, a setting, a file or a command: set in a fixed width.
+    pub is_code: bool,
+}
+
+/// A block of a page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Block {
+    /// A heading, with its level from 1.
+    Heading(usize, String),
+    /// Text.
+    Paragraph(Vec<Span>),
+    /// An entry of a list.
+    Item(Vec<Span>),
+    /// Lines that stay as they are.
+    Code(String),
+    /// Rows of cells; the first row is the head.
+    Table(Vec<Vec<Vec<Span>>>),
+}
+
+impl Block {
+    /// Its text without marks.
+    pub fn plain(&self) -> String {
+        match self {
+            Block::Heading(_, text) | Block::Code(text) => text.clone(),
+            Block::Paragraph(spans) | Block::Item(spans) => plain(spans),
+            Block::Table(rows) => {
+                let cells = rows.iter().flatten().map(|cell| plain(cell));
+                cells.collect::<Vec<_>>().join(" ")
+            }
+        }
+    }
+}
+
+/// The text of spans without marks.
+pub fn plain(spans: &[Span]) -> String {
+    spans.iter().map(|span| span.text.as_str()).collect()
+}
+
+/// The blocks of a page.
+pub fn blocks(text: &str) -> Vec<Block> {
+    let mut found = Vec::new();
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        if line.trim().is_empty() {
+            continue;
+        }
+        if line.starts_with("```") {
+            let code: Vec<&str> = lines
+                .by_ref()
+                .take_while(|line| !line.starts_with("```"))
+                .collect();
+            found.push(Block::Code(code.join("\n")));
+        } else if line.starts_with('#') {
+            let level = line.chars().take_while(|sign| *sign == '#').count();
+            found.push(Block::Heading(level, line[level..].trim().to_owned()));
+        } else if line.starts_with('|') {
+            let mut rows = vec![cells(line)];
+            while let Some(next) = lines.next_if(|next| next.starts_with('|')) {
+                if !is_rule(next) {
+                    rows.push(cells(next));
+                }
+            }
+            found.push(Block::Table(rows));
+        } else {
+            let item = line.strip_prefix("- ");
+            let mut joined = item.unwrap_or(line).trim().to_owned();
+            while let Some(next) = lines.next_if(|next| goes_on(next)) {
+                joined.push(' ');
+                joined.push_str(next.trim());
+            }
+            let spans = spans(&joined);
+            found.push(match item {
+                Some(_) => Block::Item(spans),
+                None => Block::Paragraph(spans),
+            });
+        }
+    }
+    found
+}
+
+/// Blocks under one heading, the heading first.
+pub fn sections(blocks: &[Block]) -> Vec<&[Block]> {
+    let starts = |block: &Block| matches!(block, Block::Heading(..));
+    let mut cuts: Vec<usize> = (0..blocks.len())
+        .filter(|at| starts(&blocks[*at]))
+        .collect();
+    if cuts.first() != Some(&0) {
+        cuts.insert(0, 0);
+    }
+    cuts.push(blocks.len());
+    let found = cuts.windows(2).map(|pair| &blocks[pair[0]..pair[1]]);
+    found.filter(|section| !section.is_empty()).collect()
+}
+
+/// Whether a line belongs to the paragraph or the entry before it.
+fn goes_on(line: &str) -> bool {
+    let starts_anew = ["#", "|", "- ", "```"]
+        .iter()
+        .any(|sign| line.starts_with(sign));
+    !line.trim().is_empty() && !starts_anew
+}
+
+fn is_rule(line: &str) -> bool {
+    line.chars().all(|sign| "|-: ".contains(sign))
+}
+
+fn cells(line: &str) -> Vec<Vec<Span>> {
+    let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
+    inner.split('|').map(|cell| spans(cell.trim())).collect()
+}
+
+/// Text between backticks is code.
+fn spans(text: &str) -> Vec<Span> {
+    let pieces = text.split('`').enumerate();
+    let kept = pieces.filter(|(_, piece)| !piece.is_empty());
+    kept.map(|(index, piece)| Span {
+        text: piece.to_owned(),
+        is_code: index % 2 == 1,
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_becomes_blocks() {
+        let found = blocks(
+            "# Title\n\nOne line\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2 |\n",
+        );
+        let code = |text: &str| Span {
+            text: text.to_owned(),
+            is_code: true,
+        };
+        let text = |text: &str| Span {
+            text: text.to_owned(),
+            is_code: false,
+        };
+        assert_eq!(
+            found,
+            [
+                Block::Heading(1, "Title".to_owned()),
+                Block::Paragraph(vec![text("One line and "), code("code"), text(".")]),
+                Block::Item(vec![text("an entry goes on")]),
+                Block::Item(vec![text("another")]),
+                Block::Code("a  b".to_owned()),
+                Block::Table(vec![
+                    vec![vec![text("x")], vec![code("y")]],
+                    vec![vec![text("1")], vec![text("2")]],
+                ]),
+            ]
+        );
+    }
+
+    #[test]
+    fn sections_begin_at_headings() {
+        let page = blocks("before\n\n# A\n\none\n\n## B\n\ntwo\n\nthree\n");
+        let lengths: Vec<usize> = sections(&page)
+            .iter()
+            .map(|section| section.len())
+            .collect();
+        assert_eq!(lengths, [1, 2, 3]);
+        assert!(sections(&[]).is_empty());
+    }
+}
