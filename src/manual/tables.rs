@@ -2,9 +2,7 @@
 
 use crate::app::Action;
 use crate::outputs::{OUTPUT_FILES, When};
-use crate::pipeline::{Preset, Settings, is_of_one_log, setting_keys, setting_values};
 use std::fmt::Write as _;
-use toml::Value;
 
 /// Every command of the window, with its key.
 pub(super) fn keys() -> String {
@@ -19,27 +17,9 @@ pub(super) fn keys() -> String {
     table
 }
 
-/// Every setting with its value in both presets, and whether it belongs to one log.
+/// Every setting: what it may be, its value in both presets, and what it means.
 pub(super) fn settings() -> String {
-    let [recommended, published] = [Preset::Recommended, Preset::Published]
-        .map(|preset| setting_values(&Settings::preset(preset)));
-    let mut table =
-        String::from("| setting | recommended | published | belongs to |\n|---|---|---|---|\n");
-    for key in setting_keys() {
-        let [here, there] = [&recommended, &published].map(|preset| match preset.get(&key) {
-            Some(Value::String(text)) => text.clone(),
-            Some(value) => value.to_string(),
-            None => "not given".to_owned(),
-        });
-        let there = if there == here { "the same" } else { &there };
-        let whose = if is_of_one_log(&key) {
-            "one log"
-        } else {
-            "all logs"
-        };
-        writeln!(table, "| `{key}` | {here} | {there} | {whose} |").ok();
-    }
-    table
+    crate::pipeline::settings::markdown()
 }
 
 /// Every file of a run: the group of `--products` that it belongs to, and what it is.

@@ -7,7 +7,7 @@ use super::settings::row;
 use super::{Settings, SettingsError};
 use crate::first_return::BottomSettings;
 use crate::survey::Gauge;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::{Table, Value};
 
@@ -42,14 +42,6 @@ const BOTTOM: &str = "bottom";
 /// Whether there is a setting of this key; the bottom edits are none.
 pub fn is_setting(key: &str) -> bool {
     row(key).is_some()
-}
-
-/// The keys of all settings, in alphabetical order; the bottom edits are none.
-pub fn setting_keys() -> BTreeSet<String> {
-    let given = OPTIONAL.into_iter().chain(OF_ONE_LOG).map(str::to_owned);
-    given
-        .chain(setting_values(&Settings::default()).into_keys())
-        .collect()
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,

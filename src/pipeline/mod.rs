@@ -26,8 +26,7 @@ pub use depth::{
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};
 pub use log_settings::{
-    LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_keys,
-    setting_values, with_values,
+    LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
 pub use placing::Placing;

@@ -5,7 +5,7 @@ use crate::window::{app, empty_window, press};
 use bathyscope::app::Action;
 use bathyscope::manual::{Topic, whole};
 use bathyscope::outputs::{OUTPUT_FILES, row_of};
-use bathyscope::pipeline::setting_keys;
+use bathyscope::pipeline::settings::rows::ROWS;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
@@ -87,7 +87,7 @@ fn every_subcommand_is_in_it_and_its_examples_have_options_that_exist() {
 
 #[test]
 fn every_setting_is_in_it_and_every_setting_that_it_names_exists() {
-    let all = setting_keys();
+    let all: BTreeSet<String> = ROWS.iter().map(|row| row.key.to_owned()).collect();
     let group = |key: &String| key.split_once('.').map(|(group, _)| group.to_owned());
     let groups: BTreeSet<String> = all.iter().filter_map(group).collect();
     let text = whole() + &readme();
