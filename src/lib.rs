@@ -11,6 +11,7 @@
 //!                     '--waterfall: picture tiles
 //! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! manual holds the pages of the manual with tables derived from the program.
+//! pipeline runs the stages, handover makes one page of what came out, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map.
 //! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, contained, printable, regular_file and system_words serve them all.
 //! ```
@@ -42,6 +43,7 @@ pub mod pipeline;
 pub mod presentation;
 mod printable;
 pub mod progress;
+pub mod project;
 mod regular_file;
 #[cfg(feature = "gui")]
 pub mod render;

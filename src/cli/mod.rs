@@ -4,6 +4,7 @@
 
 mod compare;
 mod dataset;
+mod desktop;
 mod detect;
 mod evaluate;
 mod filter;
@@ -80,6 +81,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Print the manual, or one page of it, as Markdown
     Manual(manual::ManualArgs),
+    /// Open projects and logs by double click: writes a desktop entry and file types for this user
+    Desktop(desktop::DesktopArgs),
 }
 
 /// Runs the program with the process's own arguments.
@@ -146,6 +149,9 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Manual(args)),
             ..
         } => manual::run(args),
+            command: Some(Command::Desktop(args)),
+            ..
+        } => desktop::run(&args),
         Cli {
             command: None,
             surveys,

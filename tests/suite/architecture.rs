@@ -93,8 +93,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "project",
+        &[
+            "survey",
+            "geo",
+            "formats",
+            "first_return",
+            "detection",
+            "export",
+            "pipeline",
+        ],
+    ),
+    (
         "app",
         &[
+            "project",
             "outputs",
             "base_map",
             "survey",

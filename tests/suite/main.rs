@@ -36,6 +36,7 @@ mod navigation;
 mod offsets;
 mod outputs;
 mod printing;
+mod project;
 mod real_window;
 mod residuals;
 mod review;

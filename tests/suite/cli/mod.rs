@@ -1,6 +1,7 @@
 //! The command line as scripts use it: names, columns, units and exit codes of the contract.
 
 mod compare;
+mod desktop;
 mod detect;
 mod evaluate;
 mod killed;

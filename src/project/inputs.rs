@@ -1,0 +1,61 @@
+//! A project as input for work without a window: its logs where they lie now, each with its settings.
+
+use super::find::{Found, find};
+use super::log::ProjectLog;
+use super::store::read;
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A log of a project, to be opened and processed.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The log, its file where it lies now.
+    pub log: Arc<ProjectLog>,
+    /// The settings that it is processed with; the water levels that they name are read.
+    pub settings: Settings,
+}
+
+/// The visible logs of a project, in their order.
+///
+/// # Errors
+/// A sentence when the project cannot be read, holds no visible log, or a log or a file that its settings name is not there.
+pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
+    let project = read(path).map_err(|error| error.to_string())?;
+    let folder = super::store::folder_of(path);
+    let places = find(&project, &folder, progress).map_err(|error| error.to_string())?;
+    let mut inputs = Vec::new();
+    for (log, (_, found)) in project.logs().iter().zip(places) {
+        if !log.is_visible {
+            continue;
+        }
+        let file = log.file.path.display();
+        let log = match found {
+            Found::Here => log.clone(),
+            Found::Moved(path) => Arc::new(log.at(&path)),
+            Found::Replaced => {
+                return Err(format!(
+                    "another recording lies where the log `{}` of the project was; put it back beside the project: {file}",
+                    log.name
+                ));
+            }
+            Found::Missing => {
+                return Err(format!(
+                    "the log `{}` of the project is not there; put it back, or anywhere below the project's folder: {file}",
+                    log.name
+                ));
+            }
+        };
+        let mut settings = (project.settings_of(&log)).map_err(|error| error.to_string())?;
+        settings.water_level.load()?;
+        inputs.push(Input { log, settings });
+    }
+    if inputs.is_empty() {
+        return Err(format!(
+            "the project has no log that is shown: {}",
+            path.display()
+        ));
+    }
+    Ok(inputs)
+}

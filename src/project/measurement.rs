@@ -1,0 +1,80 @@
+//! What was measured on the map.
+
+use crate::geo::LonLat;
+use serde::{Deserialize, Serialize};
+
+/// What a line was drawn for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeasurementKind {
+    /// Length along a line.
+    Distance,
+    /// Area of a polygon.
+    Area,
+    /// Depths along a line.
+    Profile,
+}
+
+impl MeasurementKind {
+    /// `distance`, `area` or `profile`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Distance => "distance",
+            Self::Area => "area",
+            Self::Profile => "profile",
+        }
+    }
+}
+
+/// A line that was drawn to measure. What it measures follows from it, so only the line is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// What it was drawn for.
+    pub kind: MeasurementKind,
+    /// Its corners in the order of drawing; an area is closed from the last to the first.
+    pub corners: Vec<LonLat>,
+    /// The analyst's remark.
+    pub note: String,
+}
+
+/// A measurement as the file keeps it.
+#[derive(Serialize, Deserialize)]
+pub(super) struct MeasurementRow {
+    kind: MeasurementKind,
+    /// Longitude and latitude, degrees.
+    corners: Vec<[f64; 2]>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    note: String,
+}
+
+impl MeasurementRow {
+    /// The fields of a row.
+    pub const FIELDS: [&str; 3] = ["corners", "kind", "note"];
+
+    pub fn of(measurement: &Measurement) -> Self {
+        let corners = measurement.corners.iter();
+        Self {
+            kind: measurement.kind,
+            corners: corners.map(|at| [at.lon_deg, at.lat_deg]).collect(),
+            note: measurement.note.clone(),
+        }
+    }
+
+    /// The measurement; the error says what no map has.
+    pub fn read(self) -> Result<Measurement, &'static str> {
+        let is_place = |[lon_deg, lat_deg]: &[f64; 2]| {
+            (-180.0..=180.0).contains(lon_deg) && (-90.0..=90.0).contains(lat_deg)
+        };
+        if !self.corners.iter().all(is_place) {
+            return Err("corners are longitude and latitude in degrees");
+        }
+        let corners = self.corners.into_iter();
+        Ok(Measurement {
+            kind: self.kind,
+            corners: corners
+                .map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg })
+                .collect(),
+            note: self.note,
+        })
+    }
+}

@@ -1,0 +1,166 @@
+//! Paths as a project writes them: from the project's folder, with `/`, and with nothing that is no text.
+//!
+//! A file's absolute place is written only where no way leads there from the project's folder (another drive): it would tell every
+//! reader of the file whose computer it was written on, and change with each of them.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// A path as text, from the project's folder. Both must be absolute, or start from the same folder.
+pub fn to_text(path: &Path, folder: &Path) -> String {
+    let (path, folder) = (cleaned(path), cleaned(folder));
+    let shared = (path.components().zip(folder.components()))
+        .take_while(|(one, other)| one == other)
+        .count();
+    let is_elsewhere = path.has_root() && shared == 0;
+    let mut parts = Vec::new();
+    if is_elsewhere {
+        return text_of(&path);
+    }
+    let up = folder.components().skip(shared);
+    parts.extend(up.map(|_| "..".to_owned()));
+    let down = path.components().skip(shared);
+    parts.extend(down.map(|part| encoded(part.as_os_str().as_encoded_bytes())));
+    parts.join("/")
+}
+
+/// The path that a text means, in the project's folder.
+pub fn from_text(text: &str, folder: &Path) -> PathBuf {
+    // Joined to an absolute path, that one counts.
+    cleaned(&folder.join(decoded(text)))
+}
+
+/// The last name of a path, whichever separator wrote it.
+pub fn name_of(text: &str) -> &str {
+    text.rsplit(['/', '\\']).next().unwrap_or(text)
+}
+
+/// A name of a path's text as the system's.
+pub fn name_from_text(text: &str) -> PathBuf {
+    decoded(name_of(text))
+}
+
+/// A path as it is kept: absolute, its folder by its own name and not by a link, so that the way from one file to another is the same
+/// however they were opened.
+pub fn placed(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = path
+        .parent()
+        .and_then(|folder| fs::canonicalize(folder).ok());
+    match (folder, path.file_name()) {
+        (Some(folder), Some(name)) => folder.join(name),
+        _ => cleaned(&path),
+    }
+}
+
+/// An absolute path as text.
+fn text_of(path: &Path) -> String {
+    let text = encoded(path.as_os_str().as_encoded_bytes());
+    match cfg!(windows) {
+        true => text.replace('\\', "/"),
+        false => text,
+    }
+}
+
+/// `.` left out and `..` taken back where the text allows it; no link is looked at.
+pub fn cleaned(path: &Path) -> PathBuf {
+    let mut clean = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir
+                if matches!(clean.components().next_back(), Some(Component::Normal(_))) =>
+            {
+                clean.pop();
+            }
+            part => clean.push(part),
+        }
+    }
+    clean
+}
+
+/// Bytes that are no text as `%FF`, and `%` as `%25`.
+fn encoded(bytes: &[u8]) -> String {
+    let mut text = String::new();
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(&chunk.valid().replace('%', "%25"));
+        for byte in chunk.invalid() {
+            text.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    text
+}
+
+#[cfg(unix)]
+fn decoded(text: &str) -> PathBuf {
+    use std::os::unix::ffi::OsStringExt as _;
+    std::ffi::OsString::from_vec(bytes_of(text)).into()
+}
+
+#[cfg(not(unix))]
+fn decoded(text: &str) -> PathBuf {
+    // A name that is no text cannot be made here; it is looked for as it is written.
+    String::from_utf8(bytes_of(text))
+        .unwrap_or_else(|_| text.to_owned())
+        .into()
+}
+
+fn bytes_of(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let digit = |at: usize| char::from(*after.get(at)?).to_digit(16);
+        match (first, digit(0), digit(1)) {
+            (b'%', Some(high), Some(low)) => {
+                bytes.push((high * 16 + low) as u8);
+                rest = &after[2..];
+            }
+            _ => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_lead_from_the_projects_folder() {
+        for (path, expected) in [
+            ("/lake/day1/pond.sl2", "day1/pond.sl2"),
+            ("/lake/pond 2 \"x\".sl2", "pond 2 \"x\".sl2"),
+            ("/other/pond.sl2", "../other/pond.sl2"),
+            ("/lake/./day1/../pond.sl2", "pond.sl2"),
+            ("/lake/50%25.sl2", "50%2525.sl2"),
+        ] {
+            let text = to_text(Path::new(path), Path::new("/lake"));
+            assert_eq!(text, expected);
+            assert_eq!(
+                from_text(&text, Path::new("/lake")),
+                cleaned(Path::new(path))
+            );
+        }
+        // A folder that was moved with its logs still finds them.
+        assert_eq!(
+            from_text("day1/a.sl2", Path::new("/new")),
+            Path::new("/new/day1/a.sl2")
+        );
+        assert_eq!(name_of("C:\\lake\\pond.sl2"), "pond.sl2");
+        assert_eq!(name_of("lake/pond.sl2"), "pond.sl2");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_no_text_come_back() {
+        use std::os::unix::ffi::OsStrExt as _;
+        let name = std::ffi::OsStr::from_bytes(b"pond\xff\xfe%41 \xc3\xa9.sl2");
+        let path = Path::new("/lake").join(name);
+        let text = to_text(&path, Path::new("/lake"));
+        assert_eq!(text, "pond%FF%FE%2541 \u{e9}.sl2");
+        assert_eq!(from_text(&text, Path::new("/lake")), path);
+    }
+}

@@ -1,0 +1,109 @@
+//! What earlier versions kept beside a log: `LOG.bottom.toml`, `LOG.review.json` and `LOG.review.unsaved.json`. They are read when the log
+//! is added to a project, which keeps all of it from then on, and stay as they are.
+
+use super::log::ProjectLog;
+use crate::detection::review::Review;
+use crate::first_return::BottomSettings;
+use crate::regular_file;
+use crate::survey::{Identity, Survey};
+use serde::Deserialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A longer file of bottom edits was not written by this program.
+const LONGEST: u64 = 64 << 20;
+/// End of the name of a review's file, in place of the log's.
+const REVIEW: &str = "review.json";
+/// The same of decisions that were not saved.
+const UNSAVED: &str = "review.unsaved.json";
+
+/// What lies beside a log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sidecars {
+    /// The bottom edits.
+    pub bottom: Option<BottomSettings>,
+    /// The boxes and the decisions about them; where some were not saved, these.
+    pub review: Option<Arc<Review>>,
+    /// What was found, and what could not be used, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// Settings as `bathyscope process --settings` takes them.
+#[derive(Deserialize)]
+struct BottomFile {
+    bottom: BottomSettings,
+}
+
+/// Reads what lies beside a log.
+pub fn read_sidecars(log: &Path, survey: &Survey) -> Sidecars {
+    let mut sidecars = Sidecars::default();
+    match read_bottom(log, survey) {
+        Some(Ok(bottom)) => {
+            let (pings, path) = (bottom.ping_count(), bottom_path(log));
+            let text = format!(
+                "took in the bottom of {pings} pings that was drawn by hand: {}",
+                path.display()
+            );
+            sidecars.notes.push(text);
+            sidecars.bottom = Some(bottom);
+        }
+        Some(Err(text)) => sidecars.notes.push(text),
+        None => {}
+    }
+    let of = Identity::of(survey);
+    // What was not saved is later than what was.
+    for ending in [REVIEW, UNSAVED] {
+        let path = log.with_extension(ending);
+        if !path.is_file() {
+            continue;
+        }
+        match Review::open(&path, &of) {
+            Ok(review) => {
+                let boxes = review.boxes().len();
+                sidecars
+                    .notes
+                    .push(format!("took in {boxes} boxes: {}", path.display()));
+                sidecars.review = Some(Arc::new(review));
+            }
+            Err(error) => sidecars.notes.push(error.to_string()),
+        }
+    }
+    sidecars
+}
+
+impl ProjectLog {
+    /// With what lay beside it.
+    pub fn with_sidecars(mut self, sidecars: &Sidecars) -> Self {
+        if let Some(bottom) = &sidecars.bottom {
+            self.settings.bottom = bottom.clone();
+        }
+        if let Some(review) = &sidecars.review {
+            self.review = review.clone();
+        }
+        self
+    }
+}
+
+fn bottom_path(log: &Path) -> PathBuf {
+    log.with_extension(BottomSettings::BESIDE)
+}
+
+/// Reads what was drawn on a log, if anything was; the error is one sentence that ends with the file.
+pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings, String>> {
+    let path = bottom_path(log);
+    let found = fs::metadata(&path).ok();
+    found.filter(|found| found.is_file())?;
+    let parsed = || -> Result<BottomSettings, String> {
+        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
+        let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
+        kept.bottom.check().map_err(str::to_owned)?;
+        kept.bottom.beside(survey)
+    };
+    Some(parsed().map_err(|what| {
+        format!(
+            "cannot use the bottom drawn by hand: {what}: {}",
+            path.display()
+        )
+    }))
+}

@@ -1,0 +1,173 @@
+//! Any sequence of changes, undone, done again, written and read.
+
+use super::*;
+use proptest::prelude::*;
+
+/// Any change of the list, made from any numbers; those that do not fit the project change nothing.
+fn any_change() -> impl Strategy<Value = (u8, usize, usize)> {
+    (0_u8..14, 0_usize..500, 0_usize..500)
+}
+
+fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Change> {
+    let logs = project.logs();
+    let key = || Some(logs.get(a % logs.len().max(1))?.key.clone());
+    let side = Side::BOTH[b % 2];
+    Some(match kind {
+        0 => Change::Add(Box::new(log(&format!("log {}", a % 6)))),
+        1 if b % 4 == 0 => Change::Remove(key()?),
+        2 => Change::Move {
+            log: key()?,
+            to: b % 6,
+        },
+        3 => Change::Rename(key()?, format!("name {b}")),
+        4 => Change::Colour(key()?, (b % 3 > 0).then_some([b as u8, 1, 2])),
+        5 => Change::Show(key()?, b % 2 == 0),
+        6 => {
+            let settings = project.settings_of(project.log(&key()?)?).ok()?;
+            let text = ["draft_m=", "outliers.min_neighbors=", "water_level_m="][b % 3];
+            let after = settings
+                .with_assignment(&format!("{text}{}", 1 + b % 7))
+                .ok()?;
+            Change::Settings {
+                log: Some(key()?),
+                after: Box::new(after),
+                label: "setting",
+            }
+        }
+        7 => Change::Own {
+            log: key()?,
+            key: ["draft_m", "outliers.min_neighbors", "track.offset_s"][b % 3].to_owned(),
+            own: a % 2 == 0,
+        },
+        8 | 9 => {
+            let log = project.log(&key()?)?.clone();
+            let of_log = match log.settings.bottom.is_empty() {
+                true => bottom(&[]),
+                false => log.settings.bottom.clone(),
+            };
+            let pings = [a.min(b), a.max(b)];
+            let after = match kind {
+                8 => of_log.with(line(side, pings)),
+                _ => of_log.without(side, pings),
+            };
+            Change::Bottom {
+                log: log.key.clone(),
+                after,
+            }
+        }
+        10 => {
+            let log = project.log(&key()?)?.clone();
+            Change::Review {
+                after: with_boxes(&log, b % 20),
+                log: log.key.clone(),
+                label: "search",
+            }
+        }
+        11 | 12 => {
+            let id = BoxId(1 + (b % 20) as u32);
+            let edit = match a % 8 {
+                0 => Edit::Accept(id),
+                1 => Edit::Reject(id),
+                2 => Edit::Undecide(id),
+                3 => Edit::Relabel(id, b % 3),
+                4 => Edit::Reshape(id, mark(b % 480)),
+                5 => Edit::SwapSide(id),
+                6 => Edit::Add {
+                    mark: mark(b % 480),
+                    class: 0,
+                },
+                _ if b % 2 == 0 => Edit::Remove(id),
+                _ => Edit::Note(id, format!("note\n{b} \"x\" \u{2028}")),
+            };
+            Change::Box { log: key()?, edit }
+        }
+        _ => {
+            let at = |step: f64| LonLat {
+                lon_deg: a as f64 / 10.0 + step,
+                lat_deg: b as f64 / 10.0,
+            };
+            let measurement = Measurement {
+                kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
+                corners: vec![at(0.0), at(0.5), at(0.25)],
+                note: String::new(),
+            };
+            match b % 4 {
+                0 => Change::Forget(1 + (a % 4) as u32),
+                1 => Change::File(
+                    "base_map".to_owned(),
+                    (a % 2 == 0).then(|| format!("/m/{a}.tif").into()),
+                ),
+                2 => Change::Measure(Some(1 + (a % 4) as u32), measurement),
+                _ => Change::Measure(None, measurement),
+            }
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is done can be taken back to the state before, and done again to the state after, step by step.
+    #[test]
+    fn all_that_is_done_is_undone_and_done_again(wanted in prop::collection::vec(any_change(), 1..60)) {
+        let mut history = History::default();
+        let mut states = vec![Project::default()];
+        let mut labels = Vec::new();
+        for one in wanted {
+            let now = &states[states.len() - 1];
+            let Some(change) = change_from(one, now) else { continue };
+            let Some(after) = now.apply(&change) else { continue };
+            let label = change.label(now);
+            prop_assert!(!label.is_empty());
+            labels.push(label.to_string());
+            history.record(now, &after, label, false);
+            states.push(after);
+        }
+        let steps: Vec<String> = history.steps().map(|step| step.label.to_owned()).collect();
+        prop_assert_eq!(&steps, &labels);
+        let mut now = states[states.len() - 1].clone();
+        for expected in states.iter().rev().skip(1) {
+            now = history.undo(&now).expect("a step");
+            prop_assert_eq!(&now, expected);
+            prop_assert_eq!(now.to_text(folder()), expected.to_text(folder()));
+        }
+        prop_assert!(history.undo(&now).is_none());
+        for expected in &states[1..] {
+            now = history.redo(&now).expect("a step");
+            prop_assert_eq!(&now, expected);
+        }
+        prop_assert!(history.redo(&now).is_none());
+    }
+
+    /// What a journal says of a change makes of the lines before it the lines after it, from any state to any other.
+    #[test]
+    fn the_lines_of_a_change_are_all_of_it(wanted in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
+        let mut states = vec![full()];
+        for one in wanted {
+            let now = &states[states.len() - 1];
+            let after = change_from(one, now).and_then(|change| now.apply(&change));
+            states.extend(after);
+        }
+        let (before, after) = (from.get(&states), &states[states.len() - 1]);
+        let mut lines = rows::of(before, folder());
+        let (set, gone) = rows::changes(before, after, folder());
+        journal::Entry::done("change", &set, &gone).replay(&mut lines);
+        prop_assert_eq!(text::write(&lines), after.to_text(folder()));
+        let read_back = rows::read(lines, folder()).expect("a project");
+        prop_assert_eq!(read_back.to_text(folder()), after.to_text(folder()));
+    }
+
+    /// Whatever the text holds, it is read or refused.
+    #[test]
+    fn spoilt_text_is_read_or_refused(at in any::<prop::sample::Index>(), length in 0_usize..40, with in ".{0,12}") {
+        let text = full().to_text(folder());
+        let letters: Vec<char> = text.chars().collect();
+        let from = at.index(letters.len());
+        let to = (from + length).min(letters.len());
+        let spoilt: String = letters[..from].iter().copied().chain(with.chars()).chain(letters[to..].iter().copied()).collect();
+        if let Ok(project) = read(&spoilt) {
+            let written = project.to_text(folder());
+            prop_assert_eq!(read(&written).expect("what was written").to_text(folder()), written);
+        }
+    }
+}
