@@ -54,7 +54,9 @@ actions! {
     PrintView, "Print view…", Some("Ctrl+Shift+E"), "Draws a view as a PNG at print resolution, with its scales and legend.";
     Quit, "Quit", Some("Ctrl+Q"), "Closes the window.";
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
-    SaveReview, "Save review", Some("Ctrl+S"), "Writes the decisions about the boxes into a file beside the log.";
+    SaveProject, "Save project", Some("Ctrl+S"), "Writes logs, settings and all decisions into the project's file; asks for its name at first.";
+    SaveProjectAs, "Save project as…", Some("Ctrl+Shift+S"), "Keeps what is open as a project in another file.";
+    SaveReview, "Save review", None, "Writes the decisions about the boxes into a file beside the log.";
     TakeUpUnsaved, "Take up unsaved decisions", None, "Takes the decisions that were not saved when this log was last open.";
     ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
     OpenTruth, "Open truth…", None, "Opens what is known to lie in this log: a table of objects that was simulated, or a review.";

@@ -2,6 +2,7 @@
 
 use super::external::Instrument;
 use super::loader::Place;
+use super::project::is_project;
 use super::{
     Action, App, Command, FigureKind, LogId, MapLayer, Mark, Orientation, Origin, Reveal,
     SideColours, ThemeChoice, Tool,
@@ -10,6 +11,7 @@ use crate::calibration::PingRange;
 use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::{LogSettings, Preset, Settings};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 impl App {
@@ -17,9 +19,12 @@ impl App {
     pub fn apply(&mut self, command: Command) {
         match command {
             Command::Do(action) => self.act(action),
-            Command::Open(path) => self.start_loading(Origin::Path(path)),
-            Command::OpenAll(paths) => {
-                self.load(paths.into_iter().map(Origin::Path), Place::Instead);
+            Command::Open(path) => self.open_paths(vec![path]),
+            Command::SaveProjectAs(path) => self.save_project_as(path),
+            Command::SaveProject => self.save_project(),
+            Command::OpenAll(paths) => self.open_paths(paths),
+            Command::Add(paths) if paths.iter().any(|path| is_project(path)) => {
+                self.open_paths(paths);
             }
             Command::Add(paths) => {
                 let place = Place::Beside { shown: true };
@@ -85,6 +90,14 @@ impl App {
         }
     }
 
+    /// Opens a project, or logs, in the place of what is open.
+    fn open_paths(&mut self, paths: Vec<PathBuf>) {
+        match paths.iter().find(|path| is_project(path)) {
+            Some(project) => self.open_project(project.clone()),
+            None => self.load(paths.into_iter().map(Origin::Path), Place::Instead),
+        }
+    }
+
     pub(super) fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
         let allowed = settings.check().map_err(|error| error.to_string());
         let allowed = allowed.and_then(|()| self.follow_track(&settings.track));
@@ -112,7 +125,7 @@ impl App {
         };
         self.log.own = own.clone();
         let after = self.step_now();
-        self.history.record(&before, &after, label, live);
+        self.record_step(&before, &after, label, live);
         self.set_own(own, live);
         if !live {
             self.share_settings();
@@ -180,7 +193,7 @@ impl App {
         } else {
             "setting of all logs"
         };
-        self.history.record(&before, &after, label, false);
+        self.record_step(&before, &after, label, false);
         self.set_own(owning, false);
     }
 

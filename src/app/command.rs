@@ -25,6 +25,10 @@ pub enum Command {
     Add(Vec<PathBuf>),
     /// Show another of the open logs in waterfall, profile and panels.
     ShowLog(LogId),
+    /// Keep what is open as a project in this file.
+    SaveProjectAs(PathBuf),
+    /// Write the project into its file.
+    SaveProject,
     /// Find by how much the heights of the logs differ.
     MatchHeights,
     /// Add the height offsets that were found to the elevations of their logs.

@@ -112,8 +112,7 @@ impl App {
             });
         }
         let after = self.step_now();
-        self.history
-            .record(&before, &after, "height offsets", false);
+        self.record_step(&before, &after, "height offsets", false);
         self.process();
     }
 }

@@ -5,8 +5,9 @@ use super::bottom::{self, ReadBottom};
 use super::task::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
+use crate::project::LogFile;
 use crate::survey::{Identity, Survey};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is opened.
@@ -71,8 +72,8 @@ pub(super) struct Request {
 
 /// What a path turned out to be.
 pub(super) enum Opened {
-    /// A log, and what was drawn on it when it was last open.
-    Log(Box<Survey>, Option<ReadBottom>),
+    /// A log, what was drawn on it when it was last open, and its file where it is to be kept in a project.
+    Log(Box<Survey>, Option<ReadBottom>, Option<LogFile>),
     /// A folder of several logs.
     Folder(Vec<PathBuf>),
     /// A recording that is open already, by its name.
@@ -87,7 +88,7 @@ pub(super) struct Loading {
 
 impl Loading {
     /// Starts opening a log beside those that are `open`.
-    pub fn start(request: Request, open: Vec<Arc<Survey>>, jobs: &Jobs) -> Self {
+    pub fn start(request: Request, open: Vec<Arc<Survey>>, in_project: bool, jobs: &Jobs) -> Self {
         let wanted = request.origin.clone();
         let task = Task::start(jobs, move |progress| {
             if let Origin::Path(path) = &wanted {
@@ -106,7 +107,10 @@ impl Loading {
                 Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),
                 Origin::Demo => None,
             };
-            Ok(Opened::Log(Box::new(survey), drawn))
+            let is_file = matches!(wanted, Origin::Path(_));
+            let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
+            let file = file.transpose().map_err(|error| error.to_string())?;
+            Ok(Opened::Log(Box::new(survey), drawn, file))
         });
         Self { request, task }
     }
@@ -129,6 +133,13 @@ impl Loading {
             fraction: self.task.fraction(),
         }
     }
+}
+
+/// Opens a log that is named in a project, into memory where it lies on a card.
+pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, String> {
+    let mut survey = formats::open(path, progress).map_err(|error| error.to_string())?;
+    formats::hold(&mut survey, progress).map_err(|error| error.to_string())?;
+    Ok(survey)
 }
 
 /// Whether two logs hold the same bytes, whatever their names.

@@ -108,6 +108,15 @@ impl App {
 
     /// Makes a log that was read the only one that is open.
     pub(super) fn replace_logs(&mut self, survey: Arc<Survey>) {
+        self.leave_project();
+        self.close_all();
+        // The speed of sound is that of the water that was surveyed before.
+        self.shared = Arc::new(self.shared.with_survey_of(&Settings::default()));
+        self.open_first(survey);
+    }
+
+    /// Closes all logs.
+    pub(super) fn close_all(&mut self) {
         self.each_log(App::keep_decisions);
         let mut last = std::mem::take(&mut self.log);
         self.logs.park(&mut last);
@@ -115,23 +124,35 @@ impl App {
             self.logs.park(&mut other);
         }
         self.logs.order.clear();
-        self.plane = survey.track.frame.clone();
-        self.plane_serial += 1;
-        // The speed of sound is that of the water that was surveyed before.
-        self.shared = Arc::new(self.shared.with_survey_of(&Settings::default()));
-        self.log = self.opened(survey);
-        self.log.reviewing.take_tools(&mut last.reviewing);
-        self.log.reviewing.judging.take_request(&mut last.reviewing);
+        self.log.settings = self.shared.clone();
+        self.take_over(&mut last);
         self.history = History::default();
         self.measuring = super::Measuring::default();
+        self.heights = super::heights::Heights::default();
         self.comparing.leave();
         self.meet_log();
+    }
+
+    /// Opens a log in an empty window.
+    fn open_first(&mut self, survey: Arc<Survey>) {
+        self.plane = survey.track.frame.clone();
+        self.plane_serial += 1;
+        let log = self.opened(survey);
+        let mut last = std::mem::replace(&mut self.log, log);
+        self.take_over(&mut last);
+        self.meet_log();
+    }
+
+    /// What the shown log takes over from the one that was shown before.
+    fn take_over(&mut self, last: &mut OpenLog) {
+        self.log.reviewing.take_tools(&mut last.reviewing);
+        self.log.reviewing.judging.take_request(&mut last.reviewing);
     }
 
     /// Adds a log that was read to those that are open, in their plane.
     pub(super) fn add_log(&mut self, survey: Survey) -> LogId {
         if self.log.survey.is_none() {
-            self.replace_logs(Arc::new(survey));
+            self.open_first(Arc::new(survey));
             return self.log.id;
         }
         let is_placed = |log: &OpenLog| {
@@ -183,6 +204,12 @@ impl App {
         self.schedule();
     }
 
+    /// Writes what is not in a file yet: the window closes.
+    pub fn keep_all(&mut self) {
+        self.each_log(App::keep_decisions);
+        self.keep_project("close");
+    }
+
     /// Closes a log; what was decided about it stays in its files.
     pub(super) fn close_log(&mut self, id: LogId) {
         self.with_log(id, App::keep_decisions);
@@ -196,15 +223,7 @@ impl App {
         match next.copied() {
             Some(next) if id == self.log.id => self.show_log(next),
             Some(_) => {}
-            None => {
-                let mut last = std::mem::take(&mut self.log);
-                self.logs.park(&mut last);
-                self.log.settings = self.shared.clone();
-                self.log.reviewing.take_tools(&mut last.reviewing);
-                self.history = History::default();
-                self.comparing.leave();
-                self.meet_log();
-            }
+            None => self.close_all(),
         }
         self.logs.order.retain(|one| *one != id);
         let closed = self.logs.others.iter().position(|log| log.id == id);
@@ -212,6 +231,7 @@ impl App {
             let mut closed = self.logs.others.remove(closed);
             self.logs.park(&mut closed);
         }
+        self.keep_project("close log");
         self.schedule();
     }
 
@@ -221,7 +241,7 @@ impl App {
         self.with_log(id, |app| app.log.is_visible = is_visible);
         let after = self.step_now();
         let label = if is_visible { "show log" } else { "hide log" };
-        self.history.record(&before, &after, label, false);
+        self.record_step(&before, &after, label, false);
         self.schedule();
     }
 
@@ -236,7 +256,7 @@ impl App {
         let moved = order.remove(from);
         order.insert(to, moved);
         let after = self.step_now();
-        self.history.record(&before, &after, "order of logs", false);
+        self.record_step(&before, &after, "order of logs", false);
     }
 
     /// Puts the logs into the order of an earlier moment; those opened since stay at the end.

@@ -207,7 +207,7 @@ impl App {
             Some(_) => "corner",
             None => "measurement",
         };
-        self.history.record(&before, &after, label, false);
+        self.record_step(&before, &after, label, false);
         self.measuring.figure = after.figure;
     }
 

@@ -23,6 +23,7 @@ mod open_log;
 mod options;
 mod preview;
 mod print;
+mod project;
 mod reviewing;
 mod saving_figure;
 mod state;
@@ -48,6 +49,7 @@ pub use options::{
     ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use print::{Paper, PrintOptions, Sheet};
+pub use project::is_project;
 pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
 pub use state::{App, Jobs, Mark, Notice, Reveal};
 pub use swipe::{Swipe, SwipeSide};

@@ -6,6 +6,7 @@ use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::first_return::FirstReturns;
 use crate::pipeline::{LogSettings, Products, Settings, Stage};
+use crate::project::LogFile;
 use crate::survey::Survey;
 use std::sync::Arc;
 
@@ -43,6 +44,8 @@ pub struct OpenLog {
     pub depth_span_m: Option<[f32; 2]>,
     /// Soundings after the recorder had lost the bottom.
     pub lost_soundings: usize,
+    /// The file of the recording, while it is kept in a project.
+    pub(super) file: Option<LogFile>,
     /// What is set for this log only.
     pub own: Arc<LogSettings>,
     /// The settings that the analyst wants: those that all logs share with its own over them.
@@ -70,6 +73,7 @@ impl Default for OpenLog {
             is_visible: true,
             depth_span_m: None,
             lost_soundings: 0,
+            file: None,
             own: Arc::default(),
             settings: Arc::default(),
             products: None,

@@ -8,6 +8,7 @@ use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
 use super::preview::Previewer;
+use super::project::Keeping;
 use super::reviewing::Step;
 use super::tabulating::Tabulating;
 use super::{Action, History, LoadStatus, LogId, OpenLog, ViewOptions};
@@ -15,6 +16,7 @@ use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::geo::LocalFrame;
 use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
+use crate::project::LogKey;
 use crate::survey::{Side, Survey, Track};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -124,6 +126,9 @@ pub struct App {
     pub(super) to_load: VecDeque<Request>,
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
+    pub(super) keeping: Keeping,
+    /// Logs of the project that were not found.
+    pub(super) missing: Vec<LogKey>,
     pub(super) exporting: Option<Exporting>,
     pub(super) exported: Option<Exported>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
@@ -164,6 +169,8 @@ impl App {
             to_load: VecDeque::new(),
             tabulating: Tabulating::default(),
             heights: Heights::default(),
+            keeping: Keeping::default(),
+            missing: Vec::new(),
             exporting: None,
             exported: None,
             opening_base_map: None,
@@ -223,6 +230,7 @@ impl App {
             && !self.previewer.is_busy()
             && !self.tabulating.is_busy()
             && !self.heights.is_busy()
+            && !self.keeping.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()

@@ -8,6 +8,7 @@ use super::{Action, App, Notice, Origin, Outcome, Task};
 use crate::export::is_same_file;
 use crate::pipeline::Products;
 use crate::printable::one_line;
+use crate::project::LogFile;
 use crate::survey::Survey;
 use crate::system_words::in_plain_words;
 use std::collections::VecDeque;
@@ -31,6 +32,7 @@ impl App {
         self.poll_comparing();
         self.poll_tables();
         self.poll_heights();
+        self.poll_project();
         self.poll_export();
         self.each_log(App::poll_log);
         self.poll_base_map();
@@ -82,7 +84,9 @@ impl App {
         };
         let Request { origin, place } = loading.request;
         match opened {
-            Ok(Opened::Log(survey, drawn)) => self.take_survey(*survey, origin, place, drawn),
+            Ok(Opened::Log(survey, drawn, file)) => {
+                self.take_survey(*survey, origin, place, (drawn, file));
+            }
             Ok(Opened::Folder(logs)) => {
                 let logs = logs.into_iter().map(Origin::Path);
                 for request in requests(logs, place).into_iter().rev() {
@@ -106,7 +110,7 @@ impl App {
         survey: Survey,
         origin: Origin,
         place: Place,
-        drawn: Option<ReadBottom>,
+        (drawn, file): (Option<ReadBottom>, Option<LogFile>),
     ) {
         let is_file = matches!(origin, Origin::Path(_));
         if let Origin::Path(path) = origin {
@@ -135,7 +139,9 @@ impl App {
                 app.look_for_unsaved();
             }
             app.look_for_truth(is_file);
+            app.log.file = file;
         });
+        self.keep_project("add log");
         self.is_waiting = false;
         self.schedule();
     }
@@ -204,6 +210,7 @@ impl App {
         self.log.preview = None;
         self.loading = None;
         self.to_load.clear();
+        self.keeping.stop();
         self.exporting = None;
         self.opening_base_map = None;
         self.comparing.stop();
@@ -270,7 +277,8 @@ impl App {
                 Place::Instead => Vec::new(),
                 Place::Beside { .. } => self.logs().filter_map(|log| log.survey.clone()).collect(),
             };
-            self.loading = Some(Loading::start(request, open, &self.jobs));
+            let in_project = self.project_path().is_some();
+            self.loading = Some(Loading::start(request, open, in_project, &self.jobs));
         }
     }
 }

@@ -149,6 +149,7 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Manual(args)),
             ..
         } => manual::run(args),
+        Cli {
             command: Some(Command::Desktop(args)),
             ..
         } => desktop::run(&args),

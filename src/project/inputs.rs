@@ -48,7 +48,9 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
             }
         };
         let mut settings = (project.settings_of(&log)).map_err(|error| error.to_string())?;
-        settings.water_level.load()?;
+        settings
+            .load_water_level()
+            .map_err(|error| error.to_string())?;
         inputs.push(Input { log, settings });
     }
     if inputs.is_empty() {

@@ -24,6 +24,8 @@ pub(super) enum Purpose {
     OpenReview,
     /// What is known to lie in the open survey.
     OpenTruth,
+    /// The file that the project is kept in.
+    SaveProject,
     /// The file that the review is kept in.
     SaveReview,
     /// The folder that reviewed boxes go into.
@@ -50,6 +52,7 @@ impl Purpose {
     /// Title of the dialog that names a file to be written.
     fn title_of_saved(self) -> Option<&'static str> {
         match self {
+            Self::SaveProject => Some("Save the project"),
             Self::SaveReview => Some("Save the review of boxes"),
             Self::SaveProfile => Some("Save the depth profile"),
             Self::SaveFigure => Some("Save the measurement"),
@@ -183,6 +186,7 @@ impl Dialogs {
                 "Path of a table of objects or a review",
                 "Open",
             ),
+            Purpose::SaveProject => ("Save the project", "File to write, .bathyscope", "Save"),
             Purpose::SaveReview => ("Save the review", "File to write", "Save"),
             Purpose::ExportBoxesInto => ("Export boxes", "Folder to write into", "Export"),
             Purpose::OpenBaseMap => ("Open a base map", "Path of a GeoTIFF", "Open"),
@@ -251,6 +255,7 @@ fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
         Purpose::ExportInto => Command::Export(path),
         Purpose::OpenReview => Command::OpenReview(path),
         Purpose::OpenTruth => Command::OpenTruth(path),
+        Purpose::SaveProject => Command::SaveProjectAs(path),
         Purpose::SaveReview => Command::SaveReview(path),
         Purpose::ExportBoxesInto => Command::ExportBoxes(path),
         Purpose::OpenModel => Command::UseModel(path),
@@ -278,9 +283,19 @@ fn choose_logs(title: &str) -> Vec<PathBuf> {
     let dialog = rfd::FileDialog::new()
         .set_title(title)
         .add_filter(
-            "Sonar logs",
+            "Sonar logs and projects",
             &[
-                "sl2", "SL2", "sl3", "SL3", "dat", "DAT", "son", "SON", "xtf", "XTF",
+                "sl2",
+                "SL2",
+                "sl3",
+                "SL3",
+                "dat",
+                "DAT",
+                "son",
+                "SON",
+                "xtf",
+                "XTF",
+                "bathyscope",
             ],
         )
         .add_filter("All files", &["*"]);
@@ -328,7 +343,11 @@ fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
             .set_title("Open what is known to lie in the log")
             .add_filter("Objects and reviews", &["csv", "json"])
             .pick_file(),
-        Purpose::SaveReview | Purpose::SaveProfile | Purpose::SaveFigure | Purpose::PrintInto => {
+        Purpose::SaveProject
+        | Purpose::SaveReview
+        | Purpose::SaveProfile
+        | Purpose::SaveFigure
+        | Purpose::PrintInto => {
             let title = purpose.title_of_saved().unwrap_or_default();
             let mut dialog = rfd::FileDialog::new().set_title(title);
             if let Some(path) = &proposed {

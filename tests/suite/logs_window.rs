@@ -11,7 +11,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::path::Path;
 
 /// Lets everything that is asked for come to its end.
-fn settle(window: &mut Window) {
+pub fn settle(window: &mut Window) {
     for _ in 0..40 {
         window.run();
         let all_done = app(window).logs().all(|log| !log.is_behind());
@@ -23,7 +23,7 @@ fn settle(window: &mut Window) {
 }
 
 /// A window on a folder of logs.
-fn opened(folder: &Path, count: usize) -> Window {
+pub fn opened(folder: &Path, count: usize) -> Window {
     write_logs(folder, count);
     let mut window = empty_window();
     drop_file(&mut window, folder.to_owned());
@@ -31,11 +31,11 @@ fn opened(folder: &Path, count: usize) -> Window {
     window
 }
 
-fn ids(window: &Window) -> Vec<LogId> {
+pub fn ids(window: &Window) -> Vec<LogId> {
     app(window).logs().map(|log| log.id).collect()
 }
 
-fn names(window: &Window) -> Vec<String> {
+pub fn names(window: &Window) -> Vec<String> {
     app(window).logs().map(|log| log.name()).collect()
 }
 
@@ -51,7 +51,7 @@ fn map_name(window: &Window) -> String {
     map.accesskit_node().label().expect("a name")
 }
 
-fn change(window: &mut Window, assignment: &str) {
+pub fn change(window: &mut Window, assignment: &str) {
     let settings = Settings::clone(&app(window).log.settings);
     let settings = settings.with_assignment(assignment).expect("a setting");
     window.state_mut().app.apply(Command::Change {

@@ -37,6 +37,7 @@ mod offsets;
 mod outputs;
 mod printing;
 mod project;
+mod project_window;
 mod real_window;
 mod residuals;
 mod review;

@@ -182,7 +182,9 @@ impl App {
 
     fn cannot_keep(&mut self, why: &str) {
         self.log.reviewing.autosave.failed = true;
-        let text = format!("decisions cannot be kept as you go, save them with Ctrl+S: {why}");
+        let text = format!(
+            "decisions cannot be kept as you go, save the review in the Review menu: {why}"
+        );
         self.tell(text, true);
     }
 

@@ -46,6 +46,20 @@ impl App {
         }
     }
 
+    /// Notes a change as a step that undo takes back, and keeps it in the project.
+    pub(in crate::app) fn record_step(
+        &mut self,
+        before: &Step,
+        after: &Step,
+        label: &'static str,
+        live: bool,
+    ) {
+        self.history.record(before, after, label, live);
+        if !live {
+            self.keep_project(label);
+        }
+    }
+
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
         self.measuring.figure = step.figure;
@@ -67,6 +81,7 @@ impl App {
             self.show_log(log);
             self.select_box(Some(id));
         }
+        self.keep_project("undo or redo");
         self.process();
     }
 
@@ -80,7 +95,7 @@ impl App {
         let before = self.step_now();
         self.log.reviewing.set(review);
         let after = self.step_now();
-        self.history.record(&before, &after, label, live);
+        self.record_step(&before, &after, label, live);
     }
 
     /// Carries out an edit. A drag passes many places, all but the last `live`.

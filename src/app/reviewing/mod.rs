@@ -100,6 +100,8 @@ pub struct Reviewing {
     counts: Counts,
     /// Some box was decided or corrected.
     is_touched: bool,
+    /// The project keeps what is decided.
+    is_in_project: bool,
     /// Class of the next box that is drawn: that of the last one that was named.
     class: usize,
     raster: Option<(Arc<Navigation>, Arc<Raster>)>,
@@ -134,6 +136,7 @@ impl Default for Reviewing {
             longest: 0,
             counts: Counts::default(),
             is_touched: false,
+            is_in_project: false,
             class: 0,
             raster: None,
             opening: None,
@@ -208,7 +211,9 @@ impl Reviewing {
 
     /// Whether decisions are in no file yet. Proposals alone are no loss: the model makes them again.
     pub fn is_unsaved(&self) -> bool {
-        !Arc::ptr_eq(&self.review, &self.saved) && (self.is_touched || is_touched(&self.saved))
+        !self.is_in_project
+            && !Arc::ptr_eq(&self.review, &self.saved)
+            && (self.is_touched || is_touched(&self.saved))
     }
 
     /// Whether a review is being read, objects are being searched or boxes are being placed.
@@ -293,9 +298,21 @@ impl Reviewing {
         }
     }
 
+    /// Takes up the boxes that a project has of the log.
+    pub(super) fn take_kept(&mut self, review: Arc<Review>) {
+        self.saved = review.clone();
+        self.set(review);
+    }
+
+    /// Leaves it to the project to keep what is decided: no file beside the log is read or written any more.
+    pub(super) fn keep_elsewhere(&mut self) {
+        self.is_in_project = true;
+        self.autosave = Autosave::default();
+    }
+
     /// What is kept of the boxes when their log is closed.
     pub(super) fn park(&mut self) -> Option<Parked> {
-        self.has_boxes().then(|| Parked {
+        (self.has_boxes() && !self.is_in_project).then(|| Parked {
             is_kept: self.autosave.holds(&self.review),
             review: self.review.clone(),
             saved: self.saved.clone(),

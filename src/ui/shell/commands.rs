@@ -52,6 +52,12 @@ impl Shell {
             }
             Action::CompareWith => self.dialogs.ask(Purpose::OpenReference, self.app.jobs()),
             Action::ChooseModel => self.dialogs.ask(Purpose::OpenModel, self.app.jobs()),
+            Action::SaveProject if self.app.project_path().is_some() => {
+                self.app.apply(Command::SaveProject);
+            }
+            // Without a project, who works on a review file means that.
+            Action::SaveProject if self.app.log.reviewing.path.is_some() => self.save_review(),
+            Action::SaveProject | Action::SaveProjectAs => self.name_project(),
             Action::SaveReview => self.save_review(),
             Action::ExportBoxes => self.export_boxes(),
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
@@ -85,6 +91,18 @@ impl Shell {
             other => self.app.apply(Command::Do(other)),
         }
         ctx.request_repaint();
+    }
+
+    /// Asks where the project is to be kept.
+    fn name_project(&mut self) {
+        if self.app.log_count() == 0 {
+            let text = "there is nothing to keep yet; open a log first";
+            return self.app.apply(Command::Tell(text.to_owned()));
+        }
+        let known = self.app.project_path().map(std::path::Path::to_owned);
+        let proposed = known.unwrap_or_else(|| self.beside_the_log("bathyscope"));
+        self.dialogs
+            .name(Purpose::SaveProject, proposed, self.app.jobs());
     }
 
     /// Writes the review where it is kept, or asks where that is to be.

@@ -11,6 +11,8 @@ const FILE: &[Action] = &[
     Action::OpenFolder,
     Action::OpenPath,
     Action::OpenDemo,
+    Action::SaveProject,
+    Action::SaveProjectAs,
     Action::AddLog,
     Action::CloseLog,
 ];

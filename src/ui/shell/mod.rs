@@ -107,8 +107,10 @@ pub struct Shell {
     started: bool,
     /// The analyst knows that closing loses decisions.
     warned_of_loss: bool,
-    /// The survey that the window is named after.
-    titled: u64,
+    /// The survey that the play head ran over.
+    met: u64,
+    /// What the window is named after.
+    title: String,
 }
 
 impl Shell {
@@ -128,7 +130,8 @@ impl Shell {
             alone: None,
             started: false,
             warned_of_loss: false,
-            titled: 0,
+            met: 0,
+            title: String::new(),
         }
     }
 
@@ -200,14 +203,29 @@ impl Shell {
 
     /// What a survey that has just been opened asks of the window itself: its name in the title, and a play head at rest.
     fn meet_survey(&mut self, ctx: &egui::Context) {
-        if self.titled == self.app.survey_serial {
-            return;
+        let title = self.title();
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
         }
-        self.titled = self.app.survey_serial;
-        self.play.stop();
-        if let Some(survey) = &self.app.log.survey {
-            let title = format!("{} - Bathyscope", survey.name());
-            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
+        if self.met != self.app.survey_serial {
+            self.met = self.app.survey_serial;
+            self.play.stop();
+        }
+    }
+
+    /// The project, with a mark while its file does not hold everything, or the log.
+    fn title(&self) -> String {
+        let project = self.app.project_path().and_then(|path| path.file_stem());
+        let mark = if self.app.is_project_unsaved() {
+            "*"
+        } else {
+            ""
+        };
+        match (project, &self.app.log.survey) {
+            (Some(project), _) => format!("{}{mark} - Bathyscope", project.to_string_lossy()),
+            (None, Some(survey)) => format!("{} - Bathyscope", survey.name()),
+            (None, None) => "Bathyscope".to_owned(),
         }
     }
 
@@ -215,7 +233,7 @@ impl Shell {
     fn guard_decisions(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes {
-            self.app.keep_decisions();
+            self.app.keep_all();
         }
         if !self.app.is_at_risk() {
             self.warned_of_loss = false;
@@ -224,7 +242,7 @@ impl Shell {
         if closes && !self.warned_of_loss {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            let text = "decisions about boxes are not saved; save them with Ctrl+S, or close again to leave them";
+            let text = "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to leave them";
             self.app.apply(Command::Tell(text.to_owned()));
         }
     }
@@ -345,7 +363,7 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
-        self.app.keep_decisions();
+        self.app.keep_all();
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

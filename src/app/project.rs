@@ -1,0 +1,398 @@
+//! The survey as a project: one file that holds the logs and all that was decided about them. Every step that undo takes back is in it
+//! at once, so that a crash costs the last gesture at most.
+
+use super::loader::hold_log;
+use super::measuring::{Figure, FigureKind};
+use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use crate::project::{
+    ENDING, Found, LogFile, Measurement, MeasurementKind, Opened, Project, ProjectLog, Store, find,
+};
+use crate::survey::Survey;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Name of the display options in the project.
+const VIEW: &str = "window";
+/// The measurement that the window shows.
+const MEASUREMENT: u32 = 1;
+/// The base map among the project's files.
+const BASE_MAP: &str = "base_map";
+
+/// Where the open project is kept, and what is under way about it.
+#[derive(Default)]
+pub(super) struct Keeping {
+    store: Option<Store>,
+    /// What is in it: what this window does not show is kept from here.
+    project: Project,
+    opening: Option<Task<Result<OpenedLogs, String>>>,
+    /// A project that is about to be written for the first time: where, and what the open logs' files are.
+    naming: Option<(PathBuf, Task<Option<Vec<(LogId, LogFile)>>>)>,
+    /// It cannot be written; it was said.
+    failed: bool,
+}
+
+impl Keeping {
+    /// Whether a project is being opened or named.
+    pub fn is_busy(&self) -> bool {
+        self.opening.is_some() || self.naming.is_some()
+    }
+
+    /// Drops what is under way.
+    pub fn stop(&mut self) {
+        self.opening = None;
+        self.naming = None;
+    }
+}
+
+/// A project that was read, with those of its logs that were found.
+struct OpenedLogs {
+    opened: Opened,
+    logs: Vec<(Arc<ProjectLog>, Survey, Settings)>,
+    /// What to tell about logs that are not there or lie elsewhere.
+    notes: Vec<String>,
+}
+
+/// Whether a path is named as a project is.
+pub fn is_project(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case(ENDING))
+}
+
+impl App {
+    /// The file of the open project.
+    pub fn project_path(&self) -> Option<&Path> {
+        self.keeping.store.as_ref().map(Store::path)
+    }
+
+    /// Whether the project has changes that its file does not hold; they are in the journal beside it.
+    pub fn is_project_unsaved(&self) -> bool {
+        let store = self.keeping.store.as_ref();
+        store.is_some_and(|store| store.is_unsaved(&self.keeping.project))
+    }
+
+    /// Starts to open a project in the place of what is open.
+    pub(super) fn open_project(&mut self, path: PathBuf) {
+        self.loading = None;
+        self.to_load.clear();
+        self.keep_project("close");
+        // The window itself may have it open.
+        self.keeping.store = None;
+        self.keeping.opening = Some(Task::start(&self.jobs, move |progress| {
+            read(&path, progress)
+        }));
+    }
+
+    /// Starts to keep what is open as a project in a file.
+    pub(super) fn save_project_as(&mut self, path: PathBuf) {
+        let path = match is_project(&path) {
+            true => path,
+            false => PathBuf::from(format!("{}.{ENDING}", path.display())),
+        };
+        let logs: Vec<(LogId, Arc<Survey>, Option<LogFile>)> = self
+            .logs()
+            .filter_map(|log| Some((log.id, log.survey.clone()?, log.file.clone())))
+            .collect();
+        if logs
+            .iter()
+            .any(|(_, survey, _)| survey.source.files.is_empty())
+            || logs.is_empty()
+        {
+            let text = "a project is kept of logs that are files; open one or more first";
+            return self.tell(text.to_owned(), true);
+        }
+        let task = Task::start(&self.jobs, move |progress| {
+            let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
+                let file = match known {
+                    Some(file) => file,
+                    None => LogFile::of(&survey, progress).ok()?,
+                };
+                Some((id, file))
+            };
+            logs.into_iter().map(file).collect()
+        });
+        self.keeping.naming = Some((path, task));
+    }
+
+    /// Writes the project into its file.
+    pub(super) fn save_project(&mut self) {
+        self.keep_project("save");
+        let Some(store) = &mut self.keeping.store else {
+            let text = "nothing is kept as a project yet; save it under a name first";
+            return self.tell(text.to_owned(), true);
+        };
+        match store.save(&self.keeping.project) {
+            Ok(()) => {
+                self.keeping.failed = false;
+                let text = format!("Saved the project: {}", store.path().display());
+                self.tell(text, false);
+            }
+            Err(error) => self.tell(error.to_string(), true),
+        }
+    }
+
+    /// Writes what changed into the journal of the open project.
+    pub(super) fn keep_project(&mut self, label: &str) {
+        if self.keeping.store.is_none() {
+            return;
+        }
+        self.keeping.project = self.as_project(&self.keeping.project);
+        let Some(store) = &mut self.keeping.store else {
+            return;
+        };
+        match store.record(&self.keeping.project, label) {
+            Ok(()) => self.keeping.failed = false,
+            Err(error) => {
+                if !std::mem::replace(&mut self.keeping.failed, true) {
+                    self.tell(error.to_string(), true);
+                }
+            }
+        }
+    }
+
+    /// Leaves the project: what is opened next is none of its logs.
+    pub(super) fn leave_project(&mut self) {
+        self.keep_project("close");
+        self.keeping = Keeping::default();
+    }
+
+    /// What is open as a project; what the window does not show stays as it is in `before`.
+    fn as_project(&self, before: &Project) -> Project {
+        let mut project = before.clone();
+        project.settings = Settings::clone(&self.shared);
+        let open: Vec<&OpenLog> = self.logs().filter(|log| log.file.is_some()).collect();
+        let is_open = |log: &ProjectLog| {
+            let mut files = open.iter().filter_map(|open| open.file.as_ref());
+            files.any(|file| file.sha256 == log.file.sha256) || self.missing.contains(&log.key)
+        };
+        let gone: Vec<_> = (project.logs().iter())
+            .filter(|log| !is_open(log))
+            .map(|log| log.key.clone())
+            .collect();
+        for key in gone {
+            let change = crate::project::Change::Remove(key);
+            project = project.apply(&change).unwrap_or(project);
+        }
+        for (place, (log, file)) in open
+            .iter()
+            .filter_map(|log| Some((log, log.file.as_ref()?)))
+            .enumerate()
+        {
+            let known = project.log_like(file).cloned();
+            let is_new = known.is_none();
+            let mut entry = known.map_or_else(
+                || ProjectLog::new(file.clone()),
+                |known| ProjectLog::clone(&known),
+            );
+            entry.file.path.clone_from(&file.path);
+            entry.is_visible = log.is_visible;
+            entry.settings = log.own.as_ref().clone();
+            entry.review = log.reviewing.review.clone();
+            let key = entry.key.clone();
+            let after = match is_new {
+                true => project.with_log(entry),
+                false => project.with_changed(entry),
+            };
+            project = after.unwrap_or(project);
+            let moved = crate::project::Change::Move {
+                log: key,
+                to: place,
+            };
+            project = project.apply(&moved).unwrap_or(project);
+        }
+        match self.measuring.figure.as_ref().filter(|figure| figure.done) {
+            Some(figure) => {
+                let kept = project.measurements.get(&MEASUREMENT);
+                let note = kept.map_or_else(String::new, |kept| kept.note.clone());
+                project
+                    .measurements
+                    .insert(MEASUREMENT, measurement(figure, note));
+            }
+            None => {
+                project.measurements.remove(&MEASUREMENT);
+            }
+        }
+        match &self.base_map {
+            Some(map) => {
+                project.files.insert(BASE_MAP.to_owned(), map.path.clone());
+            }
+            None => {
+                project.files.remove(BASE_MAP);
+            }
+        }
+        project.set_view(VIEW, &self.options);
+        project
+    }
+
+    /// Collects a project that was read or is to be written.
+    pub(super) fn poll_project(&mut self) {
+        match self.keeping.opening.as_ref().map(Task::poll) {
+            Some(Outcome::Done(read)) => {
+                self.keeping.opening = None;
+                match read {
+                    Ok(read) => self.take_project(read),
+                    Err(text) => self.tell(text, true),
+                }
+            }
+            Some(Outcome::Failed) => {
+                self.keeping.opening = None;
+                self.tell("opening the project failed unexpectedly".to_owned(), true);
+            }
+            Some(Outcome::Pending) | None => {}
+        }
+        let named = match self.keeping.naming.as_ref().map(|(_, task)| task.poll()) {
+            Some(Outcome::Done(files)) => files,
+            Some(Outcome::Failed) => None,
+            Some(Outcome::Pending) | None => return,
+        };
+        if let (Some((path, _)), Some(files)) = (self.keeping.naming.take(), named) {
+            self.name_project(&path, files);
+        }
+    }
+
+    fn name_project(&mut self, path: &Path, files: Vec<(LogId, LogFile)>) {
+        for (id, file) in files {
+            self.with_log(id, |app| {
+                app.log.file = Some(file);
+                app.leave_sidecars();
+            });
+        }
+        let project = self.as_project(&self.keeping.project);
+        // The lock of the file that it was kept in until now.
+        self.keeping.store = None;
+        match Store::create(path, &project) {
+            Ok(store) => {
+                let text = format!("Saved the project: {}", store.path().display());
+                self.remember(store.path().to_owned());
+                self.keeping.store = Some(store);
+                self.keeping.project = project;
+                self.keeping.failed = false;
+                self.tell(text, false);
+            }
+            Err(error) => self.tell(error.to_string(), true),
+        }
+    }
+
+    fn take_project(&mut self, read: OpenedLogs) {
+        let OpenedLogs {
+            opened,
+            logs,
+            notes,
+        } = read;
+        let Opened {
+            store,
+            project,
+            notes: told,
+        } = opened;
+        self.missing = (project.logs().iter())
+            .filter(|log| logs.iter().all(|(found, ..)| found.key != log.key))
+            .map(|log| log.key.clone())
+            .collect();
+        self.remember(store.path().to_owned());
+        self.close_all();
+        self.shared = Arc::new(project.settings.clone());
+        if let Some(options) = project.view::<ViewOptions>(VIEW) {
+            self.options = options;
+        }
+        for (log, survey, settings) in logs {
+            let id = self.add_log(survey);
+            self.with_log(id, |app| app.take_project_log(&log, settings));
+        }
+        self.measuring.figure =
+            (project.measurements.get(&MEASUREMENT)).map(|one| Arc::new(figure(one)));
+        self.keeping.project = project;
+        self.keeping.store = Some(store);
+        self.is_waiting = false;
+        if let Some(path) = self.keeping.project.files.get(BASE_MAP).cloned() {
+            self.reopen_base_map(path);
+        }
+        for text in told.into_iter().chain(notes) {
+            self.tell(text, false);
+        }
+        self.schedule();
+    }
+
+    fn take_project_log(&mut self, log: &ProjectLog, settings: Settings) {
+        self.log.file = Some(log.file.clone());
+        self.log.is_visible = log.is_visible;
+        self.log.own = Arc::new(log.settings.clone());
+        if let Err(text) = self.follow_track(&settings.track) {
+            self.tell(text, true);
+        }
+        self.log.settings = Arc::new(settings);
+        self.log.reviewing.take_kept(log.review.clone());
+        self.leave_sidecars();
+    }
+
+    /// What is decided about the log is kept in the project from now on, not beside the log.
+    fn leave_sidecars(&mut self) {
+        self.log.bottom_file = super::bottom::BottomFile::default();
+        self.log.reviewing.keep_elsewhere();
+    }
+}
+
+/// Reads a project and opens its logs.
+fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
+    let opened = Store::open(path).map_err(|error| error.to_string())?;
+    let folder = opened.store.folder();
+    let places = find(&opened.project, &folder, progress).map_err(|error| error.to_string())?;
+    let (mut logs, mut notes) = (Vec::new(), Vec::new());
+    for (log, (_, found)) in opened.project.logs().iter().zip(places) {
+        let log = match found {
+            Found::Here => log.clone(),
+            Found::Moved(path) => {
+                notes.push(format!("Found {} at {}", log.name, path.display()));
+                Arc::new(log.at(&path))
+            }
+            Found::Missing | Found::Replaced => {
+                notes.push(format!(
+                    "the log {} is not there any more; put it back, or below the folder of the project, and open the project again: {}",
+                    log.name,
+                    log.file.path.display()
+                ));
+                continue;
+            }
+        };
+        let mut settings = opened
+            .project
+            .settings_of(&log)
+            .map_err(|error| error.to_string())?;
+        if let Err(error) = settings.load_water_level() {
+            notes.push(error.to_string());
+        }
+        match hold_log(&log.file.path, progress) {
+            Ok(survey) => logs.push((log, survey, settings)),
+            Err(text) => notes.push(text),
+        }
+    }
+    Ok(OpenedLogs {
+        opened,
+        logs,
+        notes,
+    })
+}
+
+fn measurement(figure: &Figure, note: String) -> Measurement {
+    Measurement {
+        kind: match figure.kind {
+            FigureKind::Distance => MeasurementKind::Distance,
+            FigureKind::Area => MeasurementKind::Area,
+            FigureKind::Profile => MeasurementKind::Profile,
+        },
+        corners: figure.corners.clone(),
+        note,
+    }
+}
+
+fn figure(kept: &Measurement) -> Figure {
+    Figure {
+        kind: match kept.kind {
+            MeasurementKind::Distance => FigureKind::Distance,
+            MeasurementKind::Area => FigureKind::Area,
+            MeasurementKind::Profile => FigureKind::Profile,
+        },
+        corners: kept.corners.clone(),
+        done: true,
+    }
+}
