@@ -23,8 +23,8 @@ struct Segment {
 
 struct Corner {
     @builtin(position) clip: vec4f,
-    // Along the segment from its start, and beside it, pixels.
-    @location(0) along_beside_px: vec2f,
+    // Along the segment from its start, and across it, pixels.
+    @location(0) along_across_px: vec2f,
     @location(1) @interpolate(flat) length_px: f32,
     @location(2) @interpolate(flat) from_colour: vec4f,
     @location(3) @interpolate(flat) to_colour: vec4f,
@@ -43,12 +43,12 @@ fn vertex(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
     // One pixel more than the line is wide, for its soft edge.
     let reach = line.half_width_px + 1.0;
     let along = select(-reach, length_px + reach, (index & 1u) == 1u);
-    let beside = select(-reach, reach, (index & 2u) == 2u);
-    let at_px = from_px + forward * along + left * beside;
+    let across = select(-reach, reach, (index & 2u) == 2u);
+    let at_px = from_px + forward * along + left * across;
     let ndc = at_px / line.size_px * 2.0 - 1.0;
     var corner: Corner;
     corner.clip = vec4f(ndc.x, -ndc.y, 0.5, 1.0);
-    corner.along_beside_px = vec2f(along, beside);
+    corner.along_across_px = vec2f(along, across);
     corner.length_px = length_px;
     corner.from_colour = segment.from_colour;
     corner.to_colour = segment.to_colour;
@@ -61,9 +61,9 @@ fn vertex(@builtin(vertex_index) index: u32, segment: Segment) -> Corner {
 
 @fragment
 fn fragment(corner: Corner) -> @location(0) vec4f {
-    let along = corner.along_beside_px.x;
+    let along = corner.along_across_px.x;
     let past_end = along - clamp(along, 0.0, corner.length_px);
-    let off_px = length(vec2f(past_end, corner.along_beside_px.y));
+    let off_px = length(vec2f(past_end, corner.along_across_px.y));
     let coverage = clamp(line.half_width_px + 0.5 - off_px, 0.0, 1.0);
     if coverage <= 0.0 {
         discard;

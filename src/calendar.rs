@@ -1,4 +1,4 @@
-//! Unix seconds, as logs count them, and the dates that people write, in UTC. Leans on nothing; any room may use it.
+//! Unix seconds, as logs count them, and the dates that people write, in UTC. It depends on no other module; any may use it.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat, Utc};
 

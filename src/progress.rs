@@ -1,9 +1,9 @@
-//! What a running stage tells about itself, and how it is told to stop.
+//! Progress of a running stage, and its cancellation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// A stage was told to stop; its partial result is dropped.
+/// A stage was cancelled; its partial result is dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;

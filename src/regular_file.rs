@@ -1,5 +1,5 @@
-//! Files that a user names: opened only where they are files, and read no further than they can sensibly reach. Leans on nothing; any
-//! room may use it.
+//! Files that a user names: opened only where they are files, and read no further than they can sensibly reach. It depends on no other module;
+//! any may use it.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};

@@ -1,4 +1,4 @@
-//! Middles and spreads that a few bad values cannot move. Leans on nothing; any room may use it.
+//! Middles and spreads that a few bad values cannot move. It depends on no other module; any may use it.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! What the system says of files, in words that tell what to do. Leans on nothing; any room may use it.
+//! What the system says of files, in plain words that say what to do. It depends on no other module; any may use it.
 
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};

@@ -56,7 +56,7 @@ actions! {
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveProject, "Save project", Some("Ctrl+S"), "Writes logs, settings and all decisions into the project's file; asks for its name at first.";
     SaveProjectAs, "Save project as…", Some("Ctrl+Shift+S"), "Keeps what is open as a project in another file.";
-    SaveReview, "Save review", None, "Writes the decisions about the boxes into a file beside the log.";
+    SaveReview, "Save review", None, "Writes the decisions about the boxes into a sidecar file of the log.";
     TakeUpUnsaved, "Take up unsaved decisions", None, "Takes the decisions that were not saved when this log was last open.";
     ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
     OpenTruth, "Open truth…", None, "Opens what is known to lie in this log: a table of objects that was simulated, or a review.";
@@ -123,7 +123,7 @@ actions! {
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
-    DrawBottom, "Draw the bottom", Some("M"), "Drags in the waterfall draw the first return; with Ctrl none is heard there, with Alt the search counts again. Up and Down make it shallower and deeper at the selected ping.";
+    DrawBottom, "Draw the bottom", Some("M"), "A drag in the waterfall draws the first return, with Ctrl it marks that there is none, with Alt it removes the edit. Up and Down make it shallower and deeper at the selected ping.";
     BottomBothSides, "Draw the bottom on both sides", None, "What is drawn on one side is drawn on the other at the same ranges.";
     ForgetBottom, "Forget the drawn bottom", None, "Takes the first returns that were found again, everywhere.";
     LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box, or else removes the measurement.";
@@ -138,7 +138,7 @@ actions! {
     SaveProfile, "Save the depth profile…", None, "Writes distance, position and depth along the line as CSV.";
     CopyProfile, "Copy the depth profile", None, "Copies distance, position and depth along the line as CSV.";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
-    CalibrationReset, "Calibrate at the flattest stretch", None, "Forgets the stretch that was picked by hand.";
+    CalibrationReset, "Calibrate at the flattest stretch", None, "Removes the picked stretch.";
     OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";
     Theme, "Light or dark", Some("L"), "Switches between the light and the dark theme.";
     Orientation, "Turn the waterfall", Some("V"), "Time to the right, or down the screen.";

@@ -58,14 +58,14 @@ impl App {
             Command::Tabulate => self.tabulate(),
             Command::CompareWith(path) => self.compare_with(path),
             Command::MatchBy { by, radius_m } => self.match_by(by, radius_m),
-            Command::Measure(wish) => self.measure(wish),
+            Command::Measure(request) => self.measure(request),
             Command::OpenBaseMap(path) => self.open_base_map(path),
             Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
             Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
             Command::OpenTable(path) => self.read_external(path, None),
             Command::SaveFigure(path) => self.save_figure(path),
             Command::SaveProfile(path) => self.save_profile(path),
-            Command::Tell(text) => self.tell(text, true),
+            Command::Notify(text) => self.notify(text, true),
             Command::Dismiss(index) => {
                 if index < self.notices.len() {
                     self.notices.remove(index);
@@ -110,7 +110,7 @@ impl App {
             Err(text) => {
                 // A drag would say it over and over.
                 if self.notices.last().is_none_or(|last| last.text != text) {
-                    self.tell(text, true);
+                    self.notify(text, true);
                 }
                 return;
             }
@@ -137,7 +137,7 @@ impl App {
         self.log.own = own;
         match self.log.own.compose(&self.shared) {
             Ok(settings) => self.set(settings, live),
-            Err(error) => self.tell(error.to_string(), true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -152,7 +152,7 @@ impl App {
 
     fn set(&mut self, settings: Settings, live: bool) {
         if let Err(text) = self.follow_track(&settings.track) {
-            return self.tell(text, true);
+            return self.notify(text, true);
         }
         let changed = settings != *self.log.settings;
         if changed {
@@ -381,7 +381,7 @@ impl App {
             .and_then(|mark| self.stretch_around(mark.ping));
         match pings {
             Some(pings) => self.calibrate_at(pings),
-            None => self.tell("select a ping first, then calibrate there".to_owned(), true),
+            None => self.notify("select a ping first, then calibrate there".to_owned(), true),
         }
     }
 }

@@ -24,7 +24,7 @@ impl App {
             self.start_base_map(path, true);
         } else {
             let text = format!("The base map of last time is gone: {}", path.display());
-            self.tell(text, false);
+            self.notify(text, false);
         }
     }
 
@@ -69,11 +69,11 @@ impl App {
             // As it was left: shown or not, and without a word.
             Ok(map) if is_of_last_time => self.base_map = Some(Arc::new(map)),
             Ok(map) => {
-                self.tell(self.words_about(&map), false);
+                self.notify(self.words_about(&map), false);
                 self.options.map.layers.set_visible(MapLayer::BaseMap, true);
                 self.base_map = Some(Arc::new(map));
             }
-            Err(text) => self.tell(text, !is_of_last_time),
+            Err(text) => self.notify(text, !is_of_last_time),
         }
     }
 

@@ -1,9 +1,9 @@
-//! The bottom drawn by hand: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
-//! in `LOG.bottom.toml` beside the log as they are made.
+//! Bottom edits: strokes of the pen and steps of the keys become settings, which undo takes back, and are kept
+//! in the sidecar file `LOG.bottom.toml` as they are made.
 
 use super::{App, Mark};
 use crate::export;
-use crate::first_return::{BottomSettings, HandLine};
+use crate::first_return::{BottomEdit, BottomSettings};
 use crate::pipeline::Settings;
 use crate::regular_file;
 use crate::survey::{Side, Survey};
@@ -23,7 +23,7 @@ const LABEL: &str = "bottom";
 pub enum Ink {
     /// The bottom is where it was drawn.
     Bottom,
-    /// No bottom is heard.
+    /// No bottom is detected.
     Silence,
     /// What the search found counts again.
     Search,
@@ -66,12 +66,12 @@ impl App {
         let mut bottom = self.bottom_of(survey);
         for side in self.sides_of(stroke.side) {
             let tolerance_m = half_a_sample_m(survey, side, &stroke.path);
-            let Some(line) = HandLine::along(&stroke.path, side, count, tolerance_m) else {
+            let Some(line) = BottomEdit::along(&stroke.path, side, count, tolerance_m) else {
                 return;
             };
             bottom = match stroke.ink {
                 Ink::Bottom => bottom.with(line),
-                Ink::Silence => bottom.with(HandLine {
+                Ink::Silence => bottom.with(BottomEdit {
                     corners: Vec::new(),
                     ..line
                 }),
@@ -86,11 +86,11 @@ impl App {
         (Side::BOTH.into_iter()).filter(move |&one| both || one == side)
     }
 
-    /// Moves the bottom at the selected ping outward by samples; where none is heard, it begins at the recorded depth.
+    /// Moves the bottom at the selected ping outward by samples; where none is detected, it begins at the recorded depth.
     pub(super) fn nudge_bottom(&mut self, samples: i32) {
         let (Some(survey), Some(mark)) = (self.log.survey.clone(), self.selection) else {
             let text = "select a ping first, with the arrow keys or a click";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         let mut bottom = self.bottom_of(&survey);
         for side in self.sides_of(mark.side.unwrap_or(Side::Starboard)) {
@@ -104,7 +104,7 @@ impl App {
             let range_m = range_m
                 .max(f64::from(span.near_m))
                 .min(f64::from(span.far_m));
-            let line = HandLine {
+            let line = BottomEdit {
                 side,
                 pings: [mark.ping, mark.ping],
                 corners: vec![[mark.ping as f64, range_m]],
@@ -151,7 +151,7 @@ impl App {
 
     /// Takes up what was drawn on the log that is opened, `read` off the window's thread.
     pub(super) fn take_bottom(&mut self, log: Option<&Path>, read: Option<ReadBottom>) {
-        let path = log.map(|log| log.with_extension(BottomSettings::BESIDE));
+        let path = log.map(|log| log.with_extension(BottomSettings::SIDECAR));
         self.log.bottom_file = BottomFile {
             path,
             ..BottomFile::default()
@@ -161,7 +161,7 @@ impl App {
             Some(Ok(kept)) => kept,
             Some(Err(text)) => {
                 self.log.bottom_file.refused = true;
-                return self.tell(text, true);
+                return self.notify(text, true);
             }
         };
         let pings = kept.ping_count();
@@ -172,12 +172,12 @@ impl App {
             .bottom_file
             .path
             .as_deref()
-            .unwrap_or(Path::new(BottomSettings::BESIDE));
+            .unwrap_or(Path::new(BottomSettings::SIDECAR));
         let text = format!(
-            "The bottom of {pings} pings was drawn by hand when this log was last open: {}",
+            "The bottom edits of {pings} pings were made when this log was last open: {}",
             name.display()
         );
-        self.tell(text, false);
+        self.notify(text, false);
     }
 
     /// Writes what was drawn, when it is not what the file holds. An empty drawing takes the file away.
@@ -193,13 +193,13 @@ impl App {
             match export::keep_aside(&path) {
                 Ok(aside) => {
                     self.log.bottom_file.refused = false;
-                    let text = "What could not be used of the bottom drawn by hand is kept as";
-                    self.tell(format!("{text} {}", aside.display()), false);
+                    let text = "What could not be used of the bottom edits is kept as";
+                    self.notify(format!("{text} {}", aside.display()), false);
                 }
                 Err(error) => {
                     self.log.bottom_file.path = None;
-                    let text = format!("the bottom drawn by hand cannot be kept: {error}");
-                    return self.tell(text, true);
+                    let text = format!("the bottom edits cannot be saved: {error}");
+                    return self.notify(text, true);
                 }
             }
         }
@@ -208,8 +208,8 @@ impl App {
             Ok(()) => self.log.bottom_file.written = bottom.clone(),
             Err(text) => {
                 self.log.bottom_file.path = None;
-                let text = format!("the bottom drawn by hand cannot be kept: {text}");
-                self.tell(text, true);
+                let text = format!("the bottom edits cannot be saved: {text}");
+                self.notify(text, true);
             }
         }
     }
@@ -222,12 +222,12 @@ fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
     0.5 * span.map_or(0.02, |span| span.metres_per_sample())
 }
 
-/// A drawing that lay beside a log, or why it cannot be used.
+/// The bottom edits of a sidecar file, or why they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, String>;
 
 /// Reads what was drawn on a log of so many pings, if anything was.
 pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
-    let path = log.with_extension(BottomSettings::BESIDE);
+    let path = log.with_extension(BottomSettings::SIDECAR);
     if !path.is_file() {
         return None;
     }
@@ -235,14 +235,11 @@ pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
         let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
         let kept: Kept = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
         kept.bottom.check().map_err(str::to_owned)?;
-        kept.bottom.beside(survey)
+        kept.bottom.adopted(survey)
     };
-    Some(parsed().map_err(|what| {
-        format!(
-            "cannot use the bottom drawn by hand: {what}: {}",
-            path.display()
-        )
-    }))
+    Some(
+        parsed().map_err(|what| format!("cannot use the bottom edits: {what}: {}", path.display())),
+    )
 }
 
 fn write(path: &Path, bottom: &BottomSettings) -> Result<(), String> {

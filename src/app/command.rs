@@ -11,7 +11,7 @@ use crate::pipeline::{Preset, Settings};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// A wish of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
+/// A request of the analyst. Applied by [`super::App::apply`]; those of the window alone (layout, dialogs) pass through it
 /// and are carried out by the shell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
@@ -137,8 +137,8 @@ pub enum Command {
     SaveFigure(PathBuf),
     /// Write the depth profile into a file.
     SaveProfile(PathBuf),
-    /// Tell the analyst a sentence.
-    Tell(String),
+    /// Notify the analyst in a sentence.
+    Notify(String),
     /// Forget a notice.
     Dismiss(usize),
 }

@@ -102,7 +102,7 @@ impl App {
     pub(super) fn compare_with(&mut self, path: PathBuf) {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             let text = "open a log first, then what it is to be compared with";
-            self.tell(format!("{text}: {}", path.display()), true);
+            self.notify(format!("{text}: {}", path.display()), true);
             return;
         };
         let matching = self.comparing.matching(&products.settings);
@@ -146,13 +146,13 @@ impl App {
         self.comparing.opening = None;
         match opened {
             Ok(Opened { of, agreement }) => {
-                self.tell(words_about(&agreement), false);
+                self.notify(words_about(&agreement), false);
                 let layers = &mut self.options.map.layers;
                 layers.set_visible(MapLayer::Residuals, true);
                 self.comparing.reference = agreement.reference.clone();
                 self.tabulating.take(of, agreement);
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
     }
 }

@@ -39,7 +39,7 @@ impl Exporting {
 }
 
 impl App {
-    /// Writes something off the window's thread, and tells the sentence that comes of it.
+    /// Writes something off the window's thread, and notifies of the outcome.
     pub fn write(
         &mut self,
         write: impl FnOnce(&Progress) -> Result<String, String> + Send + 'static,
@@ -47,7 +47,7 @@ impl App {
         self.exporting = Some(Exporting::start(&self.jobs, write));
     }
 
-    /// Writes the products that are wanted, the comparison with the reference among them, and the report with the boxes as they
+    /// Writes the products that are requested, the comparison with the reference among them, and the report with the boxes as they
     /// are decided, into a folder.
     pub(super) fn export(&mut self, folder: PathBuf) {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
@@ -57,10 +57,10 @@ impl App {
         // No stage depends on it: the results are as good for any system.
         products.settings.crs = self.log.settings.crs;
         let left_out = &self.options.left_out;
-        let wanted = Product::ALL.into_iter();
-        let wanted: Vec<Product> = wanted.filter(|one| !left_out.contains(one)).collect();
+        let requested = Product::ALL.into_iter();
+        let requested: Vec<Product> = requested.filter(|one| !left_out.contains(one)).collect();
         let against = self.comparing.against(&products);
-        let against = against.filter(|_| wanted.contains(&Product::Residuals));
+        let against = against.filter(|_| requested.contains(&Product::Residuals));
         let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
         let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
         let run = Some((self.log.id, folder.clone()));
@@ -70,7 +70,7 @@ impl App {
             let logs = [ProcessedLog { survey, products }];
             let order = Order {
                 logs: &logs,
-                wanted: &wanted,
+                requested: &requested,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,
                 review: (boxes.as_ref()).map(|(review, raster)| (&**review, &**raster)),
@@ -88,7 +88,7 @@ impl App {
         (*log == self.log.id && !files.is_empty()).then_some((folder, files))
     }
 
-    /// Tells what was written, once it is.
+    /// Notifies of what was written.
     pub(super) fn poll_export(&mut self) {
         let Some(exporting) = &self.exporting else {
             return;
@@ -106,9 +106,9 @@ impl App {
                     let run = EarlierRun::read(&folder);
                     self.exported = run.map(|run| Exported { log, folder, run });
                 }
-                self.tell(text, false);
+                self.notify(text, false);
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
     }
 }

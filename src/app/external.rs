@@ -83,13 +83,13 @@ impl External {
 }
 
 impl App {
-    /// Starts reading a file of an instrument, or of the one that its columns tell.
+    /// Starts reading a file of an instrument, or of the one that its columns identify.
     pub(super) fn read_external(&mut self, path: PathBuf, instrument: Option<Instrument>) {
         if self.log.survey.is_none() {
             let text = "open the log first, then the water levels or the track that belong to it";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         }
-        let work = move |_: &Progress| match instrument.or_else(|| told_by(&path)) {
+        let work = move |_: &Progress| match instrument.or_else(|| instrument_of(&path)) {
             Some(Instrument::Gauge) => read_gauge(&path)
                 .map(Read::Levels)
                 .map_err(|error| error.to_string()),
@@ -113,7 +113,7 @@ impl App {
             Ok(Read::Levels(gauge)) => self.take_levels(gauge),
             Ok(Read::Track(track)) => self.take_track(track),
             Ok(Read::Points(path)) => self.compare_with(path),
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
     }
 
@@ -128,7 +128,7 @@ impl App {
             ..settings.water_level
         };
         match Correction::new(settings.depth(), survey).refused() {
-            Some(sentence) => self.tell(sentence.to_owned(), true),
+            Some(sentence) => self.notify(sentence.to_owned(), true),
             None => self.change(settings, "water levels", false),
         }
     }
@@ -158,26 +158,29 @@ impl App {
         self.change(settings, "external track", false);
     }
 
-    /// Makes the open survey one with the wanted track. The error is a sentence; the survey is as it was then.
-    pub(super) fn follow_track(&mut self, wanted: &TrackSettings) -> Result<(), String> {
+    /// Makes the open survey one with the requested track. The error is a sentence; the survey is as it was then.
+    pub(super) fn follow_track(&mut self, requested: &TrackSettings) -> Result<(), String> {
         let Some(survey) = self.log.survey.clone() else {
             return Ok(());
         };
-        let laid = survey.track.external.as_ref();
-        let laid = laid.map(|laid| (laid.path.as_path(), laid.offset_s));
-        let wish = wanted.file.as_deref().map(|path| (path, wanted.offset_s));
-        if laid == wish {
+        let applied = survey.track.external.as_ref();
+        let applied = applied.map(|applied| (applied.path.as_path(), applied.offset_s));
+        let request = requested
+            .file
+            .as_deref()
+            .map(|path| (path, requested.offset_s));
+        if applied == request {
             return Ok(());
         }
         let recorded = self.log.external.recorded.clone().unwrap_or(survey.clone());
-        let now = match wish {
+        let now = match request {
             None => recorded.clone(),
             Some((path, offset_s)) => {
                 let mut now = Survey::clone(&recorded);
                 self.log
                     .external
                     .track(path)?
-                    .lay_over(&mut now, offset_s)
+                    .apply(&mut now, offset_s)
                     .map_err(|error| error.to_string())?;
                 Arc::new(now)
             }
@@ -188,7 +191,7 @@ impl App {
             _ => Arc::new(Survey::clone(&now).in_frame(&self.plane)),
         };
         self.log.external.apart = Arc::new(apart(&recorded, &now));
-        self.log.external.recorded = wish.map(|_| recorded);
+        self.log.external.recorded = request.map(|_| recorded);
         if now.track.frame.origin() != survey.track.frame.origin() {
             self.plane = now.track.frame.clone();
             self.plane_serial += 1;
@@ -213,8 +216,8 @@ fn apart(recorded: &Survey, now: &Survey) -> TracksApart {
     TracksApart::new(&recorded.track, &now.track, &times_s, PAIRS)
 }
 
-/// What the columns of a table tell: levels are a gauge's; times and places without a depth are a track, as is all GPX.
-fn told_by(path: &Path) -> Option<Instrument> {
+/// The instrument that the columns of a table identify: levels are a gauge's; times and places without a depth are a track, as is all GPX.
+fn instrument_of(path: &Path) -> Option<Instrument> {
     let mut beginning = Vec::new();
     let opened = regular_file::open(path);
     opened

@@ -13,8 +13,8 @@ pub struct Figures {
     pub port_picks: usize,
     /// First returns found to starboard.
     pub starboard_picks: usize,
-    /// First returns flagged as canopy, both sides.
-    pub canopy: usize,
+    /// Above-bottom returns, both sides.
+    pub above_bottom: usize,
     /// Points of the cloud.
     pub points: usize,
     /// Points of first returns that are less sure than the least confidence.
@@ -39,7 +39,7 @@ impl Figures {
         Ok(Self {
             port_picks: found(Side::Port),
             starboard_picks: found(Side::Starboard),
-            canopy: canopy(&products.returns),
+            above_bottom: above_bottom(&products.returns),
             points: points.len(),
             unsure: products.cloud.unsure(min_confidence),
             outliers: products.cloud.outliers(&products.kept, min_confidence),
@@ -58,7 +58,7 @@ fn picks(returns: &FirstReturns, side: Side) -> usize {
     picks.filter(|pick| pick.is_some()).count()
 }
 
-fn canopy(returns: &FirstReturns) -> usize {
+fn above_bottom(returns: &FirstReturns) -> usize {
     let picks = Side::BOTH.iter().flat_map(|side| returns.side(*side));
-    picks.filter(|pick| pick.canopy).count()
+    picks.filter(|pick| pick.above_bottom).count()
 }

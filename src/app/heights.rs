@@ -67,7 +67,7 @@ impl App {
         if shown.len() < 2 {
             let text =
                 "heights are compared between logs: open two or more, and wait for their results";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         }
         let ids = shown.iter().map(|log| log.id).collect();
         let logs: Vec<ProcessedLog> = shown.into_iter().map(|log| log.log).collect();
@@ -84,13 +84,13 @@ impl App {
             Some(Outcome::Done(Some(found))) => {
                 if found.logs().all(|(_, offset)| offset.meetings == 0) {
                     let text = "the tracks of these logs meet nowhere, so their heights cannot be compared";
-                    self.tell(text.to_owned(), true);
+                    self.notify(text.to_owned(), true);
                 }
                 self.heights.found = Some(found);
             }
             Some(Outcome::Done(None)) => {}
             Some(Outcome::Failed) => {
-                self.tell("comparing heights failed unexpectedly".to_owned(), true);
+                self.notify("comparing heights failed unexpectedly".to_owned(), true);
             }
         }
         self.heights.task = None;
@@ -100,7 +100,7 @@ impl App {
     pub(super) fn apply_heights(&mut self) {
         let Some(found) = self.heights.found.clone() else {
             let text = "compare the heights of the logs first";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.meetings > 0) {

@@ -89,25 +89,28 @@ pub(super) struct Loading {
 impl Loading {
     /// Starts opening a log beside those that are `open`.
     pub fn start(request: Request, open: Vec<Arc<Survey>>, in_project: bool, jobs: &Jobs) -> Self {
-        let wanted = request.origin.clone();
+        let requested = request.origin.clone();
         let task = Task::start(jobs, move |progress| {
-            if let Origin::Path(path) = &wanted {
+            if let Origin::Path(path) = &requested {
                 let logs = formats::logs_in(path);
                 if logs.len() > 1 {
                     return Ok(Opened::Folder(logs));
                 }
             }
-            let mut survey = wanted.open(progress).map_err(|error| error.to_string())?;
+            let mut survey = requested
+                .open(progress)
+                .map_err(|error| error.to_string())?;
             if let Some(known) = open.iter().find(|known| is_same_recording(known, &survey)) {
                 return Ok(Opened::Known(known.name()));
             }
-            formats::hold(&mut survey, progress).map_err(|error| error.to_string())?;
+            formats::load_removable_into_memory(&mut survey, progress)
+                .map_err(|error| error.to_string())?;
             let log = survey.source.files.first();
-            let drawn = match &wanted {
+            let drawn = match &requested {
                 Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),
                 Origin::Demo => None,
             };
-            let is_file = matches!(wanted, Origin::Path(_));
+            let is_file = matches!(requested, Origin::Path(_));
             let file = (in_project && is_file).then(|| LogFile::of(&survey, progress));
             let file = file.transpose().map_err(|error| error.to_string())?;
             Ok(Opened::Log(Box::new(survey), drawn, file))
@@ -138,7 +141,8 @@ impl Loading {
 /// Opens a log that is named in a project, into memory where it lies on a card.
 pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, String> {
     let mut survey = formats::open(path, progress).map_err(|error| error.to_string())?;
-    formats::hold(&mut survey, progress).map_err(|error| error.to_string())?;
+    formats::load_removable_into_memory(&mut survey, progress)
+        .map_err(|error| error.to_string())?;
     Ok(survey)
 }
 
@@ -146,6 +150,6 @@ pub(super) fn hold_log(path: &Path, progress: &Progress) -> Result<Survey, Strin
 fn is_same_recording(one: &Survey, other: &Survey) -> bool {
     let is_same = Identity::of(one).is_same_log(&Identity::of(other));
     let [one, other] = [one, other].map(|survey| survey.bytes.iter());
-    // A clone of the demo, or a log without bytes, is told by its size alone.
+    // A clone of the demo, or a log without bytes, is identified by its size alone.
     is_same && one.zip(other).all(|(one, other)| **one == **other)
 }

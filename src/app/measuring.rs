@@ -79,7 +79,7 @@ impl Figure {
     }
 }
 
-/// A wish about the figure.
+/// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// One more corner here.
@@ -109,7 +109,7 @@ impl Measuring {
         }
     }
 
-    /// Whether the plot of a depth profile is wanted.
+    /// Whether the plot of a depth profile is requested.
     pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.kind);
         self.tool.or(drawn) == Some(FigureKind::Profile)
@@ -148,9 +148,9 @@ impl App {
         }
     }
 
-    /// Carries out a wish about the figure.
-    pub(super) fn measure(&mut self, wish: Measure) {
-        match wish {
+    /// Carries out a request about the figure.
+    pub(super) fn measure(&mut self, request: Measure) {
+        match request {
             Measure::Corner(at) => {
                 let Some(kind) = self.measuring.tool else {
                     return;
@@ -228,11 +228,11 @@ impl App {
             return;
         }
         match export::write_profile_csv(&path, &text) {
-            Ok(()) => self.tell(
+            Ok(()) => self.notify(
                 format!("Wrote the depth profile to {}", path.display()),
                 false,
             ),
-            Err(error) => self.tell(error.to_string(), true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 }

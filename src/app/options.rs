@@ -135,7 +135,7 @@ pub struct WaterfallOptions {
     pub flat_stretches: bool,
     /// Draw the boxes of objects.
     pub boxes: bool,
-    /// The bottom that is drawn by hand on one side is drawn on the other too.
+    /// A bottom edit on one side is made on the other too.
     pub bottom_both_sides: bool,
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Request {
     pub survey: Arc<Survey>,
     pub image: ImageSettings,
     pub first_return: FirstReturnSettings,
-    /// Drawn by hand over what is found.
+    /// Manual picks that replace what is found.
     pub bottom: BottomSettings,
     /// Pings on screen.
     pub visible: Range<usize>,
@@ -126,12 +126,12 @@ impl Previewer {
         }
     }
 
-    fn start(&mut self, request: Request, jobs: &Jobs, wanted: bool) {
+    fn start(&mut self, request: Request, jobs: &Jobs, requested: bool) {
         let key = request.key();
         let known = self.measured.as_ref().filter(|(known, _)| *known == key);
         let known = known.map(|(_, measured)| measured.clone());
         self.running = Some(Task::start(jobs, move |progress| {
-            answer(request, known, wanted, progress)
+            answer(request, known, requested, progress)
         }));
     }
 
@@ -158,7 +158,7 @@ impl Previewer {
 fn answer(
     request: Request,
     known: Option<Arc<Measured>>,
-    wanted: bool,
+    requested: bool,
     progress: &Progress,
 ) -> Result<Answer, Cancelled> {
     let key = request.key();
@@ -166,9 +166,9 @@ fn answer(
         Some(measured) => measured,
         None => Arc::new(Measured::measure(&request, progress)?),
     };
-    let preview = if wanted {
+    let preview = if requested {
         let mut returns = search(&request, &measured, progress)?;
-        request.bottom.lay_over(&request.survey, &mut returns);
+        request.bottom.apply(&request.survey, &mut returns);
         Some(Preview {
             image: request.image,
             first_return: request.first_return,
@@ -194,7 +194,7 @@ fn search(
         Measured::Index(index) => Ok(index.detect(
             &request.survey,
             settings.threshold,
-            settings.canopy_margin_m,
+            settings.above_bottom_margin_m,
         )),
         Measured::Scale(normalisation) => {
             let end = request.visible.end.min(request.base.port.len());

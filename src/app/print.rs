@@ -17,7 +17,7 @@ pub enum Paper {
     A4,
     /// 297 by 420 mm.
     A3,
-    /// A screen: as wide as wished, as tall as the view is.
+    /// A screen: as wide as requested, as tall as the view is.
     Pixels,
 }
 

@@ -20,6 +20,9 @@ const MEASUREMENT: u32 = 1;
 /// The base map among the project's files.
 const BASE_MAP: &str = "base_map";
 
+/// The files of the open logs with their hashes; `None` when that was cancelled.
+type Hashed = Option<Vec<(LogId, LogFile)>>;
+
 /// Where the open project is kept, and what is under way about it.
 #[derive(Default)]
 pub(super) struct Keeping {
@@ -28,7 +31,7 @@ pub(super) struct Keeping {
     project: Project,
     opening: Option<Task<Result<OpenedLogs, String>>>,
     /// A project that is about to be written for the first time: where, and what the open logs' files are.
-    naming: Option<(PathBuf, Task<Option<Vec<(LogId, LogFile)>>>)>,
+    naming: Option<(PathBuf, Task<Hashed>)>,
     /// It cannot be written; it was said.
     failed: bool,
 }
@@ -100,7 +103,7 @@ impl App {
             || logs.is_empty()
         {
             let text = "a project is kept of logs that are files; open one or more first";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         }
         let task = Task::start(&self.jobs, move |progress| {
             let file = |(id, survey, known): (LogId, Arc<Survey>, Option<LogFile>)| {
@@ -120,15 +123,15 @@ impl App {
         self.keep_project("save");
         let Some(store) = &mut self.keeping.store else {
             let text = "nothing is kept as a project yet; save it under a name first";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         match store.save(&self.keeping.project) {
             Ok(()) => {
                 self.keeping.failed = false;
                 let text = format!("Saved the project: {}", store.path().display());
-                self.tell(text, false);
+                self.notify(text, false);
             }
-            Err(error) => self.tell(error.to_string(), true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -145,7 +148,7 @@ impl App {
             Ok(()) => self.keeping.failed = false,
             Err(error) => {
                 if !std::mem::replace(&mut self.keeping.failed, true) {
-                    self.tell(error.to_string(), true);
+                    self.notify(error.to_string(), true);
                 }
             }
         }
@@ -232,12 +235,12 @@ impl App {
                 self.keeping.opening = None;
                 match read {
                     Ok(read) => self.take_project(read),
-                    Err(text) => self.tell(text, true),
+                    Err(text) => self.notify(text, true),
                 }
             }
             Some(Outcome::Failed) => {
                 self.keeping.opening = None;
-                self.tell("opening the project failed unexpectedly".to_owned(), true);
+                self.notify("opening the project failed unexpectedly".to_owned(), true);
             }
             Some(Outcome::Pending) | None => {}
         }
@@ -268,9 +271,9 @@ impl App {
                 self.keeping.store = Some(store);
                 self.keeping.project = project;
                 self.keeping.failed = false;
-                self.tell(text, false);
+                self.notify(text, false);
             }
-            Err(error) => self.tell(error.to_string(), true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -308,7 +311,7 @@ impl App {
             self.reopen_base_map(path);
         }
         for text in told.into_iter().chain(notes) {
-            self.tell(text, false);
+            self.notify(text, false);
         }
         self.schedule();
     }
@@ -318,14 +321,14 @@ impl App {
         self.log.is_visible = log.is_visible;
         self.log.own = Arc::new(log.settings.clone());
         if let Err(text) = self.follow_track(&settings.track) {
-            self.tell(text, true);
+            self.notify(text, true);
         }
         self.log.settings = Arc::new(settings);
         self.log.reviewing.take_kept(log.review.clone());
         self.leave_sidecars();
     }
 
-    /// What is decided about the log is kept in the project from now on, not beside the log.
+    /// What is decided about the log is kept in the project from now on, not next to the log.
     fn leave_sidecars(&mut self) {
         self.log.bottom_file = super::bottom::BottomFile::default();
         self.log.reviewing.keep_elsewhere();

@@ -44,11 +44,11 @@ impl App {
             return;
         }
         match write(self, &figure, &path) {
-            Ok(()) => self.tell(
+            Ok(()) => self.notify(
                 format!("Wrote the measurement to {}", path.display()),
                 false,
             ),
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
     }
 }

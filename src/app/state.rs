@@ -91,7 +91,7 @@ pub struct App {
     pub(super) plane: LocalFrame,
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
-    /// Grows when the plane of the survey moves: with each survey opened, and with each track laid over it.
+    /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
     pub plane_serial: u64,
     /// What is selected.
     pub selection: Option<Mark>,
@@ -105,7 +105,7 @@ pub struct App {
     pub options: ViewOptions,
     /// Logs opened before, newest first.
     pub recent: Vec<PathBuf>,
-    /// What to tell.
+    /// The text.
     pub notices: Vec<Notice>,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,

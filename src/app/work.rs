@@ -69,7 +69,7 @@ impl App {
             (Err(text), _) => {
                 // The same settings would only fail again.
                 self.is_waiting = true;
-                self.tell(text, true);
+                self.notify(text, true);
             }
         }
         self.schedule();
@@ -98,9 +98,9 @@ impl App {
                     "This recording is open already, as {name}: {}",
                     origin.name()
                 );
-                self.tell(text, false);
+                self.notify(text, false);
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
         self.load_next();
     }
@@ -218,8 +218,8 @@ impl App {
         self.each_log(|app| app.log.external.stop_reading());
     }
 
-    /// Tells the analyst a sentence.
-    pub(super) fn tell(&mut self, text: String, is_error: bool) {
+    /// Notifies the analyst in a sentence.
+    pub(super) fn notify(&mut self, text: String, is_error: bool) {
         self.notices.push(Notice {
             text: one_line(&in_plain_words(&text)),
             is_error,
@@ -234,7 +234,7 @@ impl App {
             .is_some_and(|survey| survey.source.files.iter().any(is_this));
         if is_log {
             let path = path.display();
-            self.tell(
+            self.notify(
                 format!("that is the log itself; choose another name: {path}"),
                 true,
             );
@@ -242,7 +242,7 @@ impl App {
         is_log
     }
 
-    /// Tells the analyst a sentence, and what can be done about it.
+    /// Notifies the analyst, with what can be done about it.
     pub(super) fn offer(&mut self, text: String, action: Action) {
         self.notices.push(Notice {
             text: one_line(&text),

@@ -13,7 +13,7 @@ mod place;
 pub use colours::Colour;
 pub use place::Place;
 
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use crate::geo::LonLat;
 use crate::progress::{Cancelled, Progress};
 use crate::regular_file;
@@ -116,7 +116,7 @@ fn unusable(error: impl std::fmt::Display) -> String {
 /// When the file cannot be read or shown, or the work was cancelled.
 pub fn open(path: &Path, progress: &Progress) -> Result<BaseMap, BaseMapError> {
     let damaged = || Err(unusable("it is damaged").into());
-    let opened = contained(|| open_file(path, progress)).unwrap_or_else(damaged);
+    let opened = catch_panic(|| open_file(path, progress)).unwrap_or_else(damaged);
     opened.map_err(|fault| match fault {
         Fault::Unusable(what) => BaseMapError::Unusable {
             what,
@@ -285,7 +285,7 @@ impl BaseMap {
         let small_enough = |level: &&Level| count(level) <= MOST_PIXELS;
         let (index, level) = {
             let coarse_first = || self.levels.iter().enumerate().rev();
-            let wanted =
+            let requested =
                 coarse_first().find(|(_, level)| fine_enough(level) && small_enough(level));
             let possible = || {
                 self.levels
@@ -293,7 +293,7 @@ impl BaseMap {
                     .enumerate()
                     .find(|(_, level)| small_enough(level))
             };
-            wanted.or_else(possible)?
+            requested.or_else(possible)?
         };
         if count(level) == 0 {
             return None;
@@ -346,10 +346,10 @@ impl BaseMap {
         if let Some(block) = reader.blocks.get((directory, number)) {
             return Some(block);
         }
-        let bytes = contained(|| reader.read(directory, number)).flatten()?;
+        let bytes = catch_panic(|| reader.read(directory, number)).flatten()?;
         let mut colours = self.coding.colours(&bytes);
         if let Some(mask) = level.mask {
-            let mask = contained(|| reader.read(mask, number)).flatten()?;
+            let mask = catch_panic(|| reader.read(mask, number)).flatten()?;
             let wide = level.block[0].min(level.size[0].saturating_sub(column * level.block[0]));
             masks::hide(&mut colours, &mask, wide as usize);
         }

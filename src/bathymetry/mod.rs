@@ -2,12 +2,12 @@
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`) and `inverse_distance` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
-//! `compare` holds points against a reference, `crossings` the passes of a survey against each other, `height_offsets` finds what sets
+//! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
 //! along a line.
 
 pub mod compare;
-pub mod crossings;
+pub mod crosslines;
 mod grid;
 pub mod height_offsets;
 mod hill_shade;

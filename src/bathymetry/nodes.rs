@@ -50,7 +50,7 @@ pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     nodes
 }
 
-/// `None` without points. The spread is NaN where it cannot be told.
+/// `None` without points. The spread is NaN where it is unknown.
 fn merge(
     mut same: impl ExactSizeIterator<Item = DepthPoint> + Clone,
     depths: &mut Vec<(f64, f64)>,

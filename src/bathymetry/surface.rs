@@ -40,10 +40,10 @@ pub struct SurfaceSettings {
     /// What a side-scan point counts there; 0 leaves them out.
     pub side_scan_weight: f64,
     /// Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.
-    pub canopy: bool,
+    pub above_bottom: bool,
     /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
     /// metres: a field of boulders, no clump of weed, fish or object.
-    pub longest_canopy_m: f64,
+    pub longest_above_bottom_m: f64,
 }
 
 impl Default for SurfaceSettings {
@@ -57,8 +57,8 @@ impl Default for SurfaceSettings {
             // On ponds 101 to 110 of `cargo bench -- surface` the map's error falls up to 1 and stays beyond: RMS 3.8 cm with
             // soundings only, 3.4 at 0.3, 3.2 at 1 (gentle), 17.4, 16.5, 16.4 (steep), 6.6, 6.5, 6.3 (rough).
             side_scan_weight: 1.0,
-            canopy: false,
-            longest_canopy_m: 40.0,
+            above_bottom: false,
+            longest_above_bottom_m: 40.0,
         }
     }
 }
@@ -77,7 +77,9 @@ impl SurfaceSettings {
 
     /// Whether a point above the recorded depth is taken for weed, fish or an object.
     pub fn leaves_out(&self, point: &CloudPoint) -> bool {
-        point.canopy && !self.canopy && f64::from(point.above_bottom_m) <= self.longest_canopy_m
+        point.above_bottom
+            && !self.above_bottom
+            && f64::from(point.above_bottom_m) <= self.longest_above_bottom_m
     }
 }
 
@@ -132,7 +134,7 @@ pub fn surface(
         return Ok(None);
     };
     progress.check()?;
-    // Soundings nearer to each other than a cell cannot be told apart in the map.
+    // Soundings nearer to each other than a cell cannot be distinguished in the map.
     let nodes = merge_repeated(&points, grid.cell_m);
     drop(points);
     progress.check()?;

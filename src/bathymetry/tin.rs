@@ -25,7 +25,7 @@ pub struct Tin {
 }
 
 /// Triangles with no edge longer than this share of the gap are always kept: along a single track they lie in a row, nearly
-/// flat, and what they hold beside the track is nothing to speak of.
+/// flat, and their area across the track is negligible.
 const SHORT_EDGES: f64 = 0.25;
 
 /// How the depth between the corners is found.

@@ -57,7 +57,7 @@ impl Agreement {
     /// poorer side. A few of those are fish and interference; where there are many, what is left was selected: over boulders
     /// and weed the pings at which they end below the margin.
     ///
-    /// Zero where the log has no picks at all: then nothing tells one stretch from another.
+    /// Zero where the log has no picks at all: then nothing distinguishes one stretch from another.
     pub(super) fn doubt_m(&self, pings: &Range<usize>) -> f64 {
         let (before, after) = (self.sums[pings.start], self.sums[pings.end]);
         let count = |side: Side| after.count(side) - before.count(side);

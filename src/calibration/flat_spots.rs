@@ -1,4 +1,4 @@
-//! Where the bottom is flat along the track, and both sides hear it.
+//! Where the bottom is flat along the track, and both sides detect it.
 
 use super::FlatSpot;
 use super::agreement::Agreement;
@@ -96,14 +96,14 @@ fn of_stretch(
         .map(|ping| f64::from(ping.depth_m))
         .filter(|&depth_m| depth_m > 0.0)
         .collect();
-    let heard = inside(picks, &pings);
-    let ppd = pixels_per_metre(heard, pings.len());
+    let spot_picks = inside(picks, &pings);
+    let ppd = pixels_per_metre(spot_picks, pings.len());
     FlatSpot {
         depth_m: median(&mut depths_m),
         slope,
         scatter_m,
-        picks: Side::BOTH.map(|side| heard.iter().filter(|pick| pick.side == side).count()),
-        factor: ppd.and_then(|_| header_factor(heard)),
+        picks: Side::BOTH.map(|side| spot_picks.iter().filter(|pick| pick.side == side).count()),
+        factor: ppd.and_then(|_| header_factor(spot_picks)),
         ppd,
         pings,
     }

@@ -32,10 +32,10 @@ const TOLERANCE_M: f64 = 0.04;
 /// 240 simulated logs none gets a wrong offset by these, and the river of the tests, whose recorder rounds depths to 0.1 m, keeps its.
 const MOST_DRIFT_M: f64 = 0.07;
 const MOST_UNCERTAIN_M: f64 = 0.10;
-/// Share of the deeper side's picks in a block that may be flagged as canopy or obstacle: where there are more, the ground is not
+/// Share of the deeper side's picks in a block that may be flagged as an above-bottom return: where there are more, the ground is not
 /// what was found first. Those of the other blocks count, flagged or not: to leave them out would select the late ones.
 const MOST_FLAGGED: f64 = 0.4;
-/// Share of the blocks that tell an offset, at least: of fewer, which ones they are is an accident.
+/// Share of the blocks that support an offset, at least: of fewer, which ones they are is an accident.
 const MIN_SHARE: f64 = 0.2;
 /// Scatter of blocks that is always there, metres, and the number of them that is a handful.
 const LEAST_SCATTER_M: f64 = 0.01;
@@ -52,7 +52,7 @@ pub struct RangeOffset {
     pub uncertainty_m: f64,
     /// Blocks of pings that it rests on.
     pub blocks: usize,
-    /// Share of the blocks at recorded depths that it rests on, 0 to 1: the others are canopy and obstacles.
+    /// Share of the blocks at recorded depths that it rests on, 0 to 1: the others are above-bottom returns.
     pub share: f64,
     /// Median recorded depth of the blocks, metres.
     pub depth_m: f64,
@@ -139,7 +139,7 @@ impl RangeOffset {
             ))
         } else if !is_edge && !is_constant {
             Some(format!(
-                "The depths vary too little to tell whether the offset of {offset_m:+.2} m between first returns and recorded depths is a constant: it is not taken off the ranges."
+                "The depths vary too little to decide whether the offset of {offset_m:+.2} m between first returns and recorded depths is a constant: it is not taken off the ranges."
             ))
         } else {
             None
@@ -163,7 +163,7 @@ fn depth_and_excess(block: &[Usable]) -> Option<(f64, f64)> {
 /// Median of range minus recorded depth on one side, metres, and the share of its picks that is flagged.
 fn excess_m(block: &[Usable], side: Side) -> Option<(f64, f64)> {
     let picks = || block.iter().filter(|pick| pick.side == side);
-    let flagged = picks().filter(|pick| pick.canopy).count();
+    let flagged = picks().filter(|pick| pick.above_bottom).count();
     let mut excess: Vec<f64> = picks().map(|pick| pick.range_m - pick.depth_m).collect();
     let flagged = flagged as f64 / excess.len() as f64;
     (excess.len() >= MIN_PICKS).then(|| (median(&mut excess), flagged))

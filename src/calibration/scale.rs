@@ -24,8 +24,8 @@ pub(super) struct Usable {
     pub(super) range_m: f64,
     /// Recorded depth, metres.
     pub(super) depth_m: f64,
-    /// Flagged as canopy or obstacle: it must not calibrate.
-    pub(super) canopy: bool,
+    /// Flagged as an above-bottom return: it must not calibrate.
+    pub(super) above_bottom: bool,
 }
 
 impl Usable {
@@ -34,11 +34,11 @@ impl Usable {
     }
 }
 
-/// The picks of the log that may calibrate, in ping order: no canopy, not at the search limit, not at the dead zone, and
+/// The picks of the log that may calibrate, in ping order: no above-bottom return, not at the search limit, not at the dead zone, and
 /// not where the recorder had lost the bottom.
 pub(super) fn usable_picks(survey: &Survey, returns: &FirstReturns) -> Vec<Usable> {
     let mut picks = picks_at_depths(survey, returns);
-    picks.retain(|pick| !pick.canopy);
+    picks.retain(|pick| !pick.above_bottom);
     let ranges_per_depth = |pick: &Usable| pick.range_m / pick.depth_m;
     let typical = median(&mut picks.iter().map(ranges_per_depth).collect::<Vec<_>>());
     picks.retain(|pick| {
@@ -67,7 +67,7 @@ fn pick_at_depth(survey: &Survey, ping: usize, side: Side, pick: &Pick) -> Optio
         sample,
         range_m: span.range_m(sample),
         depth_m,
-        canopy: pick.canopy,
+        above_bottom: pick.above_bottom,
     })
 }
 

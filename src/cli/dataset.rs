@@ -91,7 +91,7 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
     }
     refuse_in_use(folder)?;
     let names = ObjectKind::ALL.map(|kind| kind.name().to_owned());
-    let dataset = DatasetFolder::new(folder, &names).map_err(told)?;
+    let dataset = DatasetFolder::new(folder, &names).map_err(export_error)?;
     let mut pool = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = args.threads {
         pool = pool.num_threads(threads);
@@ -123,7 +123,7 @@ pub fn run(args: &DatasetArgs, seed: u64) -> Result<(), String> {
             .collect::<Result<Vec<Made>, String>>()
     })?;
     let manifest = Manifest::new(args, seed, &made);
-    dataset.manifest(&manifest).map_err(told)?;
+    dataset.manifest(&manifest).map_err(export_error)?;
     drop(status);
     let labels: usize = made
         .iter()
@@ -148,7 +148,7 @@ fn refuse_in_use(folder: &Path) -> Result<(), String> {
     }
 }
 
-fn told(error: ExportError) -> String {
+fn export_error(error: ExportError) -> String {
     error.to_string()
 }
 
@@ -188,7 +188,10 @@ impl Maker<'_> {
             .collect::<Result<_, String>>()?;
         let boxes: Vec<Boxes> = boxes.into_iter().flatten().collect();
         Ok(Made {
-            part: self.dataset.finish(self.part, &boxes).map_err(told)?,
+            part: self
+                .dataset
+                .finish(self.part, &boxes)
+                .map_err(export_error)?,
             scenes,
             scene_seeds: (0..scenes).map(|scene| self.seed_of(scene)).collect(),
         })
@@ -204,17 +207,19 @@ impl Maker<'_> {
         let seed = self.seed_of(index);
         let training = training_scene(seed, self.per_scene, TILE_PX as f64 * PIXEL_M);
         let first = index * self.per_scene;
-        let wanted = self.per_scene.min(self.images - first);
+        let requested = self.per_scene.min(self.images - first);
         let quiet = Progress::new();
         let simulated = simulation::simulate(&training.scene, seed, &quiet)
             .map_err(|error| error.to_string())?;
         if let Some(folder) = &self.surveys {
             simulate::write(&simulated, &folder.join(format!("{index:04}")))?;
         }
-        let chips = chips(&training, &simulated, wanted)?;
+        let chips = chips(&training, &simulated, requested)?;
         let mut all = Vec::with_capacity(chips.len());
         for (number, chip) in (first..).zip(chips) {
-            self.dataset.chip(self.part, number, &chip).map_err(told)?;
+            self.dataset
+                .chip(self.part, number, &chip)
+                .map_err(export_error)?;
             all.push(chip.boxes);
         }
         self.progress.advance(all.len() as u64);
@@ -222,11 +227,11 @@ impl Maker<'_> {
     }
 }
 
-/// The first `wanted` pictures of a scene.
+/// The first `requested` pictures of a scene.
 fn chips(
     training: &TrainingScene,
     simulated: &Simulated,
-    wanted: usize,
+    requested: usize,
 ) -> Result<Vec<Chip>, String> {
     let quiet = Progress::new();
     let survey = formats::open_bytes("scene.sl2", simulated.sl2_bytes(), &quiet)
@@ -240,7 +245,7 @@ fn chips(
     .map_err(|error| error.to_string())?;
     let raster = Raster::new(&survey, &navigation, PIXEL_M);
     let known = known_objects(simulated);
-    let looks = training.looks.iter().take(wanted);
+    let looks = training.looks.iter().take(requested);
     Ok(looks
         .map(|look| chip(&survey, &raster, look, &known))
         .collect())

@@ -4,7 +4,7 @@ use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{found, many, output};
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
 use crate::outputs::{self, RunFolder};
@@ -57,7 +57,7 @@ pub fn run(args: DetectArgs) -> Result<(), String> {
     detector.score = args.score.or(detector.score);
     detector.iou = args.iou.or(detector.iou);
     let model = load(detector.model.as_deref())?;
-    output::tell(format_args!("model: {}", model.description()));
+    output::notify(format_args!("model: {}", model.description()));
     let logs = Logs::new(settings)?;
     let inputs = many::logs(&args.inputs);
     let [input] = inputs.as_slice() else {
@@ -83,7 +83,7 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
         let folder = folders.next(&name.to_string_lossy());
         if let Err(sentence) = detect_into(input, model, logs, &folder) {
             failed += 1;
-            output::tell(format_args!("bathyscope: {sentence}"));
+            output::notify(format_args!("bathyscope: {sentence}"));
         }
     }
     if failed == 0 {
@@ -114,7 +114,7 @@ fn is_picture(path: &Path) -> bool {
     ending.is_some_and(|ending| ["png", "jpg", "jpeg"].iter().any(|one| ending == *one))
 }
 
-/// Searches a log and tells what was found.
+/// Searches a log and reports what was found.
 fn search_survey(
     input: &Path,
     model: &Model,
@@ -135,7 +135,7 @@ fn search_survey(
     Ok(found::proposed(&found, model.names()))
 }
 
-/// Searches a picture and tells what was found.
+/// Searches a picture and reports what was found.
 fn search_picture(
     input: &Path,
     model: &Model,
@@ -157,7 +157,7 @@ fn search_picture(
 
 /// The pixels of a file; the error is a sentence without the path.
 fn read_picture(path: &Path) -> Result<Picture, String> {
-    contained(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".to_owned()))
+    catch_panic(|| decode_picture(path)).unwrap_or_else(|| Err("it is damaged".to_owned()))
 }
 
 fn decode_picture(path: &Path) -> Result<Picture, String> {

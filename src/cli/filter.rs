@@ -51,7 +51,7 @@ pub fn run(args: FilterArgs) -> Result<(), String> {
     let format = PointFormat::of(&destination).map_err(|error| error.to_string())?;
     let file = points::read(&path, columns.as_ref()).map_err(|error| error.to_string())?;
     if let Some(note) = &file.note {
-        output::tell(format_args!("warning: {note}: {}", path.display()));
+        output::notify(format_args!("warning: {note}: {}", path.display()));
     }
     let progress = Progress::new();
     let status = StatusLine::new(&progress);

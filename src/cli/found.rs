@@ -42,7 +42,7 @@ mod tests {
     use crate::detection::{Detection, Mark};
     use crate::survey::Side;
 
-    fn told(classes: &[usize], objects: usize, unplaced: usize) -> String {
+    fn summary_of(classes: &[usize], objects: usize, unplaced: usize) -> String {
         let one = |&class: &usize| Detection {
             class,
             score: 0.5,
@@ -63,15 +63,15 @@ mod tests {
     }
 
     #[test]
-    fn boxes_are_told_from_objects() {
-        assert_eq!(told(&[], 0, 0), "no objects");
-        assert_eq!(told(&[1], 1, 0), "1 box (1 tyre) on 1 object");
+    fn boxes_are_distinguished_from_objects() {
+        assert_eq!(summary_of(&[], 0, 0), "no objects");
+        assert_eq!(summary_of(&[1], 1, 0), "1 box (1 tyre) on 1 object");
         assert_eq!(
-            told(&[0, 1, 0], 2, 0),
+            summary_of(&[0, 1, 0], 2, 0),
             "3 boxes (2 rock, 1 tyre) on 2 objects"
         );
         assert_eq!(
-            told(&[0, 0], 0, 2),
+            summary_of(&[0, 0], 0, 2),
             "2 boxes (2 rock), 2 of them without a place in the world"
         );
     }

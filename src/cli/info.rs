@@ -65,7 +65,7 @@ fn list_to_text(folder: &Path, logs: &[PathBuf]) -> String {
     }
     let folder = folder.display();
     text + &format!(
-        "`bathyscope info` tells all of one of them, `bathyscope process {folder} -o OUT` processes each"
+        "`bathyscope info` describes one of them in full, `bathyscope process {folder} -o OUT` processes each"
     )
 }
 
@@ -78,7 +78,7 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{ending}")
 }
 
-/// The one line that tells what was found.
+/// The summary of what was found.
 fn side_scan_sentence(survey: &Survey) -> String {
     match survey.side_scan_state {
         SideScanState::Usable => {

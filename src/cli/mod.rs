@@ -30,9 +30,9 @@ mod window;
 
 pub use dataset::known_objects;
 
-pub use crate::contained::is_told_of;
+pub use crate::catch_panic::is_to_be_printed;
 
-use crate::contained::reported;
+use crate::catch_panic::panic_as_error;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -61,7 +61,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Tell what is in a log: channels, pings, spans, ranges, warnings
+    /// List what is in a log: channels, pings, spans, ranges, warnings
     Info(info::InfoArgs),
     /// Compare points with a reference: mean, spread, 95 %, share within each S-44 order
     Compare(compare::CompareArgs),
@@ -92,7 +92,7 @@ pub fn main() -> ExitCode {
     let outcome = match opens_window {
         // It looks after its own work, and goes on when some of that fails.
         true => run(cli),
-        false => reported(|| run(cli)).unwrap_or_else(|fault| {
+        false => panic_as_error(|| run(cli)).unwrap_or_else(|fault| {
             Err(format!(
                 "a fault in Bathyscope itself stopped the work, and no half file is left: {fault}; please report it, with the file that it was about"
             ))
@@ -101,7 +101,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(sentence) => {
-            output::tell(format_args!("bathyscope: {sentence}"));
+            output::notify(format_args!("bathyscope: {sentence}"));
             ExitCode::FAILURE
         }
     }

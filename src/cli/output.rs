@@ -30,8 +30,8 @@ fn print(text: &str) -> Result<(), String> {
     }
 }
 
-/// Tells something on stderr, in one line. Where stderr takes nothing, there is no place left to complain.
-pub fn tell(text: impl Display) {
+/// Writes one line to stderr. Where stderr takes nothing, there is no place left to complain.
+pub fn notify(text: impl Display) {
     let text = text.to_string();
     let line = printable::one_line(&in_plain_words(&text));
     writeln!(io::stderr(), "{line}").ok();

@@ -66,14 +66,14 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         false => Some(detect::load(settings.detector.model.as_deref())?),
     };
     let logs = Logs::new(settings)?;
-    let wanted = match args.products.as_slice() {
+    let requested = match args.products.as_slice() {
         [] => &Product::ALL,
         named => named,
     };
     let how = How {
         settings: &logs.settings,
         model: model.as_ref(),
-        wanted,
+        requested,
         reference: args.reference.as_deref(),
         review: args.review.as_deref(),
     };
@@ -91,7 +91,7 @@ pub struct How<'a> {
     /// What searches for objects, if anything does.
     pub model: Option<&'a Model>,
     /// The products.
-    pub wanted: &'a [Product],
+    pub requested: &'a [Product],
     /// What it is held against besides.
     pub reference: Option<&'a OsStr>,
     /// Boxes that were decided about, for the report.
@@ -118,7 +118,7 @@ fn each(surveys: &[PathBuf], logs: &Logs, how: &How<'_>, output: &Path) -> Resul
     for path in surveys {
         if let Err(sentence) = how.process(logs, path, |survey| folders.next(&survey.name())) {
             failed += 1;
-            output::tell(format_args!("bathyscope: {sentence}"));
+            output::notify(format_args!("bathyscope: {sentence}"));
         }
     }
     all_or(failed, surveys.len())
@@ -134,13 +134,13 @@ fn all_or(failed: usize, all: usize) -> Result<(), String> {
     }
 }
 
-/// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and tells in a few lines
+/// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and reports in a few lines
 /// what came out.
 pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result<(), String> {
     let How {
         settings,
         model,
-        wanted,
+        requested,
         reference,
         review,
     } = *how;
@@ -162,7 +162,7 @@ pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result
     let log = ProcessedLog { survey, products };
     let order = Order {
         logs: slice::from_ref(&log),
-        wanted,
+        requested,
         reference: (reference.as_ref())
             .map(|reference| (reference, Matching::Surface { max_gap_m })),
         search: model,
@@ -171,7 +171,7 @@ pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result
     let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
     drop(status);
     for warning in &written.report.warnings {
-        output::tell(format_args!("warning: {warning}"));
+        output::notify(format_args!("warning: {warning}"));
     }
     output::results(written.report.summary())?;
     if let (Some(found), Some(model)) = (&written.found, model) {

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 pub struct ReviewArgs {
     /// The log
     survey: PathBuf,
-    /// The decisions about its boxes; without it, SURVEY.review.json beside the log
+    /// The decisions about its boxes; without it, SURVEY.review.json next to the log
     #[arg(long, value_name = "FILE")]
     review: Option<PathBuf>,
     /// Folder for objects.csv, .geojson, .kml, .gpx and dataset; made when missing
@@ -59,5 +59,5 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
         &progress,
     )?;
     drop(status);
-    output::results(written.told(&args.output))
+    output::results(written.summary(&args.output))
 }

@@ -17,7 +17,7 @@ pub struct SettingsArgs {
     /// The settings to start from
     #[arg(long, value_enum, default_value_t)]
     preset: Preset,
-    /// TOML file of settings laid over the preset; may be given again, LOG.bottom.toml of the window among them
+    /// TOML file of settings applied to the preset; may be given again, LOG.bottom.toml of the window among them
     #[arg(long, value_name = "FILE.toml")]
     settings: Vec<PathBuf>,
     /// One setting, for example first_return.threshold=0.35
@@ -73,7 +73,7 @@ impl Logs {
         })
     }
 
-    /// Opens a log, lays the track over it, and says what lies beside it unused.
+    /// Opens a log, applies the track, and names sidecar files that are not used.
     ///
     /// # Errors
     /// A sentence when it cannot be opened, or does not hold what the settings ask for.
@@ -104,13 +104,13 @@ impl Logs {
     }
 }
 
-/// Says that a bottom drawn by hand lies beside the log and is not in force: nothing is taken up unasked.
+/// Warns that bottom edits lie next to the log and are not in force: a run uses only what it was given.
 fn tell_of_drawing(survey: &Survey, settings: &Settings) {
     let log = survey.source.files.first();
-    let beside = log.map(|log| log.with_extension(BottomSettings::BESIDE));
-    if let Some(path) = beside.filter(|path| settings.bottom.is_empty() && path.is_file()) {
-        output::tell(format_args!(
-            "warning: a bottom drawn by hand lies beside the log and is not used; --settings takes it: {}",
+    let sidecar = log.map(|log| log.with_extension(BottomSettings::SIDECAR));
+    if let Some(path) = sidecar.filter(|path| settings.bottom.is_empty() && path.is_file()) {
+        output::notify(format_args!(
+            "warning: bottom edits lie next to the log and are not used; give them with --settings: {}",
             path.display()
         ));
     }

@@ -160,7 +160,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
         return Err(error.text.clone());
     }
     write_picture(&picture, &args.output)?;
-    output::tell(format_args!("drawn by {}", studio.adapter()));
+    output::notify(format_args!("drawn by {}", studio.adapter()));
     Ok(())
 }
 

@@ -55,7 +55,7 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         &How {
             settings: &Settings::default(),
             model: Some(&detect::load(None)?),
-            wanted: &Product::ALL,
+            requested: &Product::ALL,
             reference: None,
             review: None,
         },

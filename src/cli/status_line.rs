@@ -52,7 +52,7 @@ impl StatusLine {
                 if is_terminal && !step.name.is_empty() {
                     write_over(format_args!("{} {:3.0} %", step.name, 100.0 * fraction));
                 } else if let Some(line) = lines.next(&step, fraction, Instant::now()) {
-                    output::tell(line);
+                    output::notify(line);
                 }
             }
             if is_terminal {
@@ -74,7 +74,7 @@ impl StatusLine {
             began: Instant::now(),
         };
         if !self.is_terminal {
-            output::tell(name);
+            output::notify(name);
         }
     }
 }

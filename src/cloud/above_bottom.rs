@@ -1,7 +1,7 @@
 //! How far along the track first returns lie above the recorded depth.
 //!
 //! A clump of weed, a fish and an object are soon passed; a field of boulders or the foot of a bank goes on. Since the echo does
-//! not tell weed from boulders, their length along the track has to.
+//! not distinguish weed from boulders, their length along the track has to.
 
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, PingNav, Side, Survey};
@@ -26,7 +26,7 @@ pub(super) fn stretches_m(
         let picks = picks.into_iter().flatten().filter(|pick| pick.is_some());
         let has_depth = recorded.locked_depth_m() > 0.0;
         judged.push(judged[ping] + picks.clone().filter(|_| has_depth).count() as u32);
-        above.push(above[ping] + picks.filter(|pick| pick.canopy).count() as u32);
+        above.push(above[ping] + picks.filter(|pick| pick.above_bottom).count() as u32);
     }
     let pings = way_m.len().min(survey.side_scan.len());
     let belongs = |ping: usize| {

@@ -1,8 +1,8 @@
 //! Picks and soundings to points in the survey's plane.
 
 use super::above_bottom::stretches_m;
-use super::geometry::{Foot, beside, fixed_foot};
-use super::specular::{Pair, Rise, specular_foot};
+use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
+use super::specular::{CrossSlope, Pair, specular_point};
 use super::{
     CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource, Reduction,
     SoundingIndex,
@@ -45,24 +45,24 @@ pub fn build(
     progress.advance(1);
     let reduction = Reduction::new(calibration, correction);
     let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
-    let rises = match settings.geometry {
-        Geometry::Slope => rises(survey, &ranges),
+    let cross_slopes = match settings.geometry {
+        Geometry::Slope => cross_slopes(survey, &ranges),
         _ => Vec::new(),
     };
     let above_bottom_m = stretches_m(survey, navigation, returns);
     progress.advance(1);
     progress.check()?;
     for (side, ranges_m) in Side::BOTH.into_iter().zip(&ranges) {
-        let foot = |ping: usize, range_m: f64| match (rises.get(ping), side) {
-            (Some(rise), Side::Port) => specular_foot(range_m, rise.port_rad),
-            (Some(rise), Side::Starboard) => specular_foot(range_m, rise.starboard_rad),
-            (None, _) => fixed_foot(settings.geometry, range_m, settings.alpha2_deg),
+        let bottom_point = |ping: usize, range_m: f64| match (cross_slopes.get(ping), side) {
+            (Some(slope), Side::Port) => specular_point(range_m, slope.port_rad),
+            (Some(slope), Side::Starboard) => specular_point(range_m, slope.starboard_rad),
+            (None, _) => fixed_bottom_point(settings.geometry, range_m, settings.alpha2_deg),
         };
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
-        let found = side_points(navigation, returns, side, ranges_m, foot, z_m);
+        let found = side_points(navigation, returns, side, ranges_m, bottom_point, z_m);
         points.extend(found.map(|point| CloudPoint {
-            above_bottom_m: match point.canopy {
+            above_bottom_m: match point.above_bottom {
                 true => above_bottom_m[point.ping as usize],
                 false => 0.0,
             },
@@ -76,7 +76,7 @@ pub fn build(
     })
 }
 
-/// No side-scan hears farther, metres: where a calibration says so, it is that which is wrong.
+/// No side-scan reaches farther, metres: where a calibration says so, it is that which is wrong.
 const FARTHEST_M: f64 = 10_000.0;
 
 /// Slant range of every pick of a side, by the true speed of sound; NaN without one, or where it cannot be.
@@ -96,9 +96,9 @@ fn ranges_m(
         .collect()
 }
 
-/// The slope at every ping. Picks flagged as canopy count: on a steep slope the bottom itself lies above the recorded
-/// depth, and canopy on one side moves only the points of that side.
-fn rises(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Rise> {
+/// The slope at every ping. Above-bottom returns count: on a steep slope the bottom itself lies above the recorded
+/// depth, and an above-bottom return on one side moves only the points of that side.
+fn cross_slopes(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<CrossSlope> {
     let sides = port.iter().zip(starboard);
     let pairs: Vec<Pair> = sides
         .zip(survey.side_scan.iter())
@@ -110,7 +110,7 @@ fn rises(survey: &Survey, [port, starboard]: &[Vec<f64>; 2]) -> Vec<Rise> {
         .collect();
     (0..pairs.len())
         .into_par_iter()
-        .map(|ping| Rise::at(&pairs, ping))
+        .map(|ping| CrossSlope::at(&pairs, ping))
         .collect()
 }
 
@@ -133,8 +133,8 @@ fn sounding_points(
             source: PointSource::DownScan,
             ping: nearest_ping(sounding.time_s) as u32,
             sounding: SoundingIndex::new(index),
-            sound: sounding.locked || down_scan == DownScan::All,
-            canopy: false,
+            reliable: sounding.locked || down_scan == DownScan::All,
+            above_bottom: false,
             above_bottom_m: 0.0,
             confidence: f32::NAN,
             sample: f32::NAN,
@@ -150,7 +150,7 @@ fn side_points<'a>(
     returns: &'a FirstReturns,
     side: Side,
     ranges_m: &'a [f64],
-    foot: impl Fn(usize, f64) -> Foot + 'a,
+    bottom_point: impl Fn(usize, f64) -> BottomPoint + 'a,
     z_m: impl Fn(usize, f64) -> f64 + 'a,
 ) -> impl Iterator<Item = CloudPoint> + 'a {
     let source = match side {
@@ -162,24 +162,24 @@ fn side_points<'a>(
         .iter()
         .zip(returns.side(side))
         .zip(ranges_m);
-    let heard = pings
+    let detected = pings
         .enumerate()
         .filter(|(_, (_, range_m))| **range_m > 0.0);
-    heard.filter_map(move |(ping, ((place, pick), &range_m))| {
-        let foot = foot(ping, range_m);
-        let [east_m, north_m] = beside(place, side, foot.across_m)?;
+    detected.filter_map(move |(ping, ((place, pick), &range_m))| {
+        let bottom_point = bottom_point(ping, range_m);
+        let [east_m, north_m] = across_track(place, side, bottom_point.across_m)?;
         Some(CloudPoint {
             source,
             ping: ping as u32,
             sounding: None,
-            sound: true,
-            canopy: pick.canopy,
+            reliable: true,
+            above_bottom: pick.above_bottom,
             above_bottom_m: 0.0,
             confidence: pick.confidence,
             sample: pick.sample,
             east_m,
             north_m,
-            z_m: z_m(ping, foot.depth_m),
+            z_m: z_m(ping, bottom_point.depth_m),
         })
     })
 }

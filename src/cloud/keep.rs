@@ -4,7 +4,7 @@ use super::{OutlierSettings, PointCloud, PointSource, outliers};
 use crate::progress::{Cancelled, Progress};
 
 /// Radius outlier removal over the side-scan points of the cloud as the published code does; soundings are kept unless
-/// [`super::CloudPoint::sound`] says no. Side-scan points less sure than `min_confidence` are not kept, and nobody's neighbours.
+/// [`super::CloudPoint::reliable`] says no. Side-scan points less sure than `min_confidence` are not kept, and nobody's neighbours.
 /// One flag per point.
 pub fn keep_points(
     cloud: &PointCloud,
@@ -24,7 +24,7 @@ pub fn keep_points(
     let mut kept = outliers::keep_places(count, &place, radius_m, min_neighbors, progress)?;
     for (kept, point) in kept.iter_mut().zip(&cloud.points) {
         if point.source == PointSource::DownScan {
-            *kept = point.sound;
+            *kept = point.reliable;
         } else if point.is_unsure(min_confidence) {
             *kept = false;
         }

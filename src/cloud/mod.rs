@@ -17,7 +17,7 @@ mod specular;
 
 pub use build::{build, slant_range_m};
 pub use correction::{Correction, DepthReference, DepthSettings};
-pub use geometry::{Foot, beside, fixed_foot};
+pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
 pub use keep::keep_points;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths, without_left_out};
 pub use reduction::Reduction;
@@ -37,7 +37,7 @@ pub enum Geometry {
     SelfConsistent,
     /// `z = r`, `y = 0`: the first return is straight below.
     Nadir,
-    /// The specular foot: the first return lies where the bottom is square to the beam. Its slope comes from the
+    /// The specular point: the first return lies where the bottom is square to the beam. Its slope comes from the
     /// difference of the two sides.
     Slope,
 }
@@ -144,9 +144,9 @@ pub struct CloudPoint {
     pub sounding: Option<SoundingIndex>,
     /// Whether the point may be kept: false for a sounding at which the recorder had lost the bottom, unless
     /// [`DownScan::All`] asks for it.
-    pub sound: bool,
-    /// Whether its pick is flagged as canopy or obstacle ([`crate::first_return::Pick::canopy`]).
-    pub canopy: bool,
+    pub reliable: bool,
+    /// Whether its pick is flagged as an above-bottom return ([`crate::first_return::Pick::above_bottom`]).
+    pub above_bottom: bool,
     /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
     /// it does not.
     pub above_bottom_m: f32,

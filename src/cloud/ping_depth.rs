@@ -26,7 +26,7 @@ pub struct PingDepth {
 }
 
 /// One entry a side-scan ping: the recorded depth where the recorder had the bottom, else that of the deeper of the first returns
-/// that are kept. The other side hears a bank or a boulder beside the boat first.
+/// that are kept. The other side detects a bank or a boulder to the side of the boat first.
 pub fn ping_depths(
     survey: &Survey,
     cloud: &PointCloud,

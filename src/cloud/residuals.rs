@@ -28,7 +28,7 @@ pub struct Residuals {
 /// Elevation of side-scan points minus that of the recorded depth at the same ping (positive is shallower), over the kept points
 /// where the recorder had the bottom; `None` without any. Recorded depths are corrected as the cloud's were.
 ///
-/// The two are those of different places where the foot lies beside the track: on a slope the difference is real.
+/// The two are those of different places where the bottom point lies across-track: on a slope the difference is real.
 pub fn residuals(
     survey: &Survey,
     cloud: &PointCloud,

@@ -1,4 +1,4 @@
-//! The specular foot: on a slope the first return comes from the upper side, where the bottom is square to the beam.
+//! The specular point: on a slope the first return comes from the upper side, where the bottom is square to the beam.
 //!
 //! Over a plane that falls off to starboard by the angle beta, the nearest bottom to starboard is straight below,
 //! `r = d`, and to port it lies up the slope: `r = d cos(beta)`, at depth `r cos(beta)` and `r sin(beta)` out. So the two
@@ -7,7 +7,7 @@
 //! spread: what speckle and stones could have made counts as level. Among dead bands, windows, smoothers and the
 //! recorded depth as reference, this measured best on simulated gentle, steep and rough beds alike.
 
-use super::geometry::Foot;
+use super::geometry::BottomPoint;
 use crate::statistics::{SIGMA_PER_MAD, upper_median};
 
 /// Pings on each side of a ping that its slope is measured over.
@@ -16,7 +16,7 @@ const REACH: usize = 10;
 const MIN_PAIRS: usize = 7;
 /// Pings farther away in time than this are another place, seconds.
 const MAX_AWAY_S: f64 = 2.0;
-/// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its foot far out.
+/// Slopes are taken to be no steeper than this, degrees: a pick on an obstacle must not throw its bottom point far out.
 const MAX_SLOPE_DEG: f64 = 35.0;
 
 /// Slant ranges of both sides of a ping, metres; NaN without a pick.
@@ -29,12 +29,12 @@ pub(super) struct Pair {
 
 /// How steeply the bottom rises to either side at a ping, radians; one of the two is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Rise {
+pub(super) struct CrossSlope {
     pub(super) port_rad: f64,
     pub(super) starboard_rad: f64,
 }
 
-impl Rise {
+impl CrossSlope {
     /// At `ping`, from the pings around it; level where there are too few.
     pub(super) fn at(pairs: &[Pair], ping: usize) -> Self {
         let around = &pairs[ping.saturating_sub(REACH)..pairs.len().min(ping + REACH + 1)];
@@ -58,26 +58,26 @@ impl Rise {
         }
         let certain_m = (difference_m.abs() - SIGMA_PER_MAD * middle(differences)).max(0.0);
         let cosine = 1.0 - certain_m / middle(deeper);
-        let rise_rad = cosine.max(MAX_SLOPE_DEG.to_radians().cos()).acos();
+        let slope_rad = cosine.max(MAX_SLOPE_DEG.to_radians().cos()).acos();
         if difference_m > 0.0 {
             Self {
-                port_rad: rise_rad,
+                port_rad: slope_rad,
                 starboard_rad: 0.0,
             }
         } else {
             Self {
                 port_rad: 0.0,
-                starboard_rad: rise_rad,
+                starboard_rad: slope_rad,
             }
         }
     }
 }
 
-/// The foot of a first return at slant range `range_m` on a side to which the bottom rises by `rise_rad`.
-pub(super) fn specular_foot(range_m: f64, rise_rad: f64) -> Foot {
-    Foot {
-        depth_m: range_m * rise_rad.cos(),
-        across_m: range_m * rise_rad.sin(),
+/// The bottom point of a first return at slant range `range_m` on a side to which the bottom rises by `slope_rad`.
+pub(super) fn specular_point(range_m: f64, slope_rad: f64) -> BottomPoint {
+    BottomPoint {
+        depth_m: range_m * slope_rad.cos(),
+        across_m: range_m * slope_rad.sin(),
     }
 }
 
@@ -104,18 +104,18 @@ mod tests {
     #[test]
     fn planes_come_back_and_level_ground_stays_level() {
         for slope_deg in [8.0, 12.0, 20.0] {
-            let rise = Rise::at(&plane(slope_deg), 30);
+            let slope = CrossSlope::at(&plane(slope_deg), 30);
             assert!(
-                (rise.port_rad.to_degrees() - slope_deg).abs() < 0.8,
-                "{slope_deg}: {rise:?}"
+                (slope.port_rad.to_degrees() - slope_deg).abs() < 0.8,
+                "{slope_deg}: {slope:?}"
             );
-            assert_eq!(rise.starboard_rad, 0.0);
-            // The foot lies on the plane.
-            let foot = specular_foot(3.0 * slope_deg.to_radians().cos(), rise.port_rad);
-            let bed_m = 3.0 - foot.across_m * slope_deg.to_radians().tan();
-            assert!((foot.depth_m - bed_m).abs() < 0.002, "{foot:?} {bed_m}");
+            assert_eq!(slope.starboard_rad, 0.0);
+            // The point lies on the plane.
+            let point = specular_point(3.0 * slope_deg.to_radians().cos(), slope.port_rad);
+            let bed_m = 3.0 - point.across_m * slope_deg.to_radians().tan();
+            assert!((point.depth_m - bed_m).abs() < 0.002, "{point:?} {bed_m}");
         }
-        assert_eq!(Rise::at(&plane(0.0), 30), Rise::default());
-        assert_eq!(Rise::at(&plane(12.0)[..5], 2), Rise::default());
+        assert_eq!(CrossSlope::at(&plane(0.0), 30), CrossSlope::default());
+        assert_eq!(CrossSlope::at(&plane(12.0)[..5], 2), CrossSlope::default());
     }
 }

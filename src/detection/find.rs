@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 const OVERLAP: f32 = 0.25;
 /// A picture up to this many times the network's input is looked at as a whole.
 const WHOLE: f32 = 1.5;
-/// How often a search tells what it has found, about.
+/// How often a search reports what it has found, about.
 const REPORTS: usize = 100;
 
 /// `detector.*` settings: who is asked, and which boxes count.
@@ -39,8 +39,8 @@ pub struct SoFar {
     pub tiles: usize,
 }
 
-/// Searches both sides of a survey from its start to its end, tiles in parallel. `hear` is told of what was found up to some
-/// ping, from any thread, each time with more pings; a search that is cancelled has told what can be kept of it. The result has
+/// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found` receives what was found up to some
+/// ping, from any thread, each time with more pings; a search that is cancelled has reported what can be kept of it. The result has
 /// each object once (see `merge`), in order of the pings.
 pub fn find(
     survey: &Survey,
@@ -48,7 +48,7 @@ pub fn find(
     model: &Model,
     settings: &DetectorSettings,
     progress: &Progress,
-    hear: impl Fn(SoFar) + Sync,
+    on_found: impl Fn(SoFar) + Sync,
 ) -> Result<Vec<Detection>, DetectError> {
     let raster = Raster::new(survey, navigation, model.pixel_m());
     let sides: Vec<Side> = Side::BOTH
@@ -77,9 +77,9 @@ pub fn find(
         all.sort_by_key(|found| (found.mark.pings.start, found.mark.side));
         all
     };
-    let hear = |found: Vec<Vec<Scored>>, tiles: usize, rows: f32| {
+    let on_found = |found: Vec<Vec<Scored>>, tiles: usize, rows: f32| {
         let is_all = rows >= raster.rows() as f32;
-        hear(SoFar {
+        on_found(SoFar {
             boxes: as_detections(found),
             pings: match is_all {
                 true => survey.side_scan.len(),
@@ -89,7 +89,15 @@ pub fn find(
             tiles,
         });
     };
-    let found = search(&grid, sides.len(), draw, model, settings, progress, hear)?;
+    let found = search(
+        &grid,
+        sides.len(),
+        draw,
+        model,
+        settings,
+        progress,
+        on_found,
+    )?;
     Ok(as_detections(found))
 }
 
@@ -117,7 +125,7 @@ fn recorded(survey: &Survey, side: Side) -> bool {
 }
 
 /// Draws and searches every tile of some pictures of one size, in parallel and from the first row of tiles to the last, and
-/// merges what they saw: the objects of each picture. `hear` is told of the objects, the tiles and the rows of pixels so far.
+/// merges what they saw: the objects of each picture. `on_found` receives the objects, the tiles and the rows of pixels so far.
 fn search(
     grid: &Grid,
     pictures: usize,
@@ -125,7 +133,7 @@ fn search(
     model: &Model,
     settings: &DetectorSettings,
     progress: &Progress,
-    hear: impl Fn(Vec<Vec<Scored>>, usize, f32) + Sync,
+    on_found: impl Fn(Vec<Vec<Scored>>, usize, f32) + Sync,
 ) -> Result<Vec<Vec<Scored>>, DetectError> {
     let score = settings.score.unwrap_or(model.score());
     let iou = settings.iou.unwrap_or(model.iou());
@@ -158,7 +166,7 @@ fn search(
         if let Some(rows) = gathered.add(place, seen) {
             let found = gathered.merged(rows, model.nms(), iou);
             let tiles = rows * grid.counts[0] * pictures;
-            hear(found, tiles, grid.end_of(rows));
+            on_found(found, tiles, grid.end_of(rows));
         }
         Ok::<(), DetectError>(())
     })?;
@@ -192,7 +200,7 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// Takes what a tile has seen; the rows that are done when it is time to tell.
+    /// Takes what a tile has seen; the rows that are done when a report is due.
     fn add(&mut self, place: InPicture, seen: Vec<Seen>) -> Option<usize> {
         let row = place.tile / self.grid.counts[0];
         self.seen[place.picture][place.tile] = seen;
@@ -337,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_tiles_are_told_once_all_before_them_are_done() {
+    fn rows_of_tiles_are_reported_once_all_before_them_are_done() {
         // Three rows of two tiles, in two pictures.
         let grid = Grid::new([500, 1000], [416, 416]);
         assert_eq!(grid.counts, [2, 3]);

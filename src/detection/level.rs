@@ -45,8 +45,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_95th_percentile_of_what_was_heard_becomes_180() {
-        // 1 to 100 once each, between pixels that heard nothing: the 95th percentile is 95.
+    fn the_95th_percentile_of_the_echo_becomes_180() {
+        // 1 to 100 once each, between pixels without an echo: the 95th percentile is 95.
         let mut pixels: Vec<u8> = (1..=100).flat_map(|level| [0, level]).collect();
         level(&mut pixels);
         assert_eq!(pixels[2 * 95 - 1], 180);

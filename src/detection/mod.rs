@@ -4,7 +4,7 @@
 //! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `dataset` makes labelled pictures to learn from.
-//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `looks` weighs what two looks at a picture saw.
+//! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines the boxes of a picture and of its mirror image.
 //! `model` is a detector from an ONNX file, `decode` reads boxes from its numbers, `picture` is what it searches. `find` searches
 //! a survey tile by tile, `merge` makes one box of what several tiles saw.
 //! `review` holds what the analyst decides about the boxes.
@@ -17,7 +17,6 @@ pub mod decode;
 mod find;
 pub mod labels;
 mod level;
-mod looks;
 mod mark;
 mod merge;
 pub mod metrics;
@@ -28,6 +27,7 @@ mod raster;
 mod rect;
 pub mod review;
 pub mod targets;
+mod test_time_augmentation;
 #[cfg(test)]
 mod testing;
 pub mod truth;

@@ -2,7 +2,7 @@
 //!
 //! Rows follow the distance sailed, columns the slant range outward, both in steps of [`Raster::pixel_m`]; port and
 //! starboard look alike (range grows to the right, shadows fall to the right), so that a detector learns one geometry. The
-//! range stays slant: the water column tells a fish from a stone, and the picture leans on no first return. Beyond twice
+//! range stays slant: the water column tells a fish from a stone, and the picture depends on no first return. Beyond twice
 //! the altitude a metre of slant range is within 15 % of a metre on the bottom.
 
 use super::{Mark, Rect};
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Rows and columns of a tile.
 pub const TILE_PX: usize = 416;
-/// Speed assumed where the log tells none, metres a second.
+/// Speed assumed where the log states none, metres a second.
 const USUAL_SPEED_MPS: f64 = 1.5;
 /// Least speed counted: a boat at rest repeats the same ground, but every ping keeps its place in the order.
 const LEAST_SPEED_MPS: f64 = 0.05;
@@ -149,8 +149,8 @@ impl Raster {
     /// Row and column at which a tile about the middle of a box starts, held to the picture.
     pub fn start_about(&self, rect: &Rect) -> [usize; 2] {
         let start = |from: f32, to: f32, count: usize| {
-            let wanted = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
-            wanted.min(count.saturating_sub(TILE_PX))
+            let requested = (0.5 * (from + to) - 0.5 * TILE_PX as f32).max(0.0) as usize;
+            requested.min(count.saturating_sub(TILE_PX))
         };
         [
             start(rect.y0, rect.y1, self.rows()),
@@ -238,7 +238,7 @@ impl Raster {
     }
 }
 
-/// Pings resampled to the columns of one tile; a row leans on the same few pings as its neighbour.
+/// Pings resampled to the columns of one tile; a row uses the same few pings as its neighbour.
 struct Lines<'a> {
     survey: &'a Survey,
     side: Side,

@@ -118,7 +118,7 @@ pub(crate) fn remove_leftovers(folder: &Path, passing: impl Fn(&str) -> Option<&
     }
 }
 
-/// Whether the process that wrote a file is no more. Where the system does not tell, a file that nobody has touched for an hour is
+/// Whether the process that wrote a file is no more. Where the system does not say, a file that nobody has touched for an hour is
 /// taken as left.
 fn is_dead(writer: u32, file: &Path) -> bool {
     if cfg!(target_os = "linux") {
@@ -131,7 +131,7 @@ fn is_dead(writer: u32, file: &Path) -> bool {
 
 /// A file for passing data beside the place of another, where there is room for that one too. It has no name any more as soon as it is
 /// open, so that nothing is left of it however the program ends.
-pub(super) fn scratch_beside(path: &Path) -> io::Result<File> {
+pub(super) fn scratch_near(path: &Path) -> io::Result<File> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.scratch.part", std::process::id()));
     let passing = path.with_file_name(name);
@@ -214,7 +214,8 @@ mod tests {
             Err::<(), _>(io::Error::other("disk full"))
         });
         assert!(failed.unwrap_err().to_string().contains("disk full"));
-        let stopped = crate::contained::contained(|| write_aside::<()>(&path, |_| panic!("fault")));
+        let stopped =
+            crate::catch_panic::catch_panic(|| write_aside::<()>(&path, |_| panic!("fault")));
         assert!(stopped.is_none());
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);

@@ -28,7 +28,7 @@ pub struct ChipFolder {
     count: usize,
 }
 
-/// Tells which file failed.
+/// Names the file that failed.
 fn fail(path: &Path) -> impl FnOnce(io::Error) -> ExportError {
     let path = path.to_path_buf();
     |source| ExportError { path, source }
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn earlier_chips_are_told_from_other_files() {
+    fn earlier_chips_are_distinguished_from_other_files() {
         let temporary = tempfile::tempdir().unwrap();
         let [output, new] = ["out", "new"].map(|name| temporary.path().join(name));
         let classes = ["rock", "sunken boat"].map(str::to_owned);

@@ -15,7 +15,7 @@ pub enum ChipError {
     /// One of the files.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// It was told to stop.
+    /// It was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

@@ -24,7 +24,7 @@ const ECHO_M: f64 = 0.2;
 /// ASPRS class of a bathymetric point.
 const BATHYMETRIC: u8 = 40;
 
-/// Writes the kept points as LAZ 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` tells where
+/// Writes the kept points as LAZ 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
 /// Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are

@@ -5,7 +5,7 @@ use crate::cloud::CloudPoint;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Writes the kept points as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` tells where a
+/// Writes the kept points as lines of x, y and z with spaces between, `decimals` of them for x and y; `place` gives where a
 /// point of a log lies. z is elevation in metres above the transducer, so negative.
 pub fn cloud_xyz(
     path: &Path,

@@ -1,4 +1,4 @@
-//! `footprint.geojson`: the ground that the side-scan heard.
+//! `footprint.geojson`: the ground that the side-scan insonified.
 
 use super::geojson::{areas, collection};
 use super::{ExportError, Summary, write_aside};

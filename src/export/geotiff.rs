@@ -1,6 +1,6 @@
 //! Rasters as GeoTIFF files.
 
-use super::aside::{ExportError, scratch_beside, write_aside};
+use super::aside::{ExportError, scratch_near, write_aside};
 use crate::formats::geotiff::{self, RasterSpec};
 use crate::progress::{Cancelled, Progress};
 use std::path::Path;
@@ -11,7 +11,7 @@ pub enum RasterError {
     /// The file could not be written.
     #[error(transparent)]
     Write(#[from] ExportError),
-    /// Told to stop.
+    /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -29,7 +29,7 @@ pub fn geotiff(
     progress: &Progress,
 ) -> Result<(), RasterError> {
     let written = write_aside(path, |file| {
-        geotiff::write(file, scratch_beside(path)?, spec, tiles, draw, progress)
+        geotiff::write(file, scratch_near(path)?, spec, tiles, draw, progress)
     });
     progress.check()?;
     Ok(written?)

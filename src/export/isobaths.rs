@@ -8,7 +8,7 @@ use serde_json::json;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Writes lines of equal depth, their corners cut `smooth` times; `place` tells where a point of them lies.
+/// Writes lines of equal depth, their corners cut `smooth` times; `place` gives where a point of them lies.
 pub fn isobaths_geojson(
     path: &Path,
     lines: &[Isobath],

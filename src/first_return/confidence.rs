@@ -4,7 +4,7 @@
 //! those of the other side and from the recorded depth. One law for each method makes a chance of it. Both were fitted to the
 //! picks of simulated ponds (seeds 101 to 120 of each kind, all troubles on; 154 000 picks of the tracker and twice as many of the
 //! threshold on bytes and words), a third of them as if no depth had been recorded, and are checked on others:
-//! `cargo bench --bench bench -- confidence`. Over weed, which is heard before the ground, no law can know that from a boulder:
+//! `cargo bench --bench bench -- confidence`. Over weed, whose echo comes before that of the ground, no law can know that from a boulder:
 //! what lies above the recorded depth gets 0.8 at most.
 
 use super::{Method, Pick, above_bottom};
@@ -52,7 +52,7 @@ pub(super) const REACH: usize = 8;
 /// Neighbours lie on a line with a pick within this many metres and so many more a ping away: a bed that slopes 20 degrees
 /// along the track moves 5 cm at every ping.
 const ON_LINE_M: [f32; 2] = [0.10, 0.05];
-/// The other side hears the bottom as far out within so many metres and this share of the range.
+/// The other side detects the bottom as far out within so many metres and this share of the range.
 const AS_FAR: [f32; 2] = [0.25, 0.15];
 
 /// The picks around a stretch of the log, of both sides.
@@ -118,7 +118,7 @@ impl Gathering<'_> {
                 Pick {
                     sample: found.sample,
                     confidence: evidence.chance(self.method),
-                    canopy: above_bottom::is_above(
+                    above_bottom: above_bottom::is_above(
                         evidence.range_m,
                         evidence.depth_m,
                         self.margin_m,

@@ -1,19 +1,19 @@
-//! The first sonar return: where, on each side of each ping, the bottom is first heard.
+//! The first sonar return: where, on each side of each ping, the bottom is first detected.
 //!
-//! `normalise` scales the picture, `words` is the published int32 picture, `threshold` the plain method, `tracker` the one
+//! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the plain method, `tracker` the one
 //! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
-//! `by_hand` holds what the analyst drew instead.
+//! `manual_picks` holds what the analyst drew instead.
 
 mod above_bottom;
-mod by_hand;
 mod confidence;
+mod int32_image;
+mod manual_picks;
 mod normalise;
 mod threshold;
 mod tracker;
-mod words;
 
-pub use by_hand::{BottomSettings, HandLine};
 pub use confidence::Evidence;
+pub use manual_picks::{BottomEdit, BottomSettings};
 pub use normalise::Normalisation;
 pub use threshold::ThresholdIndex;
 
@@ -63,9 +63,9 @@ pub struct FirstReturnSettings {
     pub threshold: f32,
     /// Slant range around the transducer that is ignored (ring-down), metres.
     pub dead_zone_m: f64,
-    /// A pick nearer than the recorded depth by more than this is flagged as canopy, metres; not where the recorder had lost
+    /// A pick nearer than the recorded depth by more than this is flagged as an above-bottom return, metres; not where the recorder had lost
     /// the bottom.
-    pub canopy_margin_m: f64,
+    pub above_bottom_margin_m: f64,
     /// Least confidence of a first return whose point is kept, 0 to 1.
     pub min_confidence: f32,
 }
@@ -76,7 +76,7 @@ impl Default for FirstReturnSettings {
             method: Method::Tracker,
             threshold: 0.3,
             dead_zone_m: 0.5,
-            canopy_margin_m: 0.15,
+            above_bottom_margin_m: 0.15,
             // On ponds less than one in four threshold picks below it is right, weed counted; the tracker has hardly one there.
             min_confidence: 0.2,
         }
@@ -94,7 +94,7 @@ impl FirstReturnSettings {
     }
 }
 
-/// Where the bottom was first heard on one side of one ping.
+/// Where the bottom was first detected on one side of one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pick {
     /// Distance outward from the middle in u8 samples, fractions allowed; NaN when there is no pick.
@@ -102,8 +102,8 @@ pub struct Pick {
     /// The chance that it lies within 25 cm of the nearest ground, 0 to 1, as measured on simulated ponds ([`Evidence`]);
     /// 0 when there is no pick.
     pub confidence: f32,
-    /// Nearer than the recorded depth by more than the margin: canopy, fish or another obstacle.
-    pub canopy: bool,
+    /// Nearer than the recorded depth by more than the margin: an above-bottom return (weed, fish, another obstacle).
+    pub above_bottom: bool,
 }
 
 impl Pick {
@@ -111,7 +111,7 @@ impl Pick {
     pub const NONE: Pick = Pick {
         sample: f32::NAN,
         confidence: 0.0,
-        canopy: false,
+        above_bottom: false,
     };
 
     /// Whether a return was found.
@@ -129,12 +129,12 @@ pub struct FirstReturns {
     pub starboard: Vec<Pick>,
     /// What the search should say about itself (for example words whose sign bit defeats the threshold).
     pub warnings: Vec<String>,
-    /// Stretches that were drawn by hand, not found: first and last ping, and the side.
+    /// Stretches of manual picks: first and last ping, and the side.
     pub drawn: Vec<(Side, [usize; 2])>,
 }
 
 impl FirstReturns {
-    /// Whether a ping's pick, or that it has none, was drawn by hand.
+    /// Whether a ping's pick, or that it has none, is a bottom edit.
     pub fn is_drawn(&self, side: Side, ping: usize) -> bool {
         let covers = |[first, last]: [usize; 2]| (first..=last).contains(&ping);
         (self.drawn.iter()).any(|&(of, pings)| of == side && covers(pings))
@@ -182,7 +182,7 @@ pub fn detect(
     match settings.method {
         Method::Threshold => {
             let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
-            Ok(index.detect(survey, settings.threshold, settings.canopy_margin_m))
+            Ok(index.detect(survey, settings.threshold, settings.above_bottom_margin_m))
         }
         Method::Tracker => {
             let normalisation =
@@ -220,7 +220,7 @@ pub fn evidence(
         first: 0,
         found: &found,
         depths_m: &depths_m,
-        margin_m: settings.canopy_margin_m,
+        margin_m: settings.above_bottom_margin_m,
         dead_zone_m: settings.dead_zone_m,
         method: settings.method,
     };
@@ -258,7 +258,7 @@ pub fn track_range(
         first: around.start,
         found: &found,
         depths_m: &locked_depths_m(survey, around.clone()),
-        margin_m: settings.canopy_margin_m,
+        margin_m: settings.above_bottom_margin_m,
         dead_zone_m: settings.dead_zone_m,
         method: Method::Tracker,
     }

@@ -1,6 +1,6 @@
 //! Normalised intensity: the middle set to zero, then min-max over the whole picture, as the paper does it.
 
-use super::words;
+use super::int32_image;
 use super::{ImageSettings, SampleMode};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, SideSpan, Survey};
@@ -94,8 +94,8 @@ impl Normalisation {
                     false => self.normalised(i32::from(samples.get(index))),
                 })
                 .collect(),
-            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(words::WORD))
-                .chain(words::outward(samples, side, dead).map(|word| self.normalised(word)))
+            SampleMode::Words => std::iter::repeat_n(masked, dead.div_ceil(int32_image::WORD))
+                .chain(int32_image::outward(samples, side, dead).map(|word| self.normalised(word)))
                 .collect(),
         }
     }
@@ -161,13 +161,13 @@ fn ping_extremes(survey: &Survey, ping: usize, mode: SampleMode, dead_zone_m: f6
             match mode {
                 SampleMode::Bytes => match samples.stored_u8() {
                     Some((stored, order)) => {
-                        masked.and(byte_extremes(words::beyond(stored, order, dead)))
+                        masked.and(byte_extremes(int32_image::beyond(stored, order, dead)))
                     }
                     None => (dead..samples.len())
                         .fold(masked, |all, at| all.with(i32::from(samples.get(at)))),
                 },
                 SampleMode::Words => {
-                    words::outward(samples, side, dead).fold(masked, Extremes::with)
+                    int32_image::outward(samples, side, dead).fold(masked, Extremes::with)
                 }
             }
         })

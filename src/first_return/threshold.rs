@@ -5,7 +5,7 @@
 
 use super::confidence::{Found, Gathering};
 use super::normalise::{BLOCK, dead_samples};
-use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, words};
+use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Settled, int32_image};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
@@ -88,14 +88,19 @@ impl ThresholdIndex {
     }
 
     /// The first returns of the whole survey at one threshold. `survey` is the one that the index was built from.
-    pub fn detect(&self, survey: &Survey, threshold: f32, canopy_margin_m: f64) -> FirstReturns {
+    pub fn detect(
+        &self,
+        survey: &Survey,
+        threshold: f32,
+        above_bottom_margin_m: f64,
+    ) -> FirstReturns {
         let Settled { found, depths_m } = self.found(threshold);
         let [port, starboard] = Gathering {
             survey,
             first: 0,
             found: &found,
             depths_m: &depths_m,
-            margin_m: canopy_margin_m,
+            margin_m: above_bottom_margin_m,
             dead_zone_m: self.normalisation.dead_zone_m,
             method: Method::Threshold,
         }
@@ -276,8 +281,8 @@ fn climb_words(
     };
     let dead = dead_samples(span, dead_zone_m);
     let mut highest = None;
-    let first = dead.div_ceil(words::WORD);
-    for (word, value) in (first..).zip(words::outward(samples, side, dead)) {
-        out.step(word * words::WORD, value, &mut highest);
+    let first = dead.div_ceil(int32_image::WORD);
+    for (word, value) in (first..).zip(int32_image::outward(samples, side, dead)) {
+        out.step(word * int32_image::WORD, value, &mut highest);
     }
 }

@@ -143,11 +143,11 @@ impl Collected {
     pub(super) fn add_fix(&mut self, fix: Fix) {
         let LonLat { lon_deg, lat_deg } = fix.position;
         let on_earth = lon_deg.abs() <= 180.0 && lat_deg.abs() < 89.0;
-        let told = self
+        let is_known = self
             .fixes
             .last()
             .is_some_and(|last| last.time_s == fix.time_s && last.position == fix.position);
-        if on_earth && !told {
+        if on_earth && !is_known {
             self.fixes.push(fix);
         }
     }

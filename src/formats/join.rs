@@ -7,7 +7,7 @@ use crate::survey::SidePing;
 /// Two halves without any other measure of the ping rate belong together within this time, seconds.
 const HALVES_TOGETHER_S: f64 = 0.1;
 
-/// Joins port and starboard halves that were heard at the same time (within half a ping); the others stay alone.
+/// Joins port and starboard halves that were recorded at the same time (within half a ping); the others stay alone.
 pub(super) fn join_halves(port: &[HalfPing], starboard: &[HalfPing]) -> Vec<SidePing> {
     let within_s = interval_s(port)
         .or(interval_s(starboard))

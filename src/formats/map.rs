@@ -10,7 +10,7 @@ use std::sync::Arc;
 ///
 /// The map follows the file: another process that rewrites it in place changes the picture, and one that truncates it
 /// makes the system stop this process (SIGBUS) at the next touch of the missing pages. Recorders write logs once, so that risk
-/// is taken for not reading gigabytes before the first picture; `medium` keeps it from logs on a card that may be pulled out.
+/// is taken for not reading gigabytes before the first picture; `removable` keeps it from logs on a card that may be pulled out.
 pub(super) fn map(path: &Path) -> io::Result<Bytes> {
     let file = regular_file::open(path)?;
     if file.metadata()?.len() == 0 {

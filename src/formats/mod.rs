@@ -1,16 +1,16 @@
 //! Bytes to [`Survey`]: every recorder's format, recognised by content; and the files of other instruments and programs.
 //!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
-//! units; all three fill one `collected` log, with `clock` to tell damaged times and `report` to say what was wrong.
-//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `shelf` and `map` bring
-//! the bytes, `medium` takes those of a log on a card into memory, `foreign` knows by sight what is not read. `track_file` reads
+//! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
+//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
+//! the bytes, `removable` loads a log on a card into memory, `unsupported` recognises formats that are not read. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `reference` whatever a survey is held against, `points` and `geotiff` what other programs say of depths; both also lay out what is written so.
 
 mod assemble;
 mod clock;
 mod collected;
 mod depths;
-mod foreign;
+mod file_source;
 mod gauge_file;
 pub mod geotiff;
 mod gpx;
@@ -18,26 +18,26 @@ pub mod humminbird;
 mod join;
 pub mod lowrance;
 mod map;
-mod medium;
 pub mod points;
 mod reference;
+mod removable;
 mod report;
 mod scalar;
-mod shelf;
 mod stray;
 mod track_file;
+mod unsupported;
 mod xml;
 pub mod xtf;
 
 pub use gauge_file::{GaugeError, read_gauge};
-pub use medium::hold;
 pub use reference::{ReferenceError, ReferenceFile, open_reference};
+pub use removable::load_removable_into_memory;
 pub use scalar::ByteOrder;
 pub use track_file::{OpenWithTrackError, TrackError, TrackFile, open_with_track};
 
 use crate::progress::Progress;
 use crate::survey::{Bytes, Source, Survey};
-use shelf::Shelf;
+use file_source::FileSource;
 use std::path::{Path, PathBuf};
 
 #[cfg(target_endian = "big")]
@@ -115,7 +115,7 @@ impl Opened {
 
 /// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF file. The file is only ever read.
 pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
-    open_on(&Shelf::Disk, path, progress)
+    open_on(&FileSource::Disk, path, progress)
 }
 
 /// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
@@ -133,32 +133,36 @@ pub fn open_files(
         .first()
         .map(|(path, _)| path.clone())
         .unwrap_or_default();
-    open_on(&Shelf::held(files), &path, progress)
+    open_on(&FileSource::held(files), &path, progress)
 }
 
-fn open_on(shelf: &Shelf, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+fn open_on(files: &FileSource, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     progress.check()?;
-    if shelf.is_folder(path) {
-        return open_folder(shelf, path, progress);
+    if files.is_folder(path) {
+        return open_folder(files, path, progress);
     }
-    let bytes = shelf.read(path).map_err(|source| OpenError::Io {
+    let bytes = files.read(path).map_err(|source| OpenError::Io {
         path: path.to_owned(),
         source,
     })?;
     let path = path.to_owned();
-    read_by_content(shelf, Opened { path, bytes }, progress)
+    read_by_content(files, Opened { path, bytes }, progress)
 }
 
-fn open_folder(shelf: &Shelf, folder: &Path, progress: &Progress) -> Result<Survey, OpenError> {
-    if let Some(recording) = humminbird::find_in_folder(shelf, folder) {
+fn open_folder(
+    files: &FileSource,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    if let Some(recording) = humminbird::find_in_folder(files, folder) {
         return humminbird::read(recording, progress);
     }
-    match logs_on(shelf, folder).as_slice() {
+    match logs_on(files, folder).as_slice() {
         [] => Err(not_recognised(
             folder,
             "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF",
         )),
-        [log] => open_on(shelf, log, progress),
+        [log] => open_on(files, log, progress),
         logs => {
             let name = |log: &PathBuf| {
                 let name = log.file_name().unwrap_or(log.as_os_str());
@@ -176,29 +180,29 @@ fn open_folder(shelf: &Shelf, folder: &Path, progress: &Progress) -> Result<Surv
 /// no folder.
 pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
     match folder.is_dir() {
-        true => logs_on(&Shelf::Disk, folder),
+        true => logs_on(&FileSource::Disk, folder),
         false => Vec::new(),
     }
 }
 
-fn logs_on(shelf: &Shelf, folder: &Path) -> Vec<PathBuf> {
-    if humminbird::is_recording(shelf, folder) {
+fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
+    if humminbird::is_recording(files, folder) {
         return vec![folder.to_owned()];
     }
     let is_log = |path: &PathBuf| {
         // A pipe may never begin: it is not opened.
-        let is_file = matches!(shelf, Shelf::Held(_)) || path.is_file();
-        let bytes = is_file.then(|| shelf.read(path).ok()).flatten();
+        let is_file = matches!(files, FileSource::Held(_)) || path.is_file();
+        let bytes = is_file.then(|| files.read(path).ok()).flatten();
         bytes
             .filter(|bytes| !bytes.is_empty())
             .is_some_and(|bytes| {
                 let path = path.clone();
                 let is_known = lowrance::sniff(&bytes).is_some() || xtf::sniff(&bytes).is_some();
-                is_known || humminbird::sniff(shelf, &Opened { path, bytes }).is_some()
+                is_known || humminbird::sniff(files, &Opened { path, bytes }).is_some()
             })
     };
-    let mut logs = shelf.children(folder);
-    logs.retain(|path| !shelf.is_folder(path) && is_log(path));
+    let mut logs = files.children(folder);
+    logs.retain(|path| !files.is_folder(path) && is_log(path));
     logs
 }
 
@@ -213,7 +217,7 @@ fn some(names: &[String]) -> String {
 }
 
 fn read_by_content(
-    shelf: &Shelf,
+    files: &FileSource,
     opened: Opened,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
@@ -226,10 +230,10 @@ fn read_by_content(
     if let Some(found) = xtf::sniff(&opened.bytes) {
         return xtf::read(opened, found, progress);
     }
-    if let Some(recording) = humminbird::sniff(shelf, &opened) {
+    if let Some(recording) = humminbird::sniff(files, &opened) {
         return humminbird::read(recording, progress);
     }
-    if let Some(advice) = foreign::advice(&opened.bytes) {
+    if let Some(advice) = unsupported::advice(&opened.bytes) {
         return Err(OpenError::Unsupported {
             path: opened.path,
             what: advice.to_owned(),

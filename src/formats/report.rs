@@ -31,7 +31,7 @@ impl Kind {
     }
 }
 
-/// The warnings of one log. Clones write into the same report, so that the walk over the bytes and the meaning of what
+/// The warnings of one log. Clones write into the same report, so that the walk over the bytes and the decoding of what
 /// it finds can both complain.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Report {

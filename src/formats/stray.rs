@@ -57,8 +57,8 @@ mod tests {
     #[test]
     fn far_positions_go_and_those_across_the_antimeridian_stay() {
         let mut some = fixes(&[[10.0, 50.0], [10.0, 50.1], [-120.0, -40.0], [10.1, 50.0]]);
-        let told = drop_stray(&mut some).unwrap();
-        assert!(told.starts_with("the position at 2.0 s"), "{told}");
+        let warning = drop_stray(&mut some).unwrap();
+        assert!(warning.starts_with("the position at 2.0 s"), "{warning}");
         assert_eq!(some.len(), 3);
         let mut pacific = fixes(&[
             [179.9, -18.0],

@@ -77,7 +77,7 @@ impl TrackFile {
     ///
     /// # Errors
     /// When nothing of the log is covered, or nobody knows when it was recorded.
-    pub fn lay_over(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
+    pub fn apply(&self, survey: &mut Survey, offset_s: f64) -> Result<(), TrackError> {
         let path = || self.external.path.clone();
         let zero_s = match (self.fixes[0].0 < LEAST_UNIX_S, survey.start_unix_s) {
             (true, _) => 0.0,
@@ -146,7 +146,7 @@ pub enum TrackError {
     },
     /// The track has dates and the log has none.
     #[error(
-        "the log does not know the time, so the track cannot be laid over it; give its times in seconds of the log: {}", path.display()
+        "the log does not know the time, so the track cannot be applied to it; give its times in seconds of the log: {}", path.display()
     )]
     UnknownTime {
         /// Which file.
@@ -186,7 +186,7 @@ pub fn open_with_track(
 ) -> Result<Survey, OpenWithTrackError> {
     let mut survey = super::open(path, progress)?;
     if let Some((track, offset_s)) = track {
-        track.lay_over(&mut survey, offset_s)?;
+        track.apply(&mut survey, offset_s)?;
     }
     Ok(survey)
 }
@@ -298,7 +298,7 @@ mod tests {
         assert_eq!(places(&csv).len(), 2);
         assert!((csv.fixes[0].2 - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
         let mut survey = survey();
-        csv.lay_over(&mut survey, -2.0).unwrap();
+        csv.apply(&mut survey, -2.0).unwrap();
         assert_eq!(survey.track.fixes[1].time_s, 8.0);
         assert_eq!(survey.source.files.len(), survey.bytes.len());
         // The last sounding comes a second after the last fix.
@@ -316,21 +316,18 @@ mod tests {
             ..survey()
         };
         let own = read("a.csv", "time_s,lon,lat\n0,1,2\n9,1,2.1\n").unwrap();
-        own.lay_over(&mut unknown, 0.0).unwrap();
+        own.apply(&mut unknown, 0.0).unwrap();
         assert!(unknown.warnings.is_empty());
         let dated = read("a.csv", "time,lon,lat\n1634000000,1,2\n1634000009,1,2.1\n").unwrap();
         unknown.start_unix_s = None;
         assert!(
             dated
-                .lay_over(&mut unknown, 0.0)
+                .apply(&mut unknown, 0.0)
                 .unwrap_err()
                 .to_string()
                 .contains("does not know the time")
         );
-        let error = dated
-            .lay_over(&mut survey(), 3600.0)
-            .unwrap_err()
-            .to_string();
+        let error = dated.apply(&mut survey(), 3600.0).unwrap_err().to_string();
         assert!(error.contains("track.offset_s"), "{error}");
         for (text, words) in [
             ("time,x,y\n1,2,3\n", "time, lon and lat"),

@@ -189,7 +189,7 @@ impl Crs {
         matches!(self.kind, Kind::Degrees)
     }
 
-    /// Mercators stretch the ground far from the equator, and are wanted nevertheless.
+    /// Mercators stretch the ground far from the equator, and are asked for nevertheless.
     fn is_mercator(&self) -> bool {
         self.wkt.contains("PROJECTION[\"Mercator_") || self.is_degrees()
     }

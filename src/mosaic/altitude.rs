@@ -9,22 +9,22 @@ use rayon::prelude::*;
 /// Pings before and behind whose middle value counts: a fish or a lost pick must not bend the ground.
 const HALF_PINGS: usize = 6;
 
-/// Altitude of every ping on one side, metres: the median over nearby pings of the first returns, where one is none or lies in
-/// the canopy of the recorded depth; between such stretches linear in the ping. NaN throughout where there is neither.
+/// Altitude of every ping on one side, metres: the median over nearby pings of the first returns, where one is none or lies above
+/// the bottom by the recorded depth; between such stretches linear in the ping. NaN throughout where there is neither.
 pub fn altitudes_m(
     survey: &Survey,
     returns: &FirstReturns,
     calibration: &Calibration,
     side: Side,
 ) -> Vec<f32> {
-    let heard: Vec<f64> = (0..survey.side_scan.len())
-        .map(|ping| heard_m(survey, returns, calibration, side, ping))
+    let measured: Vec<f64> = (0..survey.side_scan.len())
+        .map(|ping| altitude_m(survey, returns, calibration, side, ping))
         .collect();
-    let mut steady: Vec<f32> = (0..heard.len())
+    let mut steady: Vec<f32> = (0..measured.len())
         .into_par_iter()
         .map(|ping| {
-            let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(heard.len());
-            let mut known: Vec<f64> = heard[near]
+            let near = ping.saturating_sub(HALF_PINGS)..(ping + HALF_PINGS + 1).min(measured.len());
+            let mut known: Vec<f64> = measured[near]
                 .iter()
                 .copied()
                 .filter(|m| m.is_finite())
@@ -37,7 +37,7 @@ pub fn altitudes_m(
 }
 
 /// The first return's slant range, or the recorded depth; NaN without either.
-fn heard_m(
+fn altitude_m(
     survey: &Survey,
     returns: &FirstReturns,
     calibration: &Calibration,
@@ -46,7 +46,7 @@ fn heard_m(
 ) -> f64 {
     let picked = returns.side(side).get(ping);
     let picked_m = match (picked, survey.span(ping, side)) {
-        (Some(pick), Some(span)) if pick.is_some() && !pick.canopy => {
+        (Some(pick), Some(span)) if pick.is_some() && !pick.above_bottom => {
             calibration.range_m(span, f64::from(pick.sample))
         }
         _ => f64::NAN,

@@ -1,4 +1,4 @@
-//! The cells of a window while strips are laid over each other.
+//! The cells of a window while strips are painted over each other.
 
 use super::layout::Ray;
 use super::line::Line;

@@ -1,4 +1,4 @@
-//! The outline of the ground that was heard.
+//! The outline of the insonified ground.
 
 use super::Layout;
 use super::layout::{bounds_of, grid_over};
@@ -20,20 +20,20 @@ pub fn footprint(layouts: &[Layout], progress: &Progress) -> Result<Vec<Polygon>
     let most = rough.columns.max(rough.rows) as f64;
     let side_m = SQUARE_M * (most / MOST_SQUARES).max(1.0);
     let grid = with_margin(grid_over(bounds, side_m));
-    let mut heard = vec![0.0_f32; grid.len()];
+    let mut covered = vec![0.0_f32; grid.len()];
     for layout in layouts {
         for (_, _, strip) in layout.strips() {
             progress.check()?;
-            cover(&grid, layout.corners(&strip), &mut heard);
+            cover(&grid, layout.corners(&strip), &mut covered);
         }
     }
     let surface = Surface {
         grid,
-        depth_m: heard,
+        depth_m: covered,
         spread_m: Vec::new(),
         distance_m: Vec::new(),
     };
-    // What is 1 where it was heard and 0 elsewhere is cut halfway.
+    // The grid is 1 where the ground was insonified and 0 elsewhere: its outline lies at 0.5.
     let areas = depth_areas(&surface, &[0.5, 2.0], progress)?;
     Ok(areas.into_iter().flat_map(|area| area.polygons).collect())
 }
@@ -50,12 +50,12 @@ fn with_margin(grid: Grid) -> Grid {
 }
 
 /// Marks the squares whose middle lies in a strip.
-fn cover(grid: &Grid, corners: [[f64; 2]; 4], heard: &mut [f32]) {
+fn cover(grid: &Grid, corners: [[f64; 2]; 4], covered: &mut [f32]) {
     let cells = |metres: f64| metres / grid.cell_m - 0.5;
     let corners = corners.map(|[x, y]| [cells(x - grid.west_m), cells(grid.north_m - y)]);
     for (row, columns) in spans(&corners, grid.columns, grid.rows) {
         let first = row * grid.columns;
-        if let Some(line) = heard.get_mut(first + columns.start..first + columns.end) {
+        if let Some(line) = covered.get_mut(first + columns.start..first + columns.end) {
             line.fill(1.0);
         }
     }
@@ -74,17 +74,17 @@ mod tests {
             columns: 80,
             rows: 40,
         };
-        let mut heard = vec![0.0; grid.len()];
+        let mut covered = vec![0.0; grid.len()];
         // A fan of thin strips, 30 m long and slanting: the parallelogram from x = 1 to 9 at the bottom, 6 m to the right on top.
         for strip in 0..80 {
             let [from, to] = [strip, strip + 1].map(|edge| 1.0 + 0.1 * f64::from(edge));
             cover(
                 &grid,
                 [[from, 1.0], [from + 6.0, 19.0], [to + 6.0, 19.0], [to, 1.0]],
-                &mut heard,
+                &mut covered,
             );
         }
-        let squares = heard.iter().filter(|square| **square == 1.0).count();
+        let squares = covered.iter().filter(|square| **square == 1.0).count();
         let area_m2 = 0.25 * squares as f64;
         assert!((area_m2 - 8.0 * 18.0).abs() < 4.0, "{area_m2}");
     }

@@ -26,7 +26,7 @@ const NEIGHBOURS_COUNT: f64 = 2000.0;
 const ROUNDS: usize = 60;
 /// Least mean level that is divided by.
 const LEAST_LEVEL: f64 = 0.5;
-/// Most pings that are read: more tell nothing new.
+/// Most pings that are read: more add nothing.
 const MOST_PINGS: usize = 20_000;
 /// Pings a worker sums between two looks at whether the work was cancelled.
 const CHUNK: usize = 256;
@@ -36,7 +36,7 @@ const FACTORS: [f32; 2] = [0.25, 4.0];
 const BRIGHT_SHARE: f64 = 0.98;
 const BRIGHT_LEVEL: f32 = 210.0;
 const STRETCHES: [f32; 2] = [0.5, 8.0];
-/// Of the pings that make the table, every so many tells what is bright.
+/// Of the pings that make the table, every so many shows what is bright.
 const BRIGHT_EVERY: usize = 8;
 
 /// Factors on the recorded levels, by side, range and angle.
@@ -323,8 +323,11 @@ mod tests {
         let curves = Curves::fitted(&sums, 100.0);
         let factor = |range: usize, angle: usize| curves.by_range[range] * curves.by_angle[angle];
         for (range, angle) in [(30, 8), (30, 20), (5, 6), (40, 30), (21, 15)] {
-            let evened = f64::from(factor(range, angle)) * level(range, angle);
-            assert!((evened - 100.0).abs() < 5.0, "{range} {angle}: {evened}");
+            let normalised = f64::from(factor(range, angle)) * level(range, angle);
+            assert!(
+                (normalised - 100.0).abs() < 5.0,
+                "{range} {angle}: {normalised}"
+            );
         }
     }
 }

@@ -72,7 +72,7 @@ struct Ranges {
     count: u32,
 }
 
-/// Strips in a box that tells whether they need to be looked at.
+/// Strips in a box that shows whether they need to be looked at.
 const BOXED: usize = 64;
 
 /// West, south, east and north, metres in the plane of the map.

@@ -8,8 +8,8 @@
 //! lines --paint, canvas--> Tile of 256 x 256 cells
 //! ```
 //!
-//! The ground beside the boat is taken as level at the altitude `h` where the first return lies, so an echo at slant range `r`
-//! comes from `g = sqrt(r^2 - h^2)` beside the track. Between two pings the ray is turned and moved evenly, so that the strips
+//! The ground to the side of the boat is taken as level at the altitude `h` where the first return lies, so an echo at slant range `r`
+//! comes from `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is turned and moved evenly, so that the strips
 //! close without gaps on the outer side of a bend. A tile costs time and memory in proportion to what it shows; nothing grows
 //! with the area of the mosaic.
 
@@ -98,7 +98,7 @@ pub struct MosaicSettings {
     /// Whether the water column stays in: slant ranges are then taken for distances on the ground.
     pub water_column: bool,
     /// Ground nearer than this angle from straight down is left out, degrees; 0 fills the gap under the boat with what little
-    /// was heard there.
+    /// was insonified there.
     pub nadir_gap_deg: f64,
     /// Pings where the boat turns faster are left out, degrees a second: their far ends sweep over the ground.
     pub most_turn_deg_s: f64,

@@ -1,7 +1,7 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
 use super::detections::{is_left_out, number_objects};
-use super::lessons::Lessons;
+use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
 use crate::detection::review::{Review, State};
 use crate::export::{self, ObjectRow, Part};
@@ -28,7 +28,7 @@ pub struct BoxesWritten {
 
 impl BoxesWritten {
     /// What was written, in a sentence.
-    pub fn told(&self, folder: &Path) -> String {
+    pub fn summary(&self, folder: &Path) -> String {
         format!(
             "Wrote {} boxes and {} pictures for training, {} of them hard negatives, into {}",
             self.boxes,
@@ -62,14 +62,14 @@ pub fn write_boxes(
     let rows = reviewed_rows(survey, products, review, progress)?;
     tables(survey, &rows, folder).map_err(|error| error.to_string())?;
     let root = folder.join("dataset");
-    let lessons = Lessons {
+    let training_tiles = TrainingTiles {
         survey,
         review,
         raster,
         tiles: &tiles,
         part,
     };
-    let negatives = lessons.write(&root, progress)?;
+    let negatives = training_tiles.write(&root, progress)?;
     text(&folder.join(REVIEW), &(review.to_json() + "\n"))?;
     Ok(BoxesWritten {
         boxes: rows.len(),

@@ -54,7 +54,7 @@ pub fn write_detected(
 ) -> Result<Proposed, String> {
     let order = Order {
         logs: std::slice::from_ref(log),
-        wanted: &[],
+        requested: &[],
         reference: None,
         search: Some(model),
         review: None,

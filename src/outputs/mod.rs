@@ -5,7 +5,7 @@
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
 //! side-scan mosaic, `detections` what a search proposes, `page` the report; `record` is what lies beside each file. `boxes` writes
-//! what was decided about boxes, `lessons` as pictures for training.
+//! what was decided about boxes, `training_tiles` as pictures for training.
 
 mod boxes;
 mod clouds;
@@ -13,7 +13,6 @@ mod comparison;
 mod depth;
 mod detections;
 mod earlier_run;
-mod lessons;
 mod mosaic;
 mod overwrite;
 mod page;
@@ -24,6 +23,7 @@ mod residuals;
 mod results;
 mod run_folder;
 mod track;
+mod training_tiles;
 mod write;
 
 pub use boxes::{BoxesWritten, write_boxes};

@@ -7,7 +7,7 @@ use super::write::Run;
 use crate::detection::Raster;
 use crate::detection::review::{Review, State};
 use crate::export::{ObjectRow, write_aside};
-use crate::handover::{self, FileLine, Handover, Objects};
+use crate::html_report::{self, FileLine, Objects, ReportData};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -41,7 +41,7 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
         comparisons.extend(agreement.by_source(products));
     }
     let files: Vec<FileLine> = run.listed().map(|row| (row.name, row.brief)).collect();
-    let from = Handover {
+    let from = ReportData {
         survey,
         products,
         report: &run.report,
@@ -51,7 +51,7 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
         objects,
         files: &files,
     };
-    let html = handover::page(&from, results.progress).map_err(|error| error.to_string())?;
+    let html = html_report::document(&from, results.progress).map_err(|error| error.to_string())?;
     write_aside(path, |mut file| file.write_all(html.as_bytes())).map_err(|error| error.to_string())
 }
 

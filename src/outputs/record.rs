@@ -1,4 +1,4 @@
-//! The record beside a product: `depth.tif.json` tells where `depth.tif` comes from and how far it goes.
+//! The record of a product: `depth.tif.json` states where `depth.tif` comes from and its extent.
 
 use super::registry::OutputFile;
 use crate::export::{self, Summary};

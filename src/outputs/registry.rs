@@ -127,7 +127,7 @@ const NOT_OF_MOSAIC: &[&str] = &[
 const NOT_OF_BOXES: &[&str] = &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"];
 
 const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
-const FOOTPRINT: &str = "The ground that the side-scan heard, without turns";
+const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
 const KEPT_POINTS: &str =
     "The points that the outlier filter kept; z is elevation above the transducer";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
@@ -410,7 +410,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         regardless_of: NOT_OF_MOSAIC,
         brief: "side-scan mosaic",
         record: described(
-            "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was heard",
+            "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was insonified",
             "cells",
             "",
         ),

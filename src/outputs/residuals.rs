@@ -4,7 +4,7 @@ use super::record::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::export::Summary;
 use crate::pipeline::{
-    Agreement, Choice, Crossed, NamedComparison, ResidualTables, Settings, choices,
+    Agreement, Choice, NamedComparison, OwnCrosslines, ResidualTables, Settings, choices,
 };
 use crate::progress::Cancelled;
 use serde::Serialize;
@@ -18,7 +18,7 @@ struct Record<'a> {
     comparisons: &'a [NamedComparison],
     side_scan: Option<ResidualTables>,
     choices: Vec<Choice>,
-    crossings: Option<&'a Crossed>,
+    crossings: Option<&'a OwnCrosslines>,
     settings: &'a Settings,
 }
 

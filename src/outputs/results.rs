@@ -10,8 +10,8 @@ use crate::export::{self, LogPoints, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
 use crate::pipeline::{
-    Agreement, Contours, Crossed, Input, NamedComparison, Plane, ProcessedLog, Products,
-    comparisons, crossed, joint_depth_surface, mosaic_layout,
+    Agreement, Contours, Input, NamedComparison, OwnCrosslines, Plane, ProcessedLog, Products,
+    comparisons, joint_depth_surface, mosaic_layout, own_crosslines,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -61,7 +61,7 @@ pub(super) struct Results<'a> {
     surface: OnceLock<Option<Surface>>,
     contours: OnceLock<Result<Contours, String>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
-    crossings: OnceLock<Option<Crossed>>,
+    crossings: OnceLock<Option<OwnCrosslines>>,
     mosaic: OnceLock<Result<Placed, String>>,
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
@@ -278,9 +278,9 @@ impl<'a> Results<'a> {
     }
 
     /// Where the track crosses itself.
-    pub fn crossings(&self) -> Result<Option<&Crossed>, String> {
+    pub fn crossings(&self) -> Result<Option<&OwnCrosslines>, String> {
         let made = once(&self.crossings, || {
-            crossed(self.survey, self.products, self.progress).map_err(in_words)
+            own_crosslines(self.survey, self.products, self.progress).map_err(in_words)
         });
         made.map(Option::as_ref)
     }

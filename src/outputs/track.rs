@@ -1,4 +1,4 @@
-//! The track and the ground that was heard, for plotters and maps.
+//! The track and the insonified ground, for plotters and maps.
 
 use super::record::{Coordinates, FileContent};
 use super::results::Results;

@@ -21,7 +21,7 @@ pub struct Order<'a> {
     /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
     pub logs: &'a [ProcessedLog],
     /// What is written beside `first_returns.csv`, `cloud.csv` and `report.json`.
-    pub wanted: &'a [Product],
+    pub requested: &'a [Product],
     /// What the depths are compared with besides, and how a point finds its reference.
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
     /// What searches for objects: they are written as `detections.*` and `chips`.
@@ -35,7 +35,7 @@ impl Order<'_> {
     pub(super) fn asks_for(&self, when: When) -> bool {
         match when {
             When::Always => true,
-            When::Chosen(product) => self.wanted.contains(&product),
+            When::Chosen(product) => self.requested.contains(&product),
             When::Compared => self.reference.is_some(),
             // Without side-scan there is nothing to search.
             When::Searched => {
@@ -99,7 +99,7 @@ impl Run<'_> {
 /// Writes every file of the registry that is asked for, a record of each, `report.html` and `report.json`, and puts them in the place of
 /// an earlier run's files.
 ///
-/// `on_step` is told what comes next.
+/// `on_step` receives the next step.
 ///
 /// # Errors
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.

@@ -1,4 +1,4 @@
-//! What tells one version of a file from another.
+//! Identifies one version of a file.
 
 use crate::progress::{Cancelled, Progress};
 use crate::regular_file;

@@ -243,7 +243,7 @@ pub fn from_values(values: &SettingValues) -> Result<Settings, SettingsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::first_return::HandLine;
+    use crate::first_return::BottomEdit;
     use crate::pipeline::Preset;
     use crate::survey::{Identity, LeftOutReason, Side, Stretch};
 
@@ -265,7 +265,7 @@ mod tests {
         after.first_return.threshold = 0.5;
         after.outliers.min_neighbors = 3;
         after.surface.cell_m = Some(0.5);
-        after.bottom.lines.push(HandLine {
+        after.bottom.lines.push(BottomEdit {
             side: Side::Port,
             pings: [1, 2],
             corners: Vec::new(),

@@ -1,8 +1,8 @@
-//! Runs the stages in order, keeps what is still valid, and tells what is stale.
+//! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
 //! stages and what they made, `engine` runs them on a worker for the window. `depth` makes the depth map and what follows from it,
-//! `agreement` tells how points differ from a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
+//! `agreement` compares points with a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
 //! up, `fingerprint` tells versions of files apart, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
@@ -20,8 +20,8 @@ pub mod settings;
 
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
 pub use depth::{
-    Choice, Contours, Crossed, DepthChart, NamedComparison, Plane, choices, comparisons, crossed,
-    depth_surface, joint_depth_surface,
+    Choice, Contours, DepthChart, NamedComparison, OwnCrosslines, Plane, choices, comparisons,
+    depth_surface, joint_depth_surface, own_crosslines,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};

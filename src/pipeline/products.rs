@@ -79,7 +79,7 @@ pub struct Products {
     pub flat_spots: Arc<Vec<FlatSpot>>,
     /// First returns as they were found.
     pub found: Arc<FirstReturns>,
-    /// First returns with what was drawn by hand.
+    /// First returns with the bottom edits.
     pub returns: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
@@ -124,7 +124,7 @@ pub fn run(
                 .finds_the_same(&settings.first_return)
     };
     let reuse = |stage: Stage| match stage {
-        // What was drawn by hand is laid over anew, and costs next to nothing.
+        // The bottom edits are applied again, which costs next to nothing.
         Stage::FirstReturn => previous.filter(same_picks),
         _ => previous.filter(|_| stale.is_none_or(|first| stage < first)),
     };
@@ -223,7 +223,7 @@ pub fn run(
     })
 }
 
-/// First returns with what was drawn by hand; those of `previous` where they are the same.
+/// First returns with the bottom edits; those of `previous` where they are the same.
 fn with_bottom(
     survey: &Survey,
     settings: &Settings,
@@ -239,7 +239,7 @@ fn with_bottom(
         return old.returns.clone();
     }
     let mut returns = FirstReturns::clone(found);
-    settings.bottom.lay_over(survey, &mut returns);
+    settings.bottom.apply(survey, &mut returns);
     Arc::new(returns)
 }
 

@@ -67,9 +67,9 @@ pub struct Counts {
     /// Pings with a starboard first return.
     pub starboard_first_returns: usize,
     /// First returns above the recorded depth: weed, fish or boulders.
-    pub canopy: usize,
+    pub above_bottom: usize,
     /// Of these, those that the depth map leaves out.
-    pub canopy_left_out: usize,
+    pub above_bottom_left_out: usize,
     /// Side-scan points that are not kept because their first return is less sure than `first_return.min_confidence`.
     pub low_confidence: usize,
     /// Pings at which the boat moves.
@@ -148,7 +148,13 @@ impl Report {
             kept,
             ..
         } = products;
-        let flagged = |side| returns.side(side).iter().filter(|pick| pick.canopy).count();
+        let flagged = |side| {
+            returns
+                .side(side)
+                .iter()
+                .filter(|pick| pick.above_bottom)
+                .count()
+        };
         let found = |side| {
             returns
                 .side(side)
@@ -174,8 +180,8 @@ impl Report {
                 soundings_without_bottom: survey.soundings.iter().filter(|s| !s.locked).count(),
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
-                canopy: flagged(Side::Port) + flagged(Side::Starboard),
-                canopy_left_out: without_canopy.count(),
+                above_bottom: flagged(Side::Port) + flagged(Side::Starboard),
+                above_bottom_left_out: without_canopy.count(),
                 low_confidence: cloud.unsure(min_confidence),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,
@@ -234,8 +240,8 @@ impl Report {
                 counts.pings,
                 counts.port_first_returns,
                 counts.starboard_first_returns,
-                counts.canopy,
-                counts.canopy_left_out
+                counts.above_bottom,
+                counts.above_bottom_left_out
             ),
             format!(
                 "{} points, {} from side-scan, {} of them not kept for their confidence, {} removed as outliers ({:.1} %); {} pings without heading",
@@ -285,8 +291,8 @@ impl Counts {
         self.soundings_without_bottom += other.soundings_without_bottom;
         self.port_first_returns += other.port_first_returns;
         self.starboard_first_returns += other.starboard_first_returns;
-        self.canopy += other.canopy;
-        self.canopy_left_out += other.canopy_left_out;
+        self.above_bottom += other.above_bottom;
+        self.above_bottom_left_out += other.above_bottom_left_out;
         self.low_confidence += other.low_confidence;
         self.moving += other.moving;
         self.zero_heading += other.zero_heading;

@@ -12,7 +12,7 @@ const RIGHT: f64 = 36.0;
 const KEY: f64 = 150.0;
 /// Points nearer to each other than this share of both axes are one.
 const NEAR: f64 = 1e-3;
-/// Colours by Okabe and Ito, which colour-blind readers tell apart; the first is the strongest.
+/// Colours by Okabe and Ito, which colour-blind readers can distinguish; the first is the strongest.
 const COLOURS: [&str; 8] = [
     "#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a00",
 ];

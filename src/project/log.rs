@@ -100,7 +100,7 @@ impl LogFile {
     }
 }
 
-/// Of the log's own files: a track that was laid over it comes last among the bytes, and does not count.
+/// Of the log's own files: a track that was applied to it comes last among the bytes, and does not count.
 fn sha256(survey: &Survey, progress: &Progress) -> Result<String, Cancelled> {
     let track = usize::from(survey.track.external.is_some());
     let own = survey.bytes.len().saturating_sub(track);

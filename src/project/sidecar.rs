@@ -86,7 +86,7 @@ impl ProjectLog {
 }
 
 fn bottom_path(log: &Path) -> PathBuf {
-    log.with_extension(BottomSettings::BESIDE)
+    log.with_extension(BottomSettings::SIDECAR)
 }
 
 /// Reads what was drawn on a log, if anything was; the error is one sentence that ends with the file.
@@ -98,12 +98,9 @@ pub fn read_bottom(log: &Path, survey: &Survey) -> Option<Result<BottomSettings,
         let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
         let kept: BottomFile = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
         kept.bottom.check().map_err(str::to_owned)?;
-        kept.bottom.beside(survey)
+        kept.bottom.adopted(survey)
     };
-    Some(parsed().map_err(|what| {
-        format!(
-            "cannot use the bottom drawn by hand: {what}: {}",
-            path.display()
-        )
-    }))
+    Some(
+        parsed().map_err(|what| format!("cannot use the bottom edits: {what}: {}", path.display())),
+    )
 }

@@ -1,7 +1,7 @@
 use super::*;
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit, Review};
-use crate::first_return::{BottomSettings, HandLine};
+use crate::first_return::{BottomEdit, BottomSettings};
 use crate::geo::LonLat;
 use crate::survey::Side;
 use std::process::Command;
@@ -43,15 +43,15 @@ fn with_boxes(log: &ProjectLog, count: usize) -> Arc<Review> {
     Arc::new(read.expect("a review"))
 }
 
-fn line(side: Side, pings: [usize; 2]) -> HandLine {
-    HandLine {
+fn line(side: Side, pings: [usize; 2]) -> BottomEdit {
+    BottomEdit {
         side,
         pings,
         corners: vec![[pings[0] as f64, 4.2], [pings[1] as f64 + 1.0, 4.45]],
     }
 }
 
-fn bottom(lines: &[HandLine]) -> BottomSettings {
+fn bottom(lines: &[BottomEdit]) -> BottomSettings {
     let empty = BottomSettings {
         log_bytes: 1000,
         pings: 500,
@@ -348,8 +348,8 @@ fn what_this_version_does_not_know_is_kept() {
 #[test]
 fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
     let text = full().to_text(folder());
-    let number_of = |wanted: &str, text: &str| {
-        let at = text.lines().position(|line| line.contains(wanted));
+    let number_of = |requested: &str, text: &str| {
+        let at = text.lines().position(|line| line.contains(requested));
         at.map_or(0, |at| at + 1)
     };
     for (from, to, words) in [

@@ -26,7 +26,7 @@ pub type Bounds = [f32; 4];
 
 /// Segments of a chunk.
 const CHUNK: usize = 512;
-/// Spacing of the vertices of the finest level, metres: below what a position fix can tell.
+/// Spacing of the vertices of the finest level, metres: below what a position fix resolves.
 const FINEST_M: f32 = 0.02;
 /// From level to level.
 const COARSER: f32 = 2.0;
@@ -87,7 +87,7 @@ pub struct LinePyramid {
     pub levels: Vec<LineLevel>,
 }
 
-/// What becomes of pieces that are smaller than a level can tell.
+/// What becomes of pieces that are smaller than a level resolves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Specks {
     /// They stay, as a dot: a boat at anchor was there.

@@ -38,7 +38,7 @@ impl TrackBuffers {
     }
 }
 
-/// What to draw: a level, its runs of segments, and the strokes laid over each other, first below.
+/// What to draw: a level, its runs of segments, and the strokes drawn over each other, first below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineDraw {
     /// Index of the level.

@@ -11,13 +11,13 @@ use std::f64::consts::{LN_10, PI};
 /// What is wrong with one ping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trouble {
-    /// Factor on the power of everything heard.
+    /// Factor on the power of every echo.
     pub gain: f64,
     /// Roll to starboard, radians.
     pub roll_rad: f64,
     /// The ping is not in the log.
     pub missing: bool,
-    /// Another sounder is heard.
+    /// Another sounder interferes.
     pub interference: bool,
     /// A fish in the water column.
     pub fish: Option<Fish>,
@@ -25,7 +25,7 @@ pub struct Trouble {
     pub range_m: f64,
 }
 
-/// A fish that one side hears in a row of pings.
+/// A fish that one side shows in a row of pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fish {
     pub side: Side,
@@ -45,7 +45,7 @@ pub struct Fish {
 const GAIN_DROP_M: f64 = 10.0;
 /// Longest row of pings that a dropout takes.
 const LONGEST_DROPOUT: u64 = 5;
-/// Longest row of pings that a fish is heard in. In the real river recording, echoes in the water column are up to a dozen
+/// Longest row of pings that show a fish. In the real river recording, echoes in the water column are up to a dozen
 /// pings long, a metre of the boat's way: a fish of some length, or one that keeps up with the boat for a while.
 const LONGEST_FISH: u64 = 8;
 /// Fastest that a fish swims away or nearer, metres a second: cruising, two lengths of a fish of 15 cm.

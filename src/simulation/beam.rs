@@ -1,4 +1,4 @@
-//! The side beam: how well it hears in which direction, and the rays that stand for it.
+//! The side beam: its gain by direction, and the rays that stand for it.
 
 use super::arithmetic::exp;
 use super::scene::RecorderSettings;

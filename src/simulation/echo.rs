@@ -1,9 +1,9 @@
-//! What one side of a ping hears of the ground: echo power by slant range, and the true first return.
+//! What one side of a ping receives from the ground: echo power by slant range, and the true first return.
 //!
 //! The ground is followed outward in steps, along three rays that stand for the width of the beam along the track. A step
-//! is heard as far as nothing nearer hides it: on a height field it is visible iff its direction from the vertical exceeds
+//! is insonified as far as nothing nearer hides it: on a height field it is visible iff its direction from the vertical exceeds
 //! that of all steps before it. A step's echo is spread over the range samples that it covers, so none is missed however
-//! short it is. Each side hears only its own half of the ground, from the point under the boat outward.
+//! short it is. Each side receives only its own half of the ground, from the point under the boat outward.
 
 use super::arithmetic::{atan, from_db};
 use super::beam::Beam;
@@ -13,7 +13,7 @@ use super::weed::Weed;
 use super::world::{World, backscatter};
 use crate::survey::Side;
 
-/// What one side of one ping heard, before losses, gain and noise.
+/// Echoes that one side of one ping received, before losses, gain and noise.
 pub struct Echo {
     /// `sum of sigma G^2 azimuth ds` of each range sample, square metres at 1 m; times `r^-3` and absorption it is power.
     pub power: Vec<f64>,
@@ -21,13 +21,13 @@ pub struct Echo {
     pub first_return_m: f64,
     /// Slant range of the nearest weed, metres; infinite without any.
     pub canopy_m: f64,
-    /// Objects heard.
+    /// Objects insonified.
     pub seen: Vec<Seen>,
     /// For each object that the beam meets, its index and what `power` would be if it were not there.
     pub without: Vec<(usize, Vec<f64>)>,
 }
 
-/// An object as one ping heard it.
+/// An object as one ping insonified it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
     /// Index of the object.
@@ -63,7 +63,7 @@ const WEED_DB: f64 = -18.0;
 
 impl Listener<'_> {
     /// Follows the ground outward.
-    pub fn hear(&self) -> Echo {
+    pub fn receive(&self) -> Echo {
         let mut echo = Echo {
             power: vec![0.0; self.samples],
             first_return_m: f64::NAN,
@@ -86,10 +86,10 @@ impl Listener<'_> {
             echo.seen
                 .extend(self.look_for(object, &visible, ground_end_m));
         }
-        for rise in &bare.rises {
+        for above in &bare.heights {
             let mut power = vec![0.0; self.samples];
-            self.sound(&self.ground(&bare, Some(rise.object)), reach_m, &mut power);
-            echo.without.push((rise.object, power));
+            self.sound(&self.ground(&bare, Some(above.object)), reach_m, &mut power);
+            echo.without.push((above.object, power));
         }
         echo
     }
@@ -100,7 +100,7 @@ impl Listener<'_> {
             self.scatter(ground, ray, power);
         }
         let weed = self.world.weed.iter();
-        let canopies = weed.map(|weed| self.hear_weed(weed, &ground.depth_m[1], reach_m, power));
+        let canopies = weed.map(|weed| self.weed_echo_m(weed, &ground.depth_m[1], reach_m, power));
         canopies.fold(f64::INFINITY, f64::min)
     }
 
@@ -229,7 +229,7 @@ impl Listener<'_> {
     }
 
     /// Adds the echo of a bed of weed; returns the slant range of its nearest leaves, metres, infinite where none is met.
-    fn hear_weed(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
+    fn weed_echo_m(&self, weed: &Weed, depth_m: &[f64], reach_m: f64, power: &mut [f64]) -> f64 {
         let mut canopy_m = f64::INFINITY;
         if !weed.is_near(self.pose.east_m, self.pose.north_m, reach_m) {
             return canopy_m;
@@ -262,7 +262,7 @@ mod tests {
     use crate::simulation::Scene;
     use crate::simulation::bed::Bed;
 
-    /// Level ground 3 m deep, heard to starboard with samples of 1 cm.
+    /// Level ground 3 m deep, seen to starboard with samples of 1 cm.
     fn level_echo() -> Echo {
         let mut scene = Scene::gentle();
         scene.bed.mean_depth_m = 3.0;
@@ -289,7 +289,7 @@ mod tests {
             range_offset_m: 0.0,
             samples: 1200,
         };
-        listener.hear()
+        listener.receive()
     }
 
     /// Echo of level ground between two slant ranges, by integrating the scattering law over the ground.

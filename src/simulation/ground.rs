@@ -15,7 +15,7 @@ pub struct Ground {
     pub under_boat_m: f64,
 }
 
-/// The ground without the objects on it, and how high each of them rises over it.
+/// The ground without the objects on it, and how high each of them heights over it.
 pub struct Bare {
     /// Depth along the three rays, metres.
     depth_m: [Vec<f64>; 3],
@@ -26,11 +26,11 @@ pub struct Bare {
     /// Depth under the boat, objects included, metres.
     under_boat_m: f64,
     /// Where the rays meet objects.
-    pub rises: Vec<Rise>,
+    pub heights: Vec<ObjectHeights>,
 }
 
 /// Where the rays meet an object.
-pub struct Rise {
+pub struct ObjectHeights {
     /// Index of the object.
     pub object: usize,
     /// Steps of each ray, and the object's height above the ground there, metres.
@@ -67,8 +67,8 @@ impl Listener<'_> {
             weed_loss: ground
                 .map(|&[east, north]| self.world.weed_loss(east, north))
                 .collect(),
-            rises: (objects.iter())
-                .filter_map(|&object| self.rise(object, &places))
+            heights: (objects.iter())
+                .filter_map(|&object| self.heights_of(object, &places))
                 .collect(),
             depth_m,
             under_boat_m,
@@ -76,7 +76,7 @@ impl Listener<'_> {
     }
 
     /// Where the rays meet an object; `None` where they pass it by.
-    fn rise(&self, object: usize, places: &[Vec<[f64; 2]>; 3]) -> Option<Rise> {
+    fn heights_of(&self, object: usize, places: &[Vec<[f64; 2]>; 3]) -> Option<ObjectHeights> {
         let placed = &self.world.objects[object];
         let height_m = places.each_ref().map(|places| {
             let heights = (places.iter()).map(|&[east, north]| placed.height_m(east, north));
@@ -84,17 +84,17 @@ impl Listener<'_> {
                 .filter(|&(_, height_m)| height_m > 0.0)
                 .collect::<Vec<(usize, f64)>>()
         });
-        (height_m.iter().any(|ray| !ray.is_empty())).then_some(Rise { object, height_m })
+        (height_m.iter().any(|ray| !ray.is_empty())).then_some(ObjectHeights { object, height_m })
     }
 
     /// The ground with the objects on it but for one.
     pub fn ground(&self, bare: &Bare, missing: Option<usize>) -> Ground {
         let mut depth_m = bare.depth_m.clone();
         let mut strength = bare.strength.clone();
-        let rises = || (bare.rises.iter()).filter(|rise| Some(rise.object) != missing);
+        let heights = || (bare.heights.iter()).filter(|above| Some(above.object) != missing);
         for (ray, depths) in depth_m.iter_mut().enumerate() {
             // Where objects overlap the higher one counts.
-            for &(step, height_m) in rises().flat_map(|rise| &rise.height_m[ray]) {
+            for &(step, height_m) in heights().flat_map(|above| &above.height_m[ray]) {
                 if let (Some(depth), Some(bed)) =
                     (depths.get_mut(step), bare.depth_m[ray].get(step))
                 {
@@ -108,10 +108,10 @@ impl Listener<'_> {
         depth_m.iter_mut().for_each(|ray| ray.truncate(count));
         strength.truncate(count);
         // The first of two objects at one place gives its material.
-        for rise in rises().collect::<Vec<&Rise>>().into_iter().rev() {
-            for &(step, _) in &rise.height_m[1] {
+        for above in heights().collect::<Vec<&ObjectHeights>>().into_iter().rev() {
+            for &(step, _) in &above.height_m[1] {
                 if let Some(strength) = strength.get_mut(step) {
-                    *strength = self.world.objects[rise.object].strength;
+                    *strength = self.world.objects[above.object].strength;
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! What the recorder writes down: fixes, recorded depths, and all channels' frames in the order of time.
 
 use super::random::{Purpose, Random};
-use super::simulate::{Heard, Run, mercator};
+use super::simulate::{ReceivedPing, Run, mercator};
 use super::sl2::{self, Frame, WrittenFix};
 use super::sonar::echogram;
 use crate::survey::ChannelKind;
@@ -35,11 +35,11 @@ impl Run<'_> {
     }
 
     /// All frames in the order in which the recorder would write them; takes the side-scan bytes out of the pings.
-    pub fn frames(&self, heard: &mut [Heard]) -> Vec<Frame> {
+    pub fn frames(&self, received: &mut [ReceivedPing]) -> Vec<Frame> {
         let mut log = Log::default();
         let every = u64::from(self.scene.recorder.sonar_every.max(1));
         let mut depth_m = 0.0;
-        for (recorded, ping) in heard.iter_mut().enumerate() {
+        for (recorded, ping) in received.iter_mut().enumerate() {
             let moment = Moment {
                 milliseconds: self.milliseconds(ping.ping),
                 fix: self.fix(ping.truth.time_s),
@@ -56,7 +56,7 @@ impl Run<'_> {
     }
 
     /// The primary's and the down-scan's frames of a ping.
-    fn write_sonar(&self, ping: &Heard, depth_m: f64, moment: &Moment, log: &mut Log) {
+    fn write_sonar(&self, ping: &ReceivedPing, depth_m: f64, moment: &Moment, log: &mut Log) {
         let true_depth_m = ping.truth.depth_m;
         let range_m = sonar_range_m(true_depth_m);
         let samples = self.scene.recorder.sonar_samples as usize;

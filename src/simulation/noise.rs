@@ -1,4 +1,4 @@
-//! Smooth random fields over the ground: the same place has the same value from whichever line it is heard.
+//! Smooth random fields over the ground: the same place has the same value from whichever line it is surveyed.
 
 use super::random::{Purpose, mix};
 

@@ -109,7 +109,7 @@ pub fn place(scene: &Scene, path: &Path, seed: u64) -> Vec<Placed> {
 }
 
 /// How far scattered objects lie off the way at most, metres. They may lie under the boat: nobody knows where they are
-/// before the survey, and there the object is what is first heard.
+/// before the survey, and there the object gives the first return.
 const OFF_M: f64 = 7.0;
 
 /// A random object beside or below a random point of the way.

@@ -37,7 +37,7 @@ pub enum Purpose {
 pub struct Random(u64);
 
 impl Random {
-    /// The stream of one purpose; `index` tells pings (or whatever else there are many of) apart.
+    /// The stream of one purpose; `index` distinguishes pings (or whatever else there are many of).
     pub fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
         Self(mix(mix(seed ^ mix(purpose as u64)).wrapping_add(index)))
     }

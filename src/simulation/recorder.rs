@@ -35,7 +35,7 @@ pub struct Receiver<'a> {
 const TVG_START_M: f64 = 0.3;
 /// Share of the samples that an interfering sounder hits.
 const INTERFERENCE_SHARE: f64 = 0.08;
-/// Range behind the first return over which the ground is still heard a second time, metres.
+/// Range behind the first return over which the ground still returns a second echo, metres.
 const SECOND_ECHO_M: f64 = 0.15;
 /// How far before the first return its pulse can begin, metres.
 const PULSE_LEAD_M: f64 = 0.1;
@@ -115,7 +115,7 @@ impl<'a> Receiver<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// What one side hears at a place.
+    /// What one side receives at a place.
     pub fn listen(&self, world: &World, pose: Pose, side: Side, roll_rad: f64) -> Echo {
         let listener = Listener {
             world,
@@ -128,7 +128,7 @@ impl<'a> Receiver<'a> {
             range_offset_m: self.scene.recorder.range_offset_m,
             samples: self.samples,
         };
-        listener.hear()
+        listener.receive()
     }
 
     /// Pulse, losses and time-varied gain of some samples of an echo's power.
@@ -210,10 +210,10 @@ impl<'a> Receiver<'a> {
         let speckle = self.speckle(random);
         let mut bytes: Vec<u8> = (0..self.samples)
             .map(|i| {
-                let heard = (power[i] + self.noise[i]) * speckle[i];
+                let echo = (power[i] + self.noise[i]) * speckle[i];
                 // The transducer rings much alike from ping to ping: a quarter of it fades.
                 let ringing = self.ringing[i] * (0.75 + 0.25 * speckle[i]) * trouble.gain;
-                let total = heard * trouble.gain + ringing;
+                let total = echo * trouble.gain + ringing;
                 let limited = self
                     .byte(total)
                     .min(f64::from(self.scene.recorder.echo_ceiling));
@@ -226,8 +226,8 @@ impl<'a> Receiver<'a> {
         bytes
     }
 
-    /// The bottom heard again after another way to the surface and back: later and weaker. Only the ground under the boat
-    /// is flat enough on to be heard so.
+    /// The second echo of the bottom, after another way to the surface and back: later and weaker. Only the ground under the boat
+    /// is flat enough to return it.
     fn add_second_echo(&self, power: &mut [f64], first_return_m: f64) {
         let loss = self.scene.artefacts.second_echo_db;
         if loss <= 0.0 || first_return_m.is_nan() {

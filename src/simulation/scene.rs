@@ -209,13 +209,13 @@ pub struct Artefacts {
     /// Factor on the recorded depth: 1 for a sounder that measures the ground under the boat, another where its depths belong
     /// to something else.
     pub depth_scale: f64,
-    /// Added to the recorded depth, metres: a draft or keel offset that the log does not tell.
+    /// Added to the recorded depth, metres: a draft or keel offset that the log does not state.
     pub depth_offset_m: f64,
     /// Share of pings that are missing in the log.
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
     pub range_change: f64,
-    /// Slant range at which the water surface is heard, metres: how deep a towed transducer hangs; 0 for none.
+    /// Slant range at which the water surface returns an echo, metres: how deep a towed transducer hangs; 0 for none.
     pub surface_m: f64,
     /// Share of the samples in which a pebble or a shell glints.
     pub glints: f64,

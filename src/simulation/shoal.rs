@@ -7,8 +7,8 @@ use super::random::{Purpose, Random};
 use super::scene::Shoal;
 use crate::survey::Side;
 
-/// Fish farther off the beam's middle than this many standard deviations are not heard.
-const HEARD: f64 = 3.0;
+/// Fish farther off the beam's middle than this many standard deviations return no echo.
+const BEAM_REACH: f64 = 3.0;
 
 /// The places of a shoal's fish: metres east, north and below the surface, and the strength of each, dB.
 pub struct Fishes(Vec<([f64; 3], f64)>);
@@ -30,10 +30,10 @@ impl Fishes {
         Self(fish.collect())
     }
 
-    /// Slant ranges (metres) and strengths (dB) of the fish that one side hears.
-    pub fn heard(&self, pose: Pose, side: Side, beam: &Beam, depth_m: f64) -> Vec<[f64; 2]> {
+    /// Slant ranges (metres) and strengths (dB) of the fish that one side insonifies.
+    pub fn echoes(&self, pose: Pose, side: Side, beam: &Beam, depth_m: f64) -> Vec<[f64; 2]> {
         let [east, north] = pose.forward();
-        let heard = self.0.iter().filter_map(|&(at, strength_db)| {
+        let echoes = self.0.iter().filter_map(|&(at, strength_db)| {
             let (de, dn) = (at[0] - pose.east_m, at[1] - pose.north_m);
             let (along, right) = (de * east + dn * north, de * north - dn * east);
             let outward = match side {
@@ -47,8 +47,8 @@ impl Fishes {
             let range_m = (outward * outward + along * along + down * down).sqrt();
             let off = along / beam.spread_at_m(range_m);
             let loss = exp(-0.5 * off * off);
-            (off.abs() < HEARD).then(|| [range_m, strength_db + to_db(loss)])
+            (off.abs() < BEAM_REACH).then(|| [range_m, strength_db + to_db(loss)])
         });
-        heard.collect()
+        echoes.collect()
     }
 }

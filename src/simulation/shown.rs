@@ -1,7 +1,7 @@
 //! What of an object a picture shows: the part of its echo and shadow that stands out from the speckle and the noise.
 //!
 //! Geometry alone promises more than anybody can see: the thin end of a trunk, a shadow filled with noise, an object in the
-//! shadow of another. So each ping is heard twice, with the object and without it, and what a recorder would write on
+//! shadow of another. So each ping is simulated twice, with the object and without it, and what a recorder would write on
 //! average is compared. Where the two differ by a good part of the speckle's spread, the object is shown; and where all that
 //! differs, weighed as the best filter would, does not rise out of the speckle, nothing is.
 
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct Trace {
     /// Index of the object.
     pub object: usize,
-    /// The side that heard it.
+    /// The side that insonified it.
     pub side: Side,
     /// Slant range of one sample, metres.
     pub metres_per_sample: f64,

@@ -45,18 +45,18 @@ pub fn simulate(scene: &Scene, seed: u64, progress: &Progress) -> Result<Simulat
     let run = Run::new(scene, seed);
     let count = run.ping_count();
     progress.start(count);
-    let mut heard = Vec::new();
+    let mut received = Vec::new();
     for first in (0..count).step_by(CHUNK) {
         progress.check()?;
         let last = (first + CHUNK as u64).min(count);
-        let chunk: Vec<Heard> = (first..last)
+        let chunk: Vec<ReceivedPing> = (first..last)
             .into_par_iter()
             .filter_map(|ping| run.ping(ping))
             .collect();
-        heard.extend(chunk);
+        received.extend(chunk);
         progress.advance(last - first);
     }
-    Ok(run.finish(heard))
+    Ok(run.finish(received))
 }
 
 impl Simulated {
@@ -85,7 +85,7 @@ impl Simulated {
         truth::write_pings(&self.pings, out)
     }
 
-    /// The truth about the objects as CSV, one line per pass that heard one.
+    /// The truth about the objects as CSV, one line per pass that insonified one.
     ///
     /// # Errors
     /// When writing fails.
@@ -116,7 +116,7 @@ pub struct Run<'a> {
 }
 
 /// One recorded ping.
-pub struct Heard {
+pub struct ReceivedPing {
     /// Counts all pings, the missing ones included.
     pub ping: u64,
     pub truth: PingTruth,
@@ -179,7 +179,7 @@ impl<'a> Run<'a> {
     }
 
     /// Simulates one ping; `None` when the log misses it.
-    fn ping(&self, ping: u64) -> Option<Heard> {
+    fn ping(&self, ping: u64) -> Option<ReceivedPing> {
         let time_s = f64::from(self.milliseconds(ping)) / 1000.0;
         let travelled_m = time_s * self.scene.track.speed_mps;
         let trouble = self.plan.at(ping, time_s, travelled_m);
@@ -199,7 +199,7 @@ impl<'a> Run<'a> {
         };
         let position = self.scene_frame.to_lon_lat(pose.east_m, pose.north_m);
         let [east_m, north_m] = self.frame.to_enu(position);
-        Some(Heard {
+        Some(ReceivedPing {
             ping,
             truth: PingTruth {
                 time_s,
@@ -246,13 +246,13 @@ impl<'a> Run<'a> {
         fish.extend(self.surface(ping));
         for shoal in &self.shoals {
             let depth_m = self.world.depth_m(pose.east_m, pose.north_m);
-            fish.extend(shoal.heard(pose, side, &receiver.beam, depth_m));
+            fish.extend(shoal.echoes(pose, side, &receiver.beam, depth_m));
         }
         let bytes = receiver.record(&echo, trouble, &fish, &mut random);
         (echo, bytes)
     }
 
-    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side hears one.
+    /// Slant range (metres) and strength (dB) of a fish nearer than the ground, where this side insonifies one.
     fn fish(&self, trouble: &Trouble, side: Side, first_return_m: f64) -> Option<[f64; 2]> {
         let fish = trouble.fish.filter(|fish| fish.side == side)?;
         let range_m = fish.range_m(self.true_depth_m(fish.first_ping));
@@ -276,11 +276,11 @@ impl<'a> Run<'a> {
         self.world.depth_m(pose.east_m, pose.north_m)
     }
 
-    fn finish(self, mut heard: Vec<Heard>) -> Simulated {
+    fn finish(self, mut received: Vec<ReceivedPing>) -> Simulated {
         Simulated {
-            objects: self.object_truth(&heard),
-            frames: self.frames(&mut heard),
-            pings: heard.into_iter().map(|ping| ping.truth).collect(),
+            objects: self.object_truth(&received),
+            frames: self.frames(&mut received),
+            pings: received.into_iter().map(|ping| ping.truth).collect(),
             frame: self.frame,
             start_unix_s: self.scene.start_unix_s,
             world: self.world,
@@ -288,7 +288,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn object_truth(&self, heard: &[Heard]) -> Vec<ObjectTruth> {
+    fn object_truth(&self, received: &[ReceivedPing]) -> Vec<ObjectTruth> {
         let mut objects: Vec<ObjectTruth> = self
             .world
             .objects
@@ -310,8 +310,8 @@ impl<'a> Run<'a> {
                 }
             })
             .collect();
-        for (ping, heard) in heard.iter().enumerate() {
-            for (side, seen) in &heard.seen {
+        for (ping, one) in received.iter().enumerate() {
+            for (side, seen) in &one.seen {
                 truth::note(&mut objects[seen.object].sightings, ping, *side, seen);
             }
         }
@@ -321,7 +321,7 @@ impl<'a> Run<'a> {
                 let middle_m = 0.5 * (sighting.near_m + sighting.far_m);
                 let spread_m = self.receivers[0].beam.spread_at_m(middle_m);
                 sighting.spread_pings = (spread_m / spacing_m).round() as usize;
-                sighting.shown = shown(&pass(heard, index, sighting), spacing_m, GRAIN);
+                sighting.shown = shown(&pass(received, index, sighting), spacing_m, GRAIN);
             }
         }
         objects
@@ -357,14 +357,18 @@ fn traces(echo: &Echo, side: Side, trouble: &Trouble, receiver: &Receiver) -> Ve
 }
 
 /// The traces of one object in the pings of a pass, with the index of each ping.
-fn pass<'a>(heard: &'a [Heard], object: usize, sighting: &Sighting) -> Vec<(usize, &'a Trace)> {
+fn pass<'a>(
+    received: &'a [ReceivedPing],
+    object: usize,
+    sighting: &Sighting,
+) -> Vec<(usize, &'a Trace)> {
     // The rays at the beam's edge lie sqrt(3) standard deviations off.
     let margin = 2 * sighting.spread_pings + 1;
     let first = sighting.first_ping.saturating_sub(margin);
-    let end = (sighting.last_ping + margin + 1).min(heard.len());
-    let pings = (first..end).zip(&heard[first..end]);
+    let end = (sighting.last_ping + margin + 1).min(received.len());
+    let pings = (first..end).zip(&received[first..end]);
     let traces =
-        pings.flat_map(|(ping, heard)| heard.traces.iter().map(move |trace| (ping, trace)));
+        pings.flat_map(|(ping, received)| received.traces.iter().map(move |trace| (ping, trace)));
     traces
         .filter(|(_, trace)| trace.object == object && trace.side == sighting.side)
         .collect()

@@ -13,7 +13,7 @@ pub fn echogram(
     seed: u64,
     ping: u64,
 ) -> Vec<u8> {
-    // The traditional sonar hears with a wide cone and a long pulse, the down-scan with a thin fan and a short one.
+    // The traditional sonar has a wide cone and a long pulse, the down-scan with a thin fan and a short one.
     let (stream, onset_m, tail_m, level) = match kind {
         ChannelKind::DownScan => (2 * ping, 0.02, 0.35, 175.0),
         _ => (2 * ping + 1, 0.06, 0.8, 215.0),

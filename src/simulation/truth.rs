@@ -39,7 +39,7 @@ pub struct SideTruth {
     /// Slant range of the nearest ground (objects included, fish and weed not) on this side, in the vertical plane across
     /// the boat's heading, metres. NaN where there is no water under the boat.
     pub first_return_m: f64,
-    /// Weed is heard before the ground, or within 10 cm of it: the first return is a canopy, not an error.
+    /// The echo of weed comes before that of the ground, or within 10 cm of it: the first return is a canopy, not an error.
     pub weed: bool,
 }
 
@@ -53,7 +53,7 @@ impl PingTruth {
     }
 }
 
-/// An object, and the passes that heard it.
+/// An object, and the passes that insonified it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectTruth {
     /// What it is.
@@ -72,14 +72,14 @@ pub struct ObjectTruth {
     pub height_m: f64,
     /// Direction of its length, degrees clockwise from north.
     pub heading_deg: f64,
-    /// Each pass of the boat in which a side heard it.
+    /// Each pass of the boat in which a side insonified it.
     pub sightings: Vec<Sighting>,
 }
 
 /// One pass of the boat along an object. Pings count recorded pings ([`super::Simulated::pings`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sighting {
-    /// The side that heard it.
+    /// The side that insonified it.
     pub side: Side,
     /// First ping with its echo.
     pub first_ping: usize,
@@ -94,7 +94,7 @@ pub struct Sighting {
     pub shadow_m: [f64; 2],
     /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the shore, metres.
     pub reach_m: f64,
-    /// How many pings before the first and after the last still hear it, because the beam is wide: one standard deviation
+    /// How many pings before the first and after the last still insonify it, because the beam is wide: one standard deviation
     /// of its two-way width on the ground.
     pub spread_pings: usize,
     /// What a picture shows of it; `None` where speckle, noise, or the shadow of another hides it.
@@ -102,7 +102,7 @@ pub struct Sighting {
 }
 
 impl Sighting {
-    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that hear it, the spread of the beam
+    /// The recorded pings that show it, of `count` pings in all; the end excluded. Those that insonify it, the spread of the beam
     /// included, where nothing is shown.
     pub fn pings(&self, count: usize) -> Range<usize> {
         if let Some(shown) = &self.shown {
@@ -128,7 +128,7 @@ impl Sighting {
 /// with bare ground between: these are sightings of their own.
 const PASS_GAP: usize = 3;
 
-/// Adds what one ping heard of an object to its sightings.
+/// Adds what one ping recorded of an object to its sightings.
 pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen) {
     let pass = sightings.iter_mut().rev().find(|pass| pass.side == side);
     match pass.filter(|pass| ping - pass.last_ping <= PASS_GAP) {
@@ -187,7 +187,7 @@ pub fn write_pings(pings: &[PingTruth], out: &mut impl Write) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes one line per sighting, and one with empty fields for an object that was never heard:
+/// Writes one line per sighting, and one with empty fields for an object that was never insonified:
 /// `object,kind,lon,lat,east_m,north_m,length_m,width_m,height_m,heading_deg,side,first_ping,last_ping,near_m,far_m,shadow_start_m,shadow_end_m,box_first_ping,box_last_ping,box_near_m,box_far_m,shown`.
 /// The box holds what a picture shows of echo and shadow, so what a detector should propose; `shown` is 0 where that is
 /// nothing ([`Sighting::shown`]). `count` pings were recorded.

@@ -1,4 +1,4 @@
-//! A bed of water weed on the track: a canopy that is heard before the ground.
+//! A bed of water weed on the track: a canopy whose echo comes before that of the ground.
 
 use super::noise::{Field, smooth};
 use super::path::Path;

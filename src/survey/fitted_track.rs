@@ -200,7 +200,7 @@ fn drop_stale_repeats(stays: &mut [Stay]) {
 
 /// Seconds between two fixes of the receiver: the longest known interval whose beat the changes of position keep.
 ///
-/// The time between changes does not tell: at 2 m/s and 10 fixes a second a position rounded to a metre changes only
+/// The time between changes does not show it: at 2 m/s and 10 fixes a second a position rounded to a metre changes only
 /// every third or fourth fix.
 fn fix_interval_s(stays: &[Stay]) -> f64 {
     let beat = |interval_s: f64| {

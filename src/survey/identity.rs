@@ -3,8 +3,8 @@
 use super::Survey;
 use serde::{Deserialize, Serialize};
 
-/// What tells one log from another in files beside it: decisions about boxes, the bottom drawn by hand. It depends on the log's own
-/// bytes only, whatever is laid over the log. A log that was renamed or moved is still the same.
+/// Identifies one log in its sidecar files: decisions about boxes, bottom edits. It depends on the log's own
+/// bytes only, whatever is applied to the log. A log that was renamed or moved is still the same.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// File name of the log, without its folder.

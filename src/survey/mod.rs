@@ -1,7 +1,7 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed, `identity` tells one log from another, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
+//! be believed, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
 //! `left_out` which stretches count for nothing. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
@@ -109,7 +109,7 @@ pub struct Channel {
     pub range_m: Option<(f32, f32)>,
 }
 
-/// One side-scan ping: what was heard on one or both sides at one time.
+/// One side-scan ping: what was recorded on one or both sides at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidePing {
     /// Seconds after the log's time zero; may be negative.
@@ -187,7 +187,7 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
-    /// Bytes of the log's own files together, without those of a track that was laid over it.
+    /// Bytes of the log's own files together, without those of a track that was applied to it.
     pub byte_count: u64,
 }
 

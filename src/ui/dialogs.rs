@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// and cancels one so fast, and a busy machine takes that long to find out that there is none.
 const TOO_FAST: Duration = Duration::from_millis(600);
 
-/// What a path is wanted for.
+/// What a path is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// Logs to be opened in the place of those that are open.

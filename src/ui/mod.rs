@@ -15,18 +15,18 @@ pub use window::open_window;
 use crate::app::{App, Command};
 use crate::presentation::text;
 
-/// What a panel or view gets: the state to read, the list to push wishes to.
+/// What a panel or view gets: the state to read, the list to push commands to.
 pub struct ViewContext<'a> {
     /// The state; read only.
     pub app: &'a App,
     /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
     pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
-    /// Wishes, applied after the frame.
+    /// Commands, applied after the frame.
     pub commands: &'a mut Vec<Command>,
 }
 
 impl ViewContext<'_> {
-    /// Pushes a wish.
+    /// Pushes a command.
     pub fn push(&mut self, command: Command) {
         self.commands.push(command);
     }

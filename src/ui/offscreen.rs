@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
 const TIME_LIMIT: Duration = Duration::from_secs(240);
-/// Steps that progress is told in.
+/// Steps of the progress.
 const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
 const FRAME_LIMIT: Duration = Duration::from_secs(60);

@@ -67,7 +67,7 @@ pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
-/// Metres east and north of a mark: of the point, of the place beside the track on a flat bottom, or of the boat.
+/// Metres east and north of a mark: of the point, of the across-track place on a flat bottom, or of the boat.
 pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;

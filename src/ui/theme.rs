@@ -307,7 +307,7 @@ pub fn plot_ink(options: &ViewOptions) -> Color32 {
     }
 }
 
-/// The bottom drawn by hand, in the waterfall.
+/// Bottom edits, in the waterfall.
 pub fn hand_colour() -> Color32 {
     Color32::from_rgb(120, 255, 140)
 }

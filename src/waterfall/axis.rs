@@ -3,7 +3,7 @@
 use super::{Level, TILE};
 use crate::survey::{Side, SideSpan, Survey};
 
-/// Ranges beyond this are a damaged header, not a sonar: no side-scan of this class hears a tenth of it.
+/// Ranges beyond this are a damaged header, not a sonar: no side-scan of this class reaches a tenth of it.
 const FARTHEST_M: f32 = 5_000.0;
 /// Bins of the finest level at most, whatever the headers say, so that no header can ask for unbounded memory.
 const MAX_BINS: f64 = 65_536.0;

@@ -15,7 +15,7 @@ pub struct LineSpan {
     pub min_m: f32,
     /// Metres; minus infinity when the stretch has no value.
     pub max_m: f32,
-    /// All values of the stretch are doubtful: picks flagged as canopy, depths without bottom lock.
+    /// All values of the stretch are doubtful: above-bottom returns, depths without bottom lock.
     pub doubtful: bool,
 }
 
@@ -174,9 +174,10 @@ impl LineStep<'_> {
 fn pick_at(survey: &Survey, returns: &FirstReturns, side: Side, ping: usize) -> LineSpan {
     let pick = returns.side(side).get(ping).filter(|pick| pick.is_some());
     match (pick, survey.span(ping, side)) {
-        (Some(pick), Some(span)) => {
-            LineSpan::value(span.range_m(f64::from(pick.sample)) as f32, pick.canopy)
-        }
+        (Some(pick), Some(span)) => LineSpan::value(
+            span.range_m(f64::from(pick.sample)) as f32,
+            pick.above_bottom,
+        ),
         _ => LineSpan::GAP,
     }
 }

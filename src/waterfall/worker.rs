@@ -1,4 +1,4 @@
-//! The worker that makes tiles and lines off the window's thread: what is wanted now comes first, the far-out store next.
+//! The worker that makes tiles and lines off the window's thread: what is requested now comes first, the far-out store next.
 
 use super::coarse::{Coarse, size};
 use super::resample::resample;
@@ -82,7 +82,7 @@ impl Tiler {
         self.thread.is_finished()
     }
 
-    /// Replaces the list of wanted tiles, most wanted first. Ones that were wanted before and are not any more are
+    /// Replaces the list of requested tiles, most requested first. Ones that were requested before and are not any more are
     /// forgotten, so a fast scroll leaves no queue behind.
     pub fn want(&self, mut tiles: Vec<Want>) {
         let mut orders = self.shared.lock();

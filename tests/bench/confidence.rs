@@ -81,7 +81,7 @@ pub fn run() {
         ("steep", Scene::steep()),
         ("rough", Scene::rough()),
     ] {
-        // Weed left out, weed counted (its canopy is heard first, and is not within 25 cm of the ground), no depth recorded.
+        // Weed left out, weed counted (its canopy gives the first return, and is not within 25 cm of the ground), no depth recorded.
         let mut levels = [[Levels::default(); 3]; WAYS.len()];
         for seed in seeds.clone() {
             let pond = KnownSurvey::new(&scene, seed);
@@ -123,7 +123,7 @@ pub fn run() {
     }
 }
 
-/// Calls with the error of the range in metres, whether weed is heard there, and the evidence.
+/// Calls with the error of the range in metres, whether weed gives the first return there, and the evidence.
 fn each_pick(pond: &KnownSurvey, way: Way, mut add: impl FnMut(f64, bool, Evidence)) {
     let (_, samples, method, dead_zone_m) = way;
     let settings = FirstReturnSettings {

@@ -45,12 +45,12 @@ const BENCHES: &[(&str, fn())] = &[
 
 fn main() {
     // Cargo passes `--bench`; what is left are names.
-    let wanted: Vec<String> = std::env::args()
+    let requested: Vec<String> = std::env::args()
         .skip(1)
         .filter(|arg| !arg.starts_with("--"))
         .collect();
     for (name, run) in BENCHES {
-        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+        if requested.is_empty() || requested.iter().any(|requested| requested == name) {
             println!("== {name}");
             run();
         }

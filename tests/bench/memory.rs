@@ -25,7 +25,7 @@ pub fn run() {
             .expect("an empty window");
     }
     let Some(before_mb) = anonymous_mb() else {
-        println!("skipped: this system does not tell anonymous memory");
+        println!("skipped: this system does not report anonymous memory");
         return;
     };
     let survey = measured("opened", before_mb, || {

@@ -30,14 +30,14 @@ pub fn run() {
     );
 
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let write = |products: &Products, wanted: &[Product]| {
+    let write = |products: &Products, requested: &[Product]| {
         let log = ProcessedLog {
             survey: survey.clone(),
             products: products.clone(),
         };
         let order = Order {
             logs: std::slice::from_ref(&log),
-            wanted,
+            requested,
             reference: None,
             search: None,
             review: None,

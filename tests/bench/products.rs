@@ -46,10 +46,10 @@ pub fn run() {
         survey: Arc::new(survey),
         products,
     }];
-    let write = |wanted: &[Product]| {
+    let write = |requested: &[Product]| {
         let order = Order {
             logs: &logs,
-            wanted,
+            requested,
             reference: None,
             search: None,
             review: None,

@@ -46,11 +46,11 @@ pub fn run() {
     }
 }
 
-fn settings(side_scan_weight: f64, canopy: bool) -> SurfaceSettings {
+fn settings(side_scan_weight: f64, above_bottom: bool) -> SurfaceSettings {
     SurfaceSettings {
         cell_m: Some(0.2),
         side_scan_weight,
-        canopy,
+        above_bottom,
         ..SurfaceSettings::default()
     }
 }
@@ -58,8 +58,11 @@ fn settings(side_scan_weight: f64, canopy: bool) -> SurfaceSettings {
 fn tuning() -> Vec<(String, SurfaceSettings)> {
     let weights = [0.0, 0.1, 0.3, 0.5, 1.0, 2.0];
     let ways = weights.map(|weight| (format!("side-scan at {weight}"), settings(weight, false)));
-    let canopy = ("side-scan at 1 with canopy".to_owned(), settings(1.0, true));
-    ways.into_iter().chain([canopy]).collect()
+    let above_bottom = (
+        "side-scan at 1 with above-bottom returns".to_owned(),
+        settings(1.0, true),
+    );
+    ways.into_iter().chain([above_bottom]).collect()
 }
 
 fn reported() -> Vec<(String, SurfaceSettings)> {
@@ -70,7 +73,10 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
             "down-scan and side-scan".to_owned(),
             settings(chosen, false),
         ),
-        ("the same with canopy".to_owned(), settings(chosen, true)),
+        (
+            "the same with above-bottom returns".to_owned(),
+            settings(chosen, true),
+        ),
     ]
 }
 

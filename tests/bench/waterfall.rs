@@ -147,7 +147,7 @@ fn returns(pings: usize) -> FirstReturns {
             .map(|ping| Pick {
                 sample: 230.0 + 20.0 * (ping as f32 * 0.01 + phase).sin(),
                 confidence: 0.9,
-                canopy: ping % 100 < 10,
+                above_bottom: ping % 100 < 10,
             })
             .collect()
     };

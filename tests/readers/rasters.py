@@ -102,7 +102,7 @@ def check_depths(path, record, points):
     depths = -points.z[soundings]
     with rasterio.open(path) as raster:
         found = numpy.array([value[0] for value in raster.sample(places)])
-        beside = numpy.array([is_beside_a_depth(raster, place) for place in places])
+        beside = numpy.array([is_next_to_a_depth(raster, place) for place in places])
     known = found != -9999
     assert beside.mean() > 0.9, f"only {beside.mean():.0%} of the soundings lie on the map or beside it"
     off = numpy.abs(found - depths)[known]
@@ -110,7 +110,7 @@ def check_depths(path, record, points):
     assert median < 0.04 and most < 0.25, f"half of the map is {median:.1%} of the relief off, 95 % {most:.1%}"
 
 
-def is_beside_a_depth(raster, place):
+def is_next_to_a_depth(raster, place):
     """Whether the cell of a place or one around it has a depth: a single line's hull is thinner than a cell."""
     row, column = raster.index(*place)
     window = rasterio.windows.Window(max(column - 1, 0), max(row - 1, 0), 3, 3)

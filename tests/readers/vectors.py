@@ -178,7 +178,7 @@ def near(pings, place):
 
 
 def check_footprint(folder, made):
-    """The ground that was heard: valid, as large as it says, and the ground that the mosaic shows."""
+    """The insonified ground: valid, as large as it says, and the ground that the mosaic shows."""
     (feature,) = features(folder / "footprint.geojson")
     shape = shapely.geometry.shape(feature["geometry"])
     assert shape.is_valid, shapely.is_valid_reason(shape)

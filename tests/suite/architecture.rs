@@ -1,9 +1,9 @@
-//! The borders between the rooms: data flows one way, and the widgets and the GPU stay where they belong.
+//! The borders between the modules: data flows one way, and the widgets and the GPU stay where they belong.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms in the order of the data; a room may name those in its own row, never the others.
+/// Modules in the order of the data; a module may name those in its own row, never the others.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("geo", &[]),
     ("presentation", &["geo"]),
@@ -58,7 +58,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "handover",
+        "html_report",
         &[
             "survey",
             "geo",
@@ -89,7 +89,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "export",
             "pipeline",
             "presentation",
-            "handover",
+            "html_report",
         ],
     ),
     (
@@ -121,7 +121,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "export",
             "formats",
             "pipeline",
-            "handover",
+            "html_report",
             "waterfall",
             "simulation",
         ],
@@ -130,10 +130,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("render", &[]),
 ];
 
-/// Files that any room may name.
+/// Files that any module may name.
 const SERVE_ALL: [&str; 7] = [
     "calendar.rs",
-    "contained.rs",
+    "catch_panic.rs",
     "printable.rs",
     "progress.rs",
     "regular_file.rs",
@@ -174,26 +174,26 @@ fn code(path: &Path) -> String {
 }
 
 #[test]
-fn rooms_name_only_rooms_before_them() {
-    let rooms: Vec<&str> = MAY_USE
+fn modules_name_only_modules_before_them() {
+    let modules: Vec<&str> = MAY_USE
         .iter()
-        .map(|(room, _)| *room)
+        .map(|(module, _)| *module)
         .chain(["ui", "cli"])
         .collect();
     let mut offences = Vec::new();
     for file in SERVE_ALL {
         if code(&source().join(file)).contains("crate::") {
-            offences.push(format!("{file} leans on a room"));
+            offences.push(format!("{file} depends on a module"));
         }
     }
-    for (room, may_use) in MAY_USE {
-        for path in rust_files(&source().join(room)) {
+    for (module, may_use) in MAY_USE {
+        for path in rust_files(&source().join(module)) {
             let code = code(&path);
-            for other in &rooms {
+            for other in &modules {
                 let names_it = code.contains(&format!("crate::{other}::"))
                     || code.contains(&format!("crate::{other};"))
                     || code.contains(&format!("bathyscope::{other}"));
-                if other != room && names_it && !may_use.contains(other) {
+                if other != module && names_it && !may_use.contains(other) {
                     offences.push(format!("{} names crate::{other}", path.display()));
                 }
             }

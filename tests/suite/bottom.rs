@@ -1,6 +1,6 @@
-//! The bottom drawn by hand: in the window with the mouse and the keys, and headless from the file that the window keeps.
+//! Bottom edits: in the window with the mouse and the keys, and headless from the file that the window keeps.
 
-use crate::cli::{refusal, run, told};
+use crate::cli::{refusal, run, stderr_of};
 use crate::review::mouse::{at, drag, pull};
 use crate::support;
 use crate::window::{Window, app, demo_window, drawn_window, empty_window, press, settle};
@@ -31,8 +31,8 @@ fn draw(window: &mut Window, held: Modifiers, from: (f64, f64), to: (f64, f64)) 
     window.run();
 }
 
-fn near(found: Option<f64>, wanted: f64) -> bool {
-    found.is_some_and(|found| (found - wanted).abs() < 0.1)
+fn near(found: Option<f64>, expected: f64) -> bool {
+    found.is_some_and(|found| (found - expected).abs() < 0.1)
 }
 
 #[test]
@@ -64,9 +64,9 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     );
     let products = app(&window).log.products.as_ref().expect("a result");
     assert_eq!(products.returns.port[350].confidence, 1.0);
-    window.get_by_label_contains("pings by hand");
+    window.get_by_label_contains("pings edited");
 
-    // With Ctrl none is heard; with Alt the search counts again, but for what is left beside it.
+    // With Ctrl none is detected; with Alt the search counts again, but for what is left beside it.
     draw(
         &mut window,
         Modifiers::COMMAND,
@@ -79,12 +79,12 @@ fn the_pen_draws_the_bottom_takes_it_away_and_gives_it_back() {
     assert_eq!(range_m(app(&window), Side::Port, 350), before);
     assert_eq!(range_m(app(&window), Side::Port, 325), None);
 
-    for wanted in [None, Some(5.0), before] {
+    for expected in [None, Some(5.0), before] {
         press(&mut window, Modifiers::COMMAND, Key::Z);
         let now = range_m(app(&window), Side::Port, 350);
         assert!(
-            now == wanted || near(now, wanted.unwrap_or(f64::NAN)),
-            "{now:?} {wanted:?}"
+            now == expected || near(now, expected.unwrap_or(f64::NAN)),
+            "{now:?} {expected:?}"
         );
     }
     assert!(app(&window).log.settings.bottom.is_empty());
@@ -168,7 +168,7 @@ fn opened(log: &Path) -> Window {
 }
 
 #[test]
-fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
+fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = copied(folder.path());
     let kept = folder.path().join("pond.bottom.toml");
@@ -183,7 +183,7 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
     let mut window = opened(&log);
     assert_eq!(app(&window).log.settings.bottom, drawn);
     assert!(near(range_m(app(&window), Side::Port, 350), 5.0));
-    window.get_by_label_contains("was drawn by hand when this log was last open");
+    window.get_by_label_contains("were made when this log was last open");
 
     run(folder.path(), &PROCESS);
     let table = fs::read_to_string(folder.path().join("out/first_returns.csv")).expect("a table");
@@ -199,19 +199,19 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
         "{row}"
     );
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
-    assert!(report.contains("101 first returns were drawn by hand."));
+    assert!(report.contains("101 first returns are manual picks."));
     assert!(
         report.contains("\"bottom\""),
         "settings are all in the report"
     );
 
     // Nothing is taken up unasked; that it lies there is said.
-    let said = told(
+    let said = stderr_of(
         folder.path(),
         &["process", "pond.sl2", "-o", "plain", "--no-objects"],
     );
     assert!(
-        said.contains("drawn by hand lies beside the log and is not used"),
+        said.contains("bottom edits lie next to the log and are not used"),
         "{said}"
     );
 
@@ -225,7 +225,7 @@ fn the_drawing_is_kept_beside_the_log_and_taken_headless() {
 }
 
 /// A track of another receiver over the whole of the demo pond.
-fn track_beside(log: &Path) -> PathBuf {
+fn track_next_to(log: &Path) -> PathBuf {
     let survey = bathyscope::formats::open(log, &Progress::new()).expect("the demo");
     let mut text = "time,lon,lat\n".to_owned();
     for fix in &survey.track.fixes {
@@ -245,7 +245,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = copied(folder.path());
     let kept = folder.path().join("pond.bottom.toml");
-    let track = track_beside(&log);
+    let track = track_next_to(&log);
     let stroke = |side| {
         Command::DrawBottom(BottomStroke {
             side,
@@ -302,7 +302,7 @@ fn a_drawing_stays_under_another_receivers_track() {
     );
     let report = fs::read_to_string(folder.path().join("out/report.json")).expect("a report");
     assert!(
-        report.contains("202 first returns were drawn by hand."),
+        report.contains("202 first returns are manual picks."),
         "{report}"
     );
 }
@@ -342,10 +342,7 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
             format!("[bottom]\npings = 5\n{lines}"),
             "below bottom.pings",
         ),
-        (
-            "bottom = 3".to_owned(),
-            "cannot use the bottom drawn by hand",
-        ),
+        ("bottom = 3".to_owned(), "cannot use the bottom edits"),
     ] {
         fs::write(&kept, &text).expect("a file");
         let mut window = opened(&log);
@@ -355,7 +352,7 @@ fn a_drawing_of_another_log_is_kept_aside_and_said() {
         press(&mut window, Modifiers::NONE, Key::M);
         draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
         assert!(!app(&window).log.settings.bottom.is_empty());
-        // Kept under another name; the place beside the log is for what was drawn now.
+        // Kept under another name; the place next to the log is for what was drawn now.
         let aside = folder.path().join("pond.bottom-older.toml");
         assert_eq!(fs::read_to_string(&aside).expect("kept aside"), text);
         window.get_by_label_contains("is kept as");

@@ -32,7 +32,7 @@ fn true_returns(pond: &KnownSurvey, early_m: f64) -> FirstReturns {
                 sample: ((ping.side(side).first_return_m - early_m) / ping.metres_per_sample)
                     as f32,
                 confidence: 1.0,
-                canopy: false,
+                above_bottom: false,
             })
             .collect()
     };
@@ -162,7 +162,7 @@ fn the_lead_of_the_pulse_is_found_on_slopes_too() {
 }
 
 #[test]
-fn scales_that_disagree_are_told() {
+fn scales_that_disagree_are_reported() {
     let pond = KnownSurvey::new(&Scene::gentle(), 3);
     let mut returns = true_returns(&pond, 0.0);
     let calibration = calibrated(&pond, &returns, &Settings::preset(Preset::Published));
@@ -193,7 +193,7 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
         for side in Side::BOTH {
             for ping in spot.pings.clone() {
                 let pick = products.returns.side(side)[ping];
-                if pick.canopy {
+                if pick.above_bottom {
                     continue;
                 }
                 let range_m = bathyscope::cloud::slant_range_m(
@@ -203,12 +203,14 @@ fn the_published_preset_returns_its_own_calibration_depth_too_shallow() {
                     side,
                     pick.sample,
                 );
-                let foot = bathyscope::cloud::fixed_foot(
+                let bottom_point = bathyscope::cloud::fixed_bottom_point(
                     settings.cloud.geometry,
                     range_m,
                     settings.cloud.alpha2_deg,
                 );
-                ratios.push(foot.depth_m / f64::from(pond.survey.side_scan[ping].depth_m) - 1.0);
+                ratios.push(
+                    bottom_point.depth_m / f64::from(pond.survey.side_scan[ping].depth_m) - 1.0,
+                );
             }
         }
         ratios.sort_by(f64::total_cmp);
@@ -270,7 +272,7 @@ fn a_stretch_whose_first_returns_are_flagged_or_scattered_on_one_side_falls_behi
     assert_eq!(first.picks, [first.pings.len(); 2]);
     let spoil: [fn(usize, &mut Pick); 2] = [
         // Two in three are nearer than the margin allows, as over boulders.
-        |index, pick| pick.canopy = index % 3 != 0,
+        |index, pick| pick.above_bottom = index % 3 != 0,
         |index, pick| pick.sample *= [0.95, 1.05][index % 2],
     ];
     for spoil in spoil {
@@ -302,7 +304,7 @@ fn a_stretch_tells_its_first_returns() {
     let pond = pond(Scene::steep(), 1);
     let mut returns = true_returns(&pond, 0.05);
     for pick in returns.starboard.iter_mut().step_by(5) {
-        pick.canopy = true;
+        pick.above_bottom = true;
     }
     for spot in ranked(&pond, &returns) {
         let mut ratios: Vec<f64> = Vec::new();
@@ -310,7 +312,7 @@ fn a_stretch_tells_its_first_returns() {
         for (side, count) in Side::BOTH.into_iter().zip(&mut counts) {
             for ping in spot.pings.clone() {
                 let pick = returns.side(side)[ping];
-                if !pick.canopy {
+                if !pick.above_bottom {
                     *count += 1;
                     let depth_m = f64::from(pond.survey.side_scan[ping].depth_m);
                     ratios.push(f64::from(pick.sample) / depth_m);
@@ -353,7 +355,7 @@ fn the_ranking_follows_track_and_picks_only() {
         ("calibration.pings=20..120", false),
         ("calibration.mode=flat_spot", false),
         ("cloud.alpha2_deg=10", false),
-        ("first_return.canopy_margin_m=0.01", true),
+        ("first_return.above_bottom_margin_m=0.01", true),
         ("heading.source=steps", true),
     ] {
         let changed = run(assignment, Some(&products));

@@ -122,7 +122,7 @@ fn other_track(window: &Window, behind_s: f64) -> String {
 }
 
 #[test]
-fn another_receivers_track_is_laid_over_slid_and_taken_back() {
+fn another_receivers_track_is_applied_slid_and_taken_back() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("rtk.csv");
     let mut window = demo_window();

@@ -1,5 +1,5 @@
 //! A thousand cuts and a thousand lost kilobytes in every kind of log: no panic, no hang, and nothing is lost beyond the
-//! frames that the damage touched. What is there to lose is told by a walk of its own over the whole log.
+//! frames that the damage touched. What can be lost is known from a walk of its own over the whole log.
 
 use crate::{handmade, support};
 use bathyscope::formats::{self, OpenError};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 const CASES: u64 = 1000;
 const BLOCK: u64 = 1024;
 
-/// Where the frames of a whole file are, told without Bathyscope.
+/// Where the frames of a whole file are, found without Bathyscope.
 type Oracle = fn(&[u8]) -> Vec<Range<u64>>;
 
 /// A recording in a folder of its own, the file of it that is damaged, and what was in it.

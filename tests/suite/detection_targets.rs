@@ -7,7 +7,7 @@ use bathyscope::detection::targets::{
     Group, GroupSettings, Placer, Sighting as Claim, Target, group, passes_over,
 };
 use bathyscope::first_return::{
-    self, BottomSettings, FirstReturnSettings, FirstReturns, HandLine, ImageSettings,
+    self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
 };
 use bathyscope::formats;
 use bathyscope::pipeline::{Placing, Settings};
@@ -103,14 +103,14 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
     for mark in &marks {
         let whole = [mark.pings.start, mark.pings.end - 1];
         let drawn = |side, range_m| {
-            let line = HandLine {
+            let line = BottomEdit {
                 side,
                 pings: whole,
                 corners: vec![[whole[0] as f64, range_m]],
             };
             let mut returns = sailed.returns.clone();
             let bottom = BottomSettings::of(survey).with(line);
-            bottom.lay_over(survey, &mut returns);
+            bottom.apply(survey, &mut returns);
             altitude_m(&returns, mark)
         };
         let found_m = altitude_m(&sailed.returns, mark).expect("a place");
@@ -363,7 +363,7 @@ fn every_sighting_is_a_pass_over_the_place() {
             });
             for seen in whole {
                 sightings += 1;
-                // Both sides hear what lies under the boat: one pass.
+                // Both sides insonify what lies under the boat: one pass.
                 let passes_it = passes.iter().any(|pass| {
                     (pass.side == seen.side || pass.ground_m < 1.0)
                         && pass.first_ping <= seen.last_ping + 5
@@ -376,7 +376,7 @@ fn every_sighting_is_a_pass_over_the_place() {
             assert!((1..=9).contains(&passes.len()), "{passes:?}");
         }
     }
-    // And few passes in which nothing was heard: at the edge of the range, or hidden.
+    // And few passes in which nothing was insonified: at the edge of the range, or hidden.
     println!("{sightings} sightings in {passed} passes");
     assert!(sightings > 60 && passed * 4 < sightings * 5);
 }

@@ -87,9 +87,9 @@ fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
     assert_eq!(expected.len(), families.len());
     for (name, family) in families {
         let model = load(name);
-        let told = model.description();
-        assert!(told.starts_with(family), "{name}: {told}");
-        assert_eq!(told.contains("guessed"), name != "raw_heads", "{told}");
+        let text = model.description();
+        assert!(text.starts_with(family), "{name}: {text}");
+        assert_eq!(text.contains("guessed"), name != "raw_heads", "{text}");
         let found = model.detect(&picture(), SCORE, IOU).expect("boxes");
         // Arithmetic in f16 rounds to three digits, in onnxruntime.
         let tolerance = if name == "half" {
@@ -119,7 +119,7 @@ fn what_cannot_be_used_is_refused_with_what_to_do() {
     let refused = [
         ("upsample", "export it again with opset 11"),
         ("nms_inside", "export it again without (nms=False"),
-        ("classifier", "name the family in the JSON file"),
+        ("classifier", "name the family in the sidecar JSON file"),
         ("loop", "may never end"),
         ("huge", "asks for a size of [1, 1, 1000000, 1000000]"),
         ("huge_input", "is 1099511627776 x 1099511627776 pixels"),
@@ -138,10 +138,10 @@ fn what_cannot_be_used_is_refused_with_what_to_do() {
     ];
     for (name, sentence) in refused {
         let path = models().join(format!("{name}.onnx"));
-        let told = refusal(&path);
-        assert!(told.contains(sentence), "{name}: {told}");
-        assert!(told.starts_with("cannot use the model: "), "{told}");
-        assert!(told.ends_with(&path.display().to_string()), "{told}");
+        let text = refusal(&path);
+        assert!(text.contains(sentence), "{name}: {text}");
+        assert!(text.starts_with("cannot use the model: "), "{text}");
+        assert!(text.ends_with(&path.display().to_string()), "{text}");
     }
 }
 
@@ -152,17 +152,20 @@ fn missing_companions_are_named() {
         let file = format!("{name}.onnx");
         fs::copy(models().join(&file), folder.path().join(&file)).expect("a copy");
     }
-    let told = refusal(&folder.path().join("outside.onnx"));
+    let text = refusal(&folder.path().join("outside.onnx"));
     assert!(
-        told.contains("its weights lie in `outside.onnx.data`"),
-        "{told}"
+        text.contains("its weights lie in `outside.onnx.data`"),
+        "{text}"
     );
-    let told = refusal(&folder.path().join("raw_heads.onnx"));
-    assert!(told.contains("write them into the JSON file"), "{told}");
-    let told = refusal(&folder.path().join("none.onnx"));
-    assert!(told.contains("cannot be read"), "{told}");
-    let told = refusal(folder.path());
-    assert!(told.contains("it is a folder"), "{told}");
+    let text = refusal(&folder.path().join("raw_heads.onnx"));
+    assert!(
+        text.contains("write them into the sidecar JSON file"),
+        "{text}"
+    );
+    let text = refusal(&folder.path().join("none.onnx"));
+    assert!(text.contains("cannot be read"), "{text}");
+    let text = refusal(folder.path());
+    assert!(text.contains("it is a folder"), "{text}");
 }
 
 #[test]
@@ -180,12 +183,12 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
         (0.1, 0.6, 0.3)
     );
     assert!(model.description().contains("stretched (by its JSON file)"));
-    let told = |text: &str| with(text).expect_err("a wrong sidecar").to_string();
-    assert!(told("{").contains("JSON file beside it is wrong"));
-    assert!(told(r#"{"family": "ssd"}"#).contains("unknown variant `ssd`"));
-    assert!(told(r#"{"names": ["a"]}"#).contains("1 class names are given, but"));
-    assert!(told(r#"{"family": "yolov4"}"#).contains("do not fit the family YOLOv4"));
-    assert!(told(r#"{"pixel_m": 0}"#).contains("pixel_m lies between"));
+    let error_of = |text: &str| with(text).expect_err("a wrong sidecar").to_string();
+    assert!(error_of("{").contains("sidecar JSON file is wrong"));
+    assert!(error_of(r#"{"family": "ssd"}"#).contains("unknown variant `ssd`"));
+    assert!(error_of(r#"{"names": ["a"]}"#).contains("1 class names are given, but"));
+    assert!(error_of(r#"{"family": "yolov4"}"#).contains("do not fit the family YOLOv4"));
+    assert!(error_of(r#"{"pixel_m": 0}"#).contains("pixel_m lies between"));
 }
 
 #[test]
@@ -198,12 +201,12 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
     let voting = r#"{"thresholds": {"vote": 0.65}}"#;
     let (plain, voted) = (found("{}", SCORE), found(voting, SCORE));
     assert_eq!(plain.len(), voted.len());
-    let told_apart = |one: &Scored| (one.class, one.score);
+    let class_and_score = |one: &Scored| (one.class, one.score);
     assert!(
         plain
             .iter()
-            .map(told_apart)
-            .eq(voted.iter().map(told_apart))
+            .map(class_and_score)
+            .eq(voted.iter().map(class_and_score))
     );
     assert_ne!(plain, voted);
     let surest = voted.len() / 2;
@@ -219,12 +222,19 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
 }
 
 #[test]
-fn two_looks_see_the_same_from_either_end_and_are_less_sure_than_the_surer() {
+fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
     let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
     let model = |sidecar: &str| Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a model");
-    let (once, twice) = (model("{}"), model(r#"{"second_look": "mirrored"}"#));
-    assert!(!once.description().contains("second look"));
-    assert!(twice.description().contains("second look, mirrored"));
+    let (once, twice) = (
+        model("{}"),
+        model(r#"{"test_time_augmentation": "mirrored"}"#),
+    );
+    assert!(!once.description().contains("test-time augmentation"));
+    assert!(
+        twice
+            .description()
+            .contains("test-time augmentation (mirrored)")
+    );
     let scores = |model: &Model, picture: &Picture| -> Vec<f32> {
         // Nothing suppressed: of two views of one object that are as sure as each other either may be kept.
         let found = model.detect(picture, SCORE, 1.0).expect("boxes");
@@ -270,7 +280,7 @@ proptest! {
 #[test]
 fn files_that_are_no_models_are_refused() {
     for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", &[0; 4096], &[255; 4096]] {
-        let told = Model::from_bytes(bytes.to_vec(), None).expect_err("no model");
-        assert!(told.to_string().contains("no ONNX file"), "{told}");
+        let text = Model::from_bytes(bytes.to_vec(), None).expect_err("no model");
+        assert!(text.to_string().contains("no ONNX file"), "{text}");
     }
 }

@@ -204,7 +204,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let (survey, products) = (&log.survey, &log.products);
     let order = Order {
         logs: std::slice::from_ref(&log),
-        wanted: &[Product::Cloud],
+        requested: &[Product::Cloud],
         reference: None,
         search: None,
         review: None,
@@ -315,7 +315,7 @@ fn odd_logs_are_processed_or_refused() {
 
 /// Five feet of noise is no picture and no bottom, whatever the preset; a log without side-scan has nothing to say of one.
 #[test]
-fn noise_and_absence_give_no_points_beside_the_track() {
+fn noise_and_absence_give_no_side_scan_points() {
     let noise = |ping: i32| Frame {
         range_ft: (-5.0, 5.0),
         ..Frame::new(5, ping * 50)

@@ -1,6 +1,6 @@
 //! Numbers that we did not compute: projections (pyproj 3.7.2 / PROJ 9.5.1) and the published geometry.
 
-use bathyscope::cloud::{Geometry, beside, fixed_foot};
+use bathyscope::cloud::{Geometry, across_track, fixed_bottom_point};
 use bathyscope::geo::{
     LocalFrame, LonLat, UtmZone, humminbird_mercator_inverse, lowrance_mercator,
     lowrance_mercator_inverse, web_mercator, web_mercator_inverse,
@@ -147,9 +147,9 @@ fn humminbird_and_lowrance_metres_name_the_same_place() {
 fn the_published_point_is_exact() {
     let range_m = 75.0 * 0.0339774609375;
     assert_eq!(range_m, 2.5483095703125);
-    let foot = fixed_foot(Geometry::Published, range_m, 16.0);
-    assert_close(foot.depth_m, 2.4495923793344425, 1e-15, "z");
-    assert_close(foot.across_m, 0.7024093117640908, 1e-15, "y");
+    let bottom_point = fixed_bottom_point(Geometry::Published, range_m, 16.0);
+    assert_close(bottom_point.depth_m, 2.4495923793344425, 1e-15, "z");
+    assert_close(bottom_point.across_m, 0.7024093117640908, 1e-15, "y");
     let place = PingNav {
         east_m: 100.0,
         north_m: 200.0,
@@ -160,7 +160,7 @@ fn the_published_point_is_exact() {
         (Side::Starboard, [100.56192744941127, 199.57855441294154]),
         (Side::Port, [99.43807255058873, 200.42144558705846]),
     ] {
-        let got = beside(&place, side, foot.across_m).expect("a heading");
+        let got = across_track(&place, side, bottom_point.across_m).expect("a heading");
         assert_close(got[0], expected[0], 3e-14, side.name());
         assert_close(got[1], expected[1], 3e-14, side.name());
     }

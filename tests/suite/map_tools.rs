@@ -86,7 +86,7 @@ fn click(window: &mut Window, at: Pos2) {
         });
     }
     window.run();
-    // What a click wishes is carried out after its frame.
+    // The command of a click is carried out after its frame.
     window.step();
 }
 
@@ -139,8 +139,8 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
     press(&mut window, Modifiers::NONE, Key::Backspace);
     assert_eq!(corners(&window), found[..2]);
     press(&mut window, Modifiers::NONE, Key::Enter);
-    let told = format!("Distance {:.2} m", legs[0]);
-    assert!(window.query_by_label_contains(&told).is_some(), "{told}");
+    let text = format!("Distance {:.2} m", legs[0]);
+    assert!(window.query_by_label_contains(&text).is_some(), "{text}");
     click(&mut window, pos2(500.0, 300.0));
     assert_eq!(corners(&window).len(), 1, "another line begins");
     press(&mut window, Modifiers::NONE, Key::Escape);

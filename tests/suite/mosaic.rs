@@ -311,7 +311,7 @@ fn a_window_shows_what_the_tiles_show() {
 fn a_coarse_window_needs_few_pings_and_shows_the_same_ground() {
     let sailed = sail(&quiet_line(), 4);
     let fine = Drawn::of(&sailed, &MosaicSettings::default(), |place| place);
-    // Cells of eight, whose mean level the few pings have to tell.
+    // Cells of eight, whose mean level the few pings have to give.
     let grid = Grid {
         cell_m: 8.0 * fine.grid.cell_m,
         columns: fine.grid.columns / 8,
@@ -386,7 +386,9 @@ fn gain_makes_the_ground_even_across_the_track() {
         spread / mean
     };
     let (recorded, even) = (uneven(Gain::Recorded), uneven(Gain::Empirical));
-    println!("largest departure of a band from the mean: {recorded:.3} recorded, {even:.3} evened");
+    println!(
+        "largest departure of a band from the mean: {recorded:.3} recorded, {even:.3} gain-normalised"
+    );
     assert!(even < 0.1 && even < 0.5 * recorded, "{recorded} {even}");
 }
 

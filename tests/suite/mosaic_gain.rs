@@ -229,7 +229,7 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
     for ping in 260..280 {
         for pick in [&mut returns.port[ping], &mut returns.starboard[ping]] {
             pick.sample *= 0.5;
-            pick.canopy = false;
+            pick.above_bottom = false;
         }
     }
     products.returns = Arc::new(returns);

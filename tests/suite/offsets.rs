@@ -19,7 +19,7 @@ const WITHIN_M: f64 = 0.05;
 enum Soundings {
     /// Of the bottom under the boat.
     Right,
-    /// Of the bottom, with a draft that the log does not tell, metres.
+    /// Of the bottom, with a draft that the log does not state, metres.
     Draft(f64),
     /// There are none.
     Absent,
@@ -272,7 +272,7 @@ fn ranges_of_a_survey_recorder_are_trusted_unless_asked_not_to() {
     let (_, fitted) = calibrated(&survey, &asked);
     assert_eq!(fitted.offset_m, fish_finder.offset_m);
     assert!(trusted.warnings.is_empty(), "{:?}", trusted.warnings);
-    // Depths of something else are told there too.
+    // Depths of something else are reported there too.
     let wrong = self::pond(1.0 / 1.37, 0.0);
     let mut survey = wrong.survey.clone();
     survey.range_source = RangeSource::SurveyRecorder;

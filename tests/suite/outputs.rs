@@ -134,7 +134,7 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
     let log = ProcessedLog { survey, products };
     let order = Order {
         logs: std::slice::from_ref(&log),
-        wanted: &Product::ALL,
+        requested: &Product::ALL,
         reference: None,
         search: None,
         review: None,

@@ -37,7 +37,7 @@ fn print(window: &mut Window, view: &str, options: PrintOptions, path: &Path) {
     name_file(window, "File to write", path, "Print");
 }
 
-fn told(window: &Window) -> Vec<(&str, bool)> {
+fn notice(window: &Window) -> Vec<(&str, bool)> {
     let notices = app(window).notices.iter();
     notices
         .map(|notice| (notice.text.as_str(), notice.is_error))
@@ -70,9 +70,9 @@ fn views_are_printed_on_paper_and_in_pixels() {
         let path = folder.path().join(format!("{view}.png"));
         print(&mut window, view, options, &path);
         assert!(
-            told(&window).iter().all(|(_, is_error)| !is_error),
+            notice(&window).iter().all(|(_, is_error)| !is_error),
             "{:?}",
-            told(&window)
+            notice(&window)
         );
         let picture = image::open(&path).expect("a picture").to_rgb8();
         let [width, height] = size;
@@ -102,15 +102,15 @@ fn views_are_printed_on_paper_and_in_pixels() {
 fn what_cannot_be_printed_is_said() {
     let mut window = crate::window::empty_window();
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
-    assert!(told(&window)[0].0.contains("nothing to print"));
+    assert!(notice(&window)[0].0.contains("nothing to print"));
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = demo_window();
     let path = folder.path().join("map.sl2");
     print(&mut window, "Map", PrintOptions::default(), &path);
     assert!(
-        told(&window)[0].0.contains("ends in .png"),
+        notice(&window)[0].0.contains("ends in .png"),
         "{:?}",
-        told(&window)
+        notice(&window)
     );
     assert!(!path.exists());
 }

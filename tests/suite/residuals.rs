@@ -101,8 +101,8 @@ fn mean_m(window: &Window) -> f64 {
     agreement.comparison.residuals.expect("statistics").mean_m
 }
 
-/// What was told last.
-fn told(window: &Window) -> (String, bool) {
+/// The last notice.
+fn notice(window: &Window) -> (String, bool) {
     let notice = app(window).notices.last().expect("a notice");
     (notice.text.clone(), notice.is_error)
 }
@@ -129,7 +129,7 @@ fn a_second_mission_under_higher_water_is_lower_by_as_much() {
     window.run();
     press(&mut window, Modifiers::NONE, Key::Enter);
     assert!((mean_m(&window) - 0.20).abs() < 0.01, "{}", mean_m(&window));
-    let (text, is_error) = told(&window);
+    let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("shallower"), "{text}");
     let layers = &app(&window).options.map.layers;
     assert!(layers.is_visible(MapLayer::Residuals));
@@ -310,9 +310,9 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
 
     // The cloud that was written without the draft, in metres from the first fix.
     compare_with(&mut window, out.join("cloud.ply"));
-    let (text, is_error) = told(&window);
+    let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("first fix"), "{text}");
-    // The median: that file holds what is flagged as canopy too.
+    // The median: that file holds what is flagged as above-bottom too.
     let agreement = app(&window).agreement().expect("an agreement");
     let median_m = agreement.comparison.residuals.expect("statistics").median_m;
     assert!((median_m + 0.5).abs() < 0.01, "{median_m}");
@@ -338,7 +338,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
     let path = folder.path().join("bed.xyz");
     std::fs::write(&path, text).unwrap();
     drop_file(&mut window, path);
-    let (text, is_error) = told(&window);
+    let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("UTM zone 17N"), "{text}");
     let agreement = app(&window).agreement().cloned().expect("an agreement");
     assert_eq!(agreement.comparison.unmatched, 0);
@@ -365,7 +365,7 @@ fn the_true_bed_in_a_file_gives_the_errors_that_the_simulation_knows() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_told_in_a_sentence_and_changes_nothing() {
+fn what_cannot_be_compared_is_reported_and_changes_nothing() {
     let (mut window, known, folder) = first_mission();
     let at = known.survey.track.frame.origin();
     let far = format!("lon,lat,z\n{},{},-2\n", at.lon_deg + 0.1, at.lat_deg);
@@ -382,7 +382,7 @@ fn what_cannot_be_compared_is_told_in_a_sentence_and_changes_nothing() {
         std::fs::write(&path, text).unwrap();
         let before = app(&window).notices.len();
         compare_with(&mut window, path);
-        let (text, is_error) = told(&window);
+        let (text, is_error) = notice(&window);
         assert!(is_error && text.contains(said), "{name}: {text}");
         assert_eq!(app(&window).notices.len(), before + 1, "{name}");
         assert!(app(&window).comparing.reference.is_none(), "{name}");

@@ -62,7 +62,7 @@ fn the_transcoded_logs_give_the_recorded_cloud() {
     }
 }
 
-/// Range of the deeper side minus recorded depth over some pings, sorted: on a slope the upper side hears the bank first,
+/// Range of the deeper side minus recorded depth over some pings, sorted: on a slope the upper side detects the bank first,
 /// and the recorder's own depth is that of the water under the boat.
 fn deeper_side_minus_depth(
     survey: &Survey,

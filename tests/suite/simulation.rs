@@ -119,12 +119,14 @@ fn log_reads_back_as_simulated() {
             assert!((span.metres_per_sample() - truth.metres_per_sample).abs() < 1e-8);
         }
     }
-    let ranges = |wanted: f64| {
+    let ranges = |expected: f64| {
         let scale = simulated
             .pings
             .iter()
             .map(|ping| ping.metres_per_sample * 1400.0);
-        scale.filter(|range| (range - wanted).abs() < 1e-9).count()
+        scale
+            .filter(|range| (range - expected).abs() < 1e-9)
+            .count()
     };
     assert!(
         ranges(12.0) > 700 && ranges(15.0) > 150,
@@ -216,7 +218,7 @@ fn first_return_is_the_nearest_ground_by_brute_force() {
 }
 
 #[test]
-fn level_ground_is_first_heard_at_its_depth_on_both_sides() {
+fn level_ground_returns_first_at_its_depth_on_both_sides() {
     let simulated = run(&level_scene(), 1);
     let survey = open(&simulated);
     for ping in &simulated.pings {
@@ -291,7 +293,7 @@ fn shadow_tells_the_height_of_a_block() {
 }
 
 #[test]
-fn weed_is_heard_before_the_ground_and_flagged() {
+fn weed_returns_before_the_ground_and_is_flagged() {
     let mut scene = level_scene();
     scene.artefacts.weed_m = 5.0;
     let simulated = run(&scene, 4);

@@ -117,7 +117,7 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
     scene.scattered_objects = 0;
     let mut pond = KnownSurvey::new(&scene, 9);
     let (long, short) = (60..400, 520..560);
-    // The recorder sees the gaps between boulders that the side-scan hears first.
+    // The recorder sees the gaps between boulders that give the side-scan its first return.
     let pings = Arc::make_mut(&mut pond.survey.side_scan);
     for ping in long.clone().chain(short.clone()) {
         pings[ping].depth_m += 0.5;
@@ -130,7 +130,7 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
             point.source != PointSource::DownScan && pings.contains(&(point.ping as usize))
         });
         let (count, counted) = of.fold((0, 0), |(all, counted), point| {
-            assert!(point.canopy);
+            assert!(point.above_bottom);
             (all + 1, counted + usize::from(surface.weight(point) > 0.0))
         });
         counted as f64 / count as f64
@@ -138,12 +138,12 @@ fn what_lies_above_the_bottom_for_long_counts_in_the_map_and_a_clump_does_not() 
     assert!(counted(80..380, &surface) > 0.95);
     assert_eq!(counted(short.clone(), &surface), 0.0);
     let none = SurfaceSettings {
-        longest_canopy_m: 500.0,
+        longest_above_bottom_m: 500.0,
         ..surface.clone()
     };
     assert_eq!(counted(80..380, &none), 0.0);
     let all = SurfaceSettings {
-        canopy: true,
+        above_bottom: true,
         ..surface
     };
     assert_eq!(counted(short, &all), 1.0);

@@ -236,7 +236,7 @@ fn keys_zoom_about_the_middle_and_fit() {
     window.state_mut().waterfall.request(ViewRequest::ZoomIn);
     assert!(
         !window.state().waterfall.is_settled(),
-        "a wish is still to be carried out"
+        "a request is still to be carried out"
     );
     settle(&mut window);
     assert_eq!(visible(&window), 100..900);

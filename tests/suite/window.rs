@@ -66,7 +66,7 @@ pub(crate) fn drop_file(window: &mut Window, path: PathBuf) {
 }
 
 #[test]
-fn the_demo_is_one_click_away_and_its_summary_is_told() {
+fn the_demo_is_one_click_away_and_its_summary_is_shown() {
     let window = demo_window();
     let survey = app(&window).log.survey.as_ref().expect("the demo is open");
     assert!(app(&window).log.products.is_some());
@@ -85,7 +85,7 @@ fn a_dropped_log_opens_and_is_remembered() {
 }
 
 #[test]
-fn a_dropped_file_that_is_no_log_is_told_and_can_be_dismissed() {
+fn a_dropped_file_that_is_no_log_is_reported_and_can_be_dismissed() {
     let mut window = demo_window();
     let serial = app(&window).survey_serial;
     let this_file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");

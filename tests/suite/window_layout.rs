@@ -38,7 +38,7 @@ fn notices_lie_over_the_views_and_move_nothing() {
     };
     let before = places(&window);
     for text in ["one thing", "another thing"] {
-        let command = Command::Tell(text.to_owned());
+        let command = Command::Notify(text.to_owned());
         window.state_mut().app.apply(command);
     }
     window.run();

@@ -100,7 +100,7 @@ def sidecar(meta: dict, network: torch.nn.Module, model: bytes) -> dict:
         "chip": {"pixel_m": meta["pixel_m"], "rows": "along track", "columns": "slant range, outward"},
         "pixel_m": meta["pixel_m"],
         "level": "auto",
-        "second_look": "mirrored",
+        "test_time_augmentation": "mirrored",
         "heads": heads,
         "thresholds": meta.get("thresholds", {"score": 0.25, "iou": 0.45, "nms": "plain", "class_agnostic": True, "vote": 0.65}),
         "sha256": hashlib.sha256(model).hexdigest(),

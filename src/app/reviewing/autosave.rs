@@ -1,4 +1,4 @@
-//! Decisions are kept as they are made: in a file of their own beside the log, written aside and renamed, every few seconds
+//! Decisions are kept as they are made: in a sidecar file of the log, written aside and renamed, every few seconds
 //! and when the log or the window is closed. What an earlier run left there is offered, never mixed in unasked.
 
 use super::{Parked, Reviewing, is_touched};
@@ -133,7 +133,7 @@ impl Reviewing {
 }
 
 impl App {
-    /// Writes decisions when they are due, and tells of those that an earlier run left.
+    /// Writes decisions when they are due, and notifies of those that an earlier run left.
     pub(in crate::app) fn poll_autosave(&mut self) {
         self.poll_left();
         if let Some(writing) = self.log.reviewing.autosave.writing.take() {
@@ -148,8 +148,8 @@ impl App {
             let review = self.log.reviewing.review.clone();
             let autosave = &mut self.log.reviewing.autosave;
             if let Some(write) = autosave.next() {
-                let wanted = review.clone();
-                let task = Task::start(&self.jobs, move |_| write(&wanted));
+                let requested = review.clone();
+                let task = Task::start(&self.jobs, move |_| write(&requested));
                 autosave.last = Some(Instant::now());
                 autosave.writing = Some(Writing { review, task });
             }
@@ -185,7 +185,7 @@ impl App {
         let text = format!(
             "decisions cannot be kept as you go, save the review in the Review menu: {why}"
         );
-        self.tell(text, true);
+        self.notify(text, true);
     }
 
     /// Keeps the decisions about a log that is a file from now on, and looks for those that an earlier run left.
@@ -231,7 +231,7 @@ impl App {
             Err(text) => {
                 // Never written over: it may be somebody's work.
                 autosave.log = None;
-                self.tell(format!("cannot use the unsaved decisions: {text}"), true);
+                self.notify(format!("cannot use the unsaved decisions: {text}"), true);
             }
         }
     }
@@ -240,7 +240,7 @@ impl App {
     pub(in crate::app) fn take_up_unsaved(&mut self) {
         let Some(left) = self.log.reviewing.autosave.left.take() else {
             let text = "there are no unsaved decisions of an earlier run about this log";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         self.log.reviewing.autosave.written = Some(left.clone());
         self.take_review(left, "take up decisions", false);

@@ -170,18 +170,18 @@ impl App {
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
         match self.log.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
-            None => self.tell("select a box first, with Tab or a click".to_owned(), true),
+            None => self.notify("select a box first, with Tab or a click".to_owned(), true),
         }
     }
 
     /// Removes a box drawn by hand; rejects one that a model proposed.
     pub(in crate::app) fn remove_box(&mut self) {
-        let by_hand = self
+        let manual = self
             .log
             .reviewing
             .selected_box()
             .filter(|one| one.model.is_none());
-        match by_hand.map(|one| one.id) {
+        match manual.map(|one| one.id) {
             Some(id) => self.edit(&Edit::Remove(id), false),
             None => self.decide(Edit::Reject),
         }
@@ -193,7 +193,7 @@ impl App {
             return;
         }
         if tool == Tool::Edit && self.log.reviewing.selected.is_none() {
-            self.tell("select a box first, with Tab or a click".to_owned(), true);
+            self.notify("select a box first, with Tab or a click".to_owned(), true);
             return;
         }
         self.leave_measuring();
@@ -212,7 +212,7 @@ impl App {
     /// Sorts and filters.
     pub(in crate::app) fn set_queue(&mut self, queue: Queue) {
         self.log.reviewing.queue = queue;
-        self.log.reviewing.line_up();
+        self.log.reviewing.sort_and_filter();
         self.log.reviewing.count_mistakes();
     }
 

@@ -19,8 +19,8 @@ pub(super) struct Detector {
     model: Arc<Model>,
 }
 
-/// What the worker tells on its way.
-enum Heard {
+/// Progress messages of the worker.
+enum SearchMessage {
     /// The model is ready.
     Ready(Detector),
     /// The boxes up to some ping.
@@ -29,7 +29,7 @@ enum Heard {
 
 /// A search under way.
 pub(super) struct Detecting {
-    heard: mpsc::Receiver<Heard>,
+    messages: mpsc::Receiver<SearchMessage>,
     /// Pings from the log's start on that it has come over.
     pings: usize,
     task: Task<Result<Vec<Detection>, String>>,
@@ -63,17 +63,17 @@ impl App {
     pub(in crate::app) fn detect(&mut self) {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             let text = "open a log first; its objects can be found once its track is placed";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         if !survey.has_side_scan() {
             let text = "there is no usable side-scan in this log to find objects in";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         }
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
         let path = self.log.reviewing.model_path.clone();
         let known = self.log.reviewing.detector.clone();
         let known = known.filter(|detector| detector.path == path);
-        let (sender, heard) = mpsc::channel();
+        let (sender, messages) = mpsc::channel();
         let task = Task::start(&self.jobs, move |progress| {
             let detector = match known {
                 Some(detector) => detector,
@@ -81,19 +81,19 @@ impl App {
             };
             let model = detector.model.clone();
             // Nobody listens any more when the search was replaced.
-            sender.send(Heard::Ready(detector)).ok();
+            sender.send(SearchMessage::Ready(detector)).ok();
             let settings = DetectorSettings {
                 score: Some(LEAST_SCORE.min(model.score())),
                 ..DetectorSettings::default()
             };
-            let hear = |so_far| {
-                sender.send(Heard::SoFar(so_far)).ok();
+            let on_found = |so_far| {
+                sender.send(SearchMessage::SoFar(so_far)).ok();
             };
-            find(&survey, &navigation, &model, &settings, progress, hear)
+            find(&survey, &navigation, &model, &settings, progress, on_found)
                 .map_err(|error| error.to_string())
         });
         self.log.reviewing.detecting = Some(Detecting {
-            heard,
+            messages,
             pings: 0,
             task,
         });
@@ -125,7 +125,7 @@ impl App {
     /// Ends a search; what it found so far stays, with the pings that it has come over.
     pub(in crate::app) fn stop_detecting(&mut self) {
         if let Some(detecting) = self.log.reviewing.detecting.take() {
-            let last = self.hear(&detecting);
+            let last = self.receive_messages(&detecting);
             self.end_search(last);
         }
     }
@@ -138,13 +138,13 @@ impl App {
         }
     }
 
-    /// What a search has told since it was last asked: its model, and the last of its boxes.
-    fn hear(&mut self, detecting: &Detecting) -> Option<SoFar> {
+    /// Receives the messages of a search: its model, and the last of its boxes.
+    fn receive_messages(&mut self, detecting: &Detecting) -> Option<SoFar> {
         let mut last = None;
-        while let Ok(heard) = detecting.heard.try_recv() {
-            match heard {
-                Heard::Ready(detector) => self.meet(detector),
-                Heard::SoFar(so_far) => last = Some(so_far),
+        while let Ok(message) = detecting.messages.try_recv() {
+            match message {
+                SearchMessage::Ready(detector) => self.meet(detector),
+                SearchMessage::SoFar(so_far) => last = Some(so_far),
             }
         }
         last
@@ -156,7 +156,7 @@ impl App {
             return;
         };
         let outcome = detecting.task.poll();
-        let last = self.hear(&detecting);
+        let last = self.receive_messages(&detecting);
         let found = match outcome {
             Outcome::Pending => {
                 if let Some(so_far) = last {
@@ -176,12 +176,12 @@ impl App {
                 if found.is_empty() {
                     let text =
                         "no objects were found; draw what you see with N, or choose another model";
-                    self.tell(text.to_owned(), false);
+                    self.notify(text.to_owned(), false);
                 }
             }
             Err(text) => {
                 self.end_search(last);
-                self.tell(text, true);
+                self.notify(text, true);
             }
         }
     }

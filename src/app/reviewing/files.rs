@@ -1,4 +1,4 @@
-//! The file that a review is kept in, beside the log and never in it.
+//! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
 use crate::app::exporting::Exporting;
 use crate::app::{App, Outcome, Task};
@@ -16,13 +16,13 @@ const SUFFIX: &str = "review.json";
 /// A review being read.
 pub(super) struct Opening {
     path: PathBuf,
-    /// Found beside the log: nobody asked for it.
+    /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
     task: Task<Result<Review, String>>,
 }
 
 impl App {
-    /// Where the review is or would be kept: its file, or one beside the log that is named after it.
+    /// Where the review is or would be kept: its file, or the sidecar file of the log.
     pub fn review_path(&self) -> Option<PathBuf> {
         let beside = || {
             let log = self.log.survey.as_ref()?.source.files.first()?;
@@ -46,9 +46,9 @@ impl App {
             match export::keep_aside(&path) {
                 Ok(aside) => {
                     let text = "The review that could not be used is kept as";
-                    self.tell(format!("{text} {}", aside.display()), false);
+                    self.notify(format!("{text} {}", aside.display()), false);
                 }
-                Err(error) => return self.tell(error.to_string(), true),
+                Err(error) => return self.notify(error.to_string(), true),
             }
         }
         let text = self.log.reviewing.review.to_json();
@@ -60,11 +60,11 @@ impl App {
             Ok(()) => {
                 self.log.reviewing.autosave.clear();
                 let boxes = self.log.reviewing.review.boxes().len();
-                self.tell(format!("Saved {boxes} boxes to {}", path.display()), false);
+                self.notify(format!("Saved {boxes} boxes to {}", path.display()), false);
                 self.log.reviewing.saved = self.log.reviewing.review.clone();
                 self.log.reviewing.path = Some(path);
             }
-            Err(error) => self.tell(error.to_string(), true),
+            Err(error) => self.notify(error.to_string(), true),
         }
     }
 
@@ -84,7 +84,7 @@ impl App {
             let written = write_boxes(
                 &survey, &products, &review, &raster, part, &folder, progress,
             )?;
-            Ok(written.told(&folder))
+            Ok(written.summary(&folder))
         }));
     }
 
@@ -93,7 +93,7 @@ impl App {
         self.read_review(path, false);
     }
 
-    /// Starts reading the review beside the log, if there is one and nothing is at hand already.
+    /// Starts reading the review in the log's sidecar file, if there is one and nothing is at hand already.
     pub(in crate::app) fn look_for_review(&mut self) {
         if let Some(path) = self.review_path()
             && !self.log.reviewing.has_boxes()
@@ -106,7 +106,7 @@ impl App {
     fn read_review(&mut self, path: PathBuf, unasked: bool) {
         let Some(survey) = &self.log.survey else {
             let text = "open the log first, then the review of its boxes";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         let (identity, from) = (Identity::of(survey), path.clone());
         let task = Task::start(&self.jobs, move |_| {
@@ -140,15 +140,15 @@ impl App {
                 self.log.reviewing.saved = review;
                 let path = opening.path.display();
                 let text = match opening.unasked {
-                    true => format!("Found {boxes} boxes beside the log: {path}"),
+                    true => format!("Found {boxes} boxes in the log's sidecar file: {path}"),
                     false => format!("Opened {boxes} boxes: {path}"),
                 };
-                self.tell(text, false);
+                self.notify(text, false);
                 self.log.reviewing.path = Some(opening.path);
             }
             Err(text) => {
                 self.log.reviewing.refused = opening.unasked.then_some(opening.path);
-                self.tell(text, true);
+                self.notify(text, true);
             }
         }
     }

@@ -4,7 +4,7 @@
 use super::{Reviewing, middle};
 use crate::app::{App, Outcome, Task};
 use crate::detection::review::read_text;
-use crate::detection::truth::{self, Comparison, LaidTruth, Mistake, Standing, Truth};
+use crate::detection::truth::{self, Comparison, Mistake, RasterTruth, Standing, Truth};
 use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ enum Source {
 /// A truth being read.
 struct Opening {
     source: Source,
-    /// Found beside the log: nobody asked for it.
+    /// A sidecar file of the log: it was found, not opened.
     unasked: bool,
     task: Task<Result<Truth, String>>,
 }
@@ -60,7 +60,7 @@ pub struct Judging {
     truth: Option<(Source, Arc<Truth>)>,
     opening: Option<Opening>,
     /// Asked for while the log was still being opened.
-    wanted: Option<PathBuf>,
+    requested: Option<PathBuf>,
     comparison: Option<Comparison>,
     running: Option<Task<Comparison>>,
     /// Boxes, raster or truth have changed since the last comparison began.
@@ -122,7 +122,7 @@ impl Judging {
 
     /// Takes over the truth that was asked for while the log was being opened.
     pub(in crate::app) fn take_request(&mut self, before: &mut Reviewing) {
-        self.wanted = before.judging.wanted.take();
+        self.requested = before.judging.requested.take();
     }
 
     pub(super) fn is_busy(&self) -> bool {
@@ -165,9 +165,9 @@ impl Reviewing {
             }
             MistakeSort::Position => standing.mistakes.sort_by_key(place),
         }
-        let is_missed = |wanted: usize| {
+        let is_missed = |requested: usize| {
             let same =
-                |one: &Mistake| matches!(one, Mistake::Miss { object, .. } if *object == wanted);
+                |one: &Mistake| matches!(one, Mistake::Miss { object, .. } if *object == requested);
             standing.mistakes.iter().any(same)
         };
         self.judging.missed = self.judging.missed.filter(|&object| is_missed(object));
@@ -188,24 +188,24 @@ impl App {
     /// Reads the truth from a file; while a log is being opened, once that is open.
     pub(in crate::app) fn open_truth(&mut self, path: PathBuf) {
         if self.load_status().is_some() {
-            self.log.reviewing.judging.wanted = Some(path);
+            self.log.reviewing.judging.requested = Some(path);
         } else {
             self.read_truth(Source::File(path), false);
         }
     }
 
-    /// Reads what was asked for while the log was being opened, or what lies beside it.
+    /// Reads what was asked for while the log was being opened, or its sidecar file.
     pub(in crate::app) fn look_for_truth(&mut self, is_file: bool) {
-        if let Some(path) = self.log.reviewing.judging.wanted.take() {
+        if let Some(path) = self.log.reviewing.judging.requested.take() {
             return self.read_truth(Source::File(path), false);
         }
         if !is_file {
             return self.read_truth(Source::Demo, true);
         }
         let log = (self.log.survey.as_ref()).and_then(|survey| survey.source.files.first());
-        let beside = log.map(|log| log.with_extension(truth::BESIDE));
-        if let Some(beside) = beside.filter(|beside| beside.is_file()) {
-            self.read_truth(Source::File(beside), true);
+        let sidecar = log.map(|log| log.with_extension(truth::SIDECAR));
+        if let Some(sidecar) = sidecar.filter(|sidecar| sidecar.is_file()) {
+            self.read_truth(Source::File(sidecar), true);
         }
     }
 
@@ -217,7 +217,7 @@ impl App {
     fn read_truth(&mut self, source: Source, unasked: bool) {
         let Some(survey) = &self.log.survey else {
             let text = "open the log first, then the truth about it";
-            return self.tell(text.to_owned(), true);
+            return self.notify(text.to_owned(), true);
         };
         let (identity, from) = (Identity::of(survey), source.clone());
         let task = Task::start(&self.jobs, move |_| {
@@ -271,16 +271,16 @@ impl App {
                 judging.forget();
                 judging.truth = Some((opening.source.clone(), Arc::new(truth)));
                 judging.outdated = true;
-                // What lay beside the log is named where it is used.
+                // A sidecar file is named where it is used.
                 if let Source::File(path) = opening.source
                     && !opening.unasked
                 {
                     let path = path.display();
                     let text = format!("Opened the truth about {objects} objects: {path}");
-                    self.tell(text, false);
+                    self.notify(text, false);
                 }
             }
-            Err(text) => self.tell(text, true),
+            Err(text) => self.notify(text, true),
         }
     }
 
@@ -296,7 +296,7 @@ impl App {
         judging.outdated = false;
         let truth = truth.clone();
         judging.running = Some(Task::start(&self.jobs, move |_| {
-            Comparison::new(&review, LaidTruth::new(&raster, truth), &raster)
+            Comparison::new(&review, RasterTruth::new(&raster, truth), &raster)
         }));
     }
 
@@ -328,7 +328,7 @@ impl App {
                 Some(_) => "there are no boxes yet to compare with the truth; find objects first",
                 None => "mistakes are known once there is truth: open it in the Review menu",
             };
-            return self.tell(text.to_owned(), false);
+            return self.notify(text.to_owned(), false);
         }
         let next = match self.log.reviewing.mistake_at() {
             Some(here) => (here as isize + by).rem_euclid(count),

@@ -108,7 +108,7 @@ pub struct Reviewing {
     /// The version in the file, or the empty one.
     saved: Arc<Review>,
     opening: Option<Opening>,
-    /// A file beside the log that cannot be used: it may be somebody's work.
+    /// A sidecar file that cannot be used: it may be somebody's work.
     refused: Option<PathBuf>,
     autosave: Autosave,
     places: Places,
@@ -251,17 +251,17 @@ impl Reviewing {
         if self.selected_box().is_none() {
             self.selected = None;
         }
-        self.line_up();
+        self.sort_and_filter();
     }
 
     /// Lines the boxes up anew.
-    fn line_up(&mut self) {
+    fn sort_and_filter(&mut self) {
         let raster = self.raster().cloned();
         let longer_m = |mark: &detection::Mark| {
             let [along_m, across_m] = size_m(raster.as_deref(), mark);
             along_m.max(across_m)
         };
-        self.line = self.queue.line_up(&self.review, longer_m);
+        self.line = self.queue.sort_and_filter(&self.review, longer_m);
         let in_line = self.review.shared().iter();
         let in_line = in_line.filter(|one| self.queue.takes(one, longer_m));
         self.along = in_line.cloned().collect();
@@ -279,7 +279,7 @@ impl Reviewing {
             let raster = Raster::new(survey, navigation, PIXEL_M);
             self.raster = Some((navigation.clone(), Arc::new(raster)));
             self.judging.outdate();
-            self.line_up();
+            self.sort_and_filter();
         }
     }
 
@@ -304,7 +304,7 @@ impl Reviewing {
         self.set(review);
     }
 
-    /// Leaves it to the project to keep what is decided: no file beside the log is read or written any more.
+    /// Leaves it to the project to keep what is decided: no file next to the log is read or written any more.
     pub(super) fn keep_elsewhere(&mut self) {
         self.is_in_project = true;
         self.autosave = Autosave::default();
@@ -329,7 +329,7 @@ impl Reviewing {
         self.model_path = before.model_path.clone();
         self.detector = before.detector.clone();
         self.judging.sort_as(&before.judging);
-        self.line_up();
+        self.sort_and_filter();
         self.count_mistakes();
     }
 

@@ -155,8 +155,8 @@ impl App {
                 });
                 (id, (mark, placed))
             };
-            let wanted = missing.into_par_iter();
-            wanted
+            let requested = missing.into_par_iter();
+            requested
                 .filter_map(|one| (!progress.is_cancelled()).then(|| entry(one)))
                 .collect()
         });

@@ -1,7 +1,7 @@
 //! Places that two logs measured.
 
 use super::{Meeting, MeetingKind};
-use crate::bathymetry::crossings::{TrackDepth, crossings};
+use crate::bathymetry::crosslines::{TrackDepth, crossings};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
 use std::collections::{BTreeMap, HashMap};

@@ -12,7 +12,7 @@ mod network;
 pub use meetings::meetings;
 pub use network::adjust;
 
-use super::crossings::TrackDepth;
+use super::crosslines::TrackDepth;
 use crate::progress::{Cancelled, Progress};
 use serde::Serialize;
 

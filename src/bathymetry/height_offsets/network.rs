@@ -191,8 +191,8 @@ impl<'a> Network<'a> {
             let [sum, weights] = pairs.entry(*ends).or_default();
             (*sum, *weights) = (*sum + weight * u * sigma_m, *weights + weight);
         }
-        let heard = pairs.values().filter(|[_, weights]| *weights > 0.0);
-        let squares: f64 = heard.map(|[sum, weights]| sum * sum / weights).sum();
+        let observed = pairs.values().filter(|[_, weights]| *weights > 0.0);
+        let squares: f64 = observed.map(|[sum, weights]| sum * sum / weights).sum();
         match pairs.len() >= self.size {
             false => 0.0,
             true => squares / (pairs.len() + 1 - self.size) as f64,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// More isobaths than this are a mistake, not a map.
 const MOST_LEVELS: f64 = 1000.0;
 /// About so many are drawn where nobody says how many.
-const WANTED_LEVELS: f64 = 10.0;
+const TARGET_LEVELS: f64 = 10.0;
 
 /// `isobaths.*` settings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,7 @@ impl IsobathSettings {
         }
         let interval_m = self
             .interval_m
-            .unwrap_or_else(|| readable((most_m - least_m) / WANTED_LEVELS));
+            .unwrap_or_else(|| readable((most_m - least_m) / TARGET_LEVELS));
         let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
         if last - first >= MOST_LEVELS {
             return Err(TooManyLevels {

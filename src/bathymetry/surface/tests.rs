@@ -86,7 +86,7 @@ fn the_bay_of_a_bend_stays_empty() {
 
 /// A spiral that opens from a radius of 60 m to 90 m: the chord of two gaps would lie up to 3 m inside the track.
 #[test]
-fn a_bend_is_not_bridged_by_a_lens_beside_the_track() {
+fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
     let points: Vec<_> = (0..=400)
         .flat_map(|i| {
             let along = f64::from(i) / 400.0;

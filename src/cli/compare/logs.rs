@@ -31,7 +31,7 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     drop(status);
     for note in &reference.notes {
         let path = reference.path().display();
-        output::tell(format_args!("warning: {note}: {path}"));
+        output::notify(format_args!("warning: {note}: {path}"));
     }
     match args.json {
         true => output::json(&record),

@@ -97,7 +97,7 @@ const SIGN: &str = "measured minus reference elevation, metres; positive is shal
 
 /// Compares and prints the statistics.
 pub fn run(args: CompareArgs) -> Result<(), String> {
-    spare_inputs(&args)?;
+    refuse_overwrite_of_inputs(&args)?;
     match is_named_as_elevations(&args.measured) {
         true => points(&args),
         false => logs::run(&args),
@@ -105,7 +105,7 @@ pub fn run(args: CompareArgs) -> Result<(), String> {
 }
 
 /// Refuses to write the points over a file that they are made from.
-fn spare_inputs(args: &CompareArgs) -> Result<(), String> {
+fn refuse_overwrite_of_inputs(args: &CompareArgs) -> Result<(), String> {
     let inputs = [&args.measured, &args.reference];
     let output = args.output.as_deref();
     let is_input = |path: &&Path| {
@@ -163,11 +163,11 @@ fn read(argument: &OsStr) -> Result<Elevations, String> {
     let file = read_elevations(argument).map_err(|error| error.to_string())?;
     let shown = file.path.display();
     if let Some(note) = &file.note {
-        output::tell(format_args!("warning: {note}: {shown}"));
+        output::notify(format_args!("warning: {note}: {shown}"));
     }
     if file.blank > 0 {
         let count = file.blank;
-        output::tell(format_args!(
+        output::notify(format_args!(
             "warning: {count} lines or features without a coordinate are left out: {shown}"
         ));
     }
@@ -200,7 +200,7 @@ fn table(comparison: &Comparison, by: &str) -> String {
         let verdict = if within.share >= 0.95 {
             ""
         } else {
-            " (95 % wanted)"
+            " (95 % required)"
         };
         format!(
             "S-44 {:<9} {:6.2} % within{verdict}",

@@ -151,7 +151,7 @@ pub fn run(args: EvaluateArgs) -> Result<(), String> {
         return output::json(&json::of(&outcome));
     }
     for note in &outcome.paired.notes {
-        output::tell(format_args!("note: {note}"));
+        output::notify(format_args!("note: {note}"));
     }
     output::results(table::of(&outcome).trim_end())
 }

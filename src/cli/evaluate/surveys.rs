@@ -6,7 +6,7 @@ use crate::cli::status_line::StatusLine;
 use crate::detection::labels::Paired;
 use crate::detection::metrics::Image;
 use crate::detection::review::read_text;
-use crate::detection::truth::{self, LaidTruth, Truth};
+use crate::detection::truth::{self, RasterTruth, Truth};
 use crate::detection::{DetectorSettings, Model, Nms, Raster, Scored, find};
 use crate::formats;
 use crate::pipeline::Settings;
@@ -58,15 +58,15 @@ struct Known {
     survey: Survey,
     navigation: Navigation,
     raster: Raster,
-    laid: LaidTruth,
+    on_raster: RasterTruth,
 }
 
 impl Known {
     fn open(log: &Path, truth: Option<&Path>, pixel_m: f64) -> Result<Self, String> {
         let progress = Progress::new();
         let survey = formats::open(log, &progress).map_err(|error| error.to_string())?;
-        let beside = log.with_extension(truth::BESIDE);
-        let path = truth.unwrap_or(&beside);
+        let sidecar = log.with_extension(truth::SIDECAR);
+        let path = truth.unwrap_or(&sidecar);
         if truth.is_none() && !path.is_file() {
             return Err(format!(
                 "nothing is known of the objects in this log; name a table of them or a review with --truth: {}",
@@ -80,12 +80,12 @@ impl Known {
         let navigation = navigate(&survey, &settings.heading, settings.projection, &progress)
             .map_err(|error| error.to_string())?;
         let raster = Raster::new(&survey, &navigation, pixel_m);
-        let laid = LaidTruth::new(&raster, Arc::new(truth));
+        let on_raster = RasterTruth::new(&raster, Arc::new(truth));
         Ok(Self {
             survey,
             navigation,
             raster,
-            laid,
+            on_raster,
         })
     }
 
@@ -138,7 +138,7 @@ impl Found {
     /// Searches a log with both.
     fn add(&mut self, known: &Known, searches: &[(Model, f32); 2]) -> Result<(), String> {
         let name = known.survey.name();
-        let images = known.laid.images(&mut self.classes);
+        let images = known.on_raster.images(&mut self.classes);
         for ((model, score), into) in searches.iter().zip([&mut self.ranked, &mut self.shown]) {
             let boxes = known.search(model, *score)?;
             let pictures = images.iter().zip(boxes).map(|(image, predicted)| Image {

@@ -40,7 +40,7 @@ pub fn process(
     for path in paths {
         let opened = logs.open(path, &progress).and_then(|survey| {
             if let Some(same) = taken.iter().find(|log| is_same(&log.survey, &survey)) {
-                output::tell(format_args!(
+                output::notify(format_args!(
                     "warning: the log holds the same bytes as {} and is taken once: {}",
                     same.survey.name(),
                     path.display()
@@ -55,7 +55,7 @@ pub fn process(
             Ok(log) => taken.extend(log),
             Err(sentence) => {
                 failed += 1;
-                output::tell(format_args!("bathyscope: {sentence}"));
+                output::notify(format_args!("bathyscope: {sentence}"));
             }
         }
     }
@@ -67,7 +67,7 @@ pub fn process(
         let run = outputs::begin(folder, &first.survey, None)?;
         let order = Order {
             logs: &taken,
-            wanted: how.wanted,
+            requested: how.requested,
             reference: None,
             search: how.model.filter(|_| taken.len() == 1),
             review: None,
@@ -75,7 +75,7 @@ pub fn process(
         let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
         drop(status);
         for warning in &written.report.warnings {
-            output::tell(format_args!("warning: {warning}"));
+            output::notify(format_args!("warning: {warning}"));
         }
         output::results(written.report.summary())?;
         output::results(written.summary(folder))?;

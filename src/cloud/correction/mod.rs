@@ -150,7 +150,7 @@ fn over_survey(level: &WaterLevelSettings, survey: &Survey) -> Result<Option<(f6
         .start_unix_s
         .map(|start_s| start_s + level.clock_offset_s);
     let Some(start_unix_s) = by_clock_s else {
-        let what = "the log does not know the time, so readings of the water level cannot be laid over it; give one water_level_m instead";
+        let what = "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead";
         return Err(fail(what.to_owned()));
     };
     let Some((from_s, to_s)) = record_span_s(survey) else {

@@ -3,7 +3,7 @@
 use super::{Found, centred, logistic};
 use crate::detection::Scored;
 
-/// What the network does not tell about one of its heads.
+/// What the network does not state about one of its heads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Head {
     /// Width and height of each anchor, pixels of the network's input.

@@ -72,7 +72,7 @@ pub struct Label {
 /// The labels of one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureLabels {
-    /// Its width and height, pixels, where they are told.
+    /// Its width and height, pixels, where they are known.
     pub size_px: Option<[u32; 2]>,
     /// Its boxes.
     pub labels: Vec<Label>,
@@ -85,7 +85,7 @@ pub struct LabelSet {
     pub format: LabelFormat,
     /// Where they were read from.
     pub path: PathBuf,
-    /// Class names, as far as they are told.
+    /// Class names, as far as they are known.
     pub names: Vec<String>,
     /// By the picture's name without its ending.
     pub pictures: BTreeMap<String, PictureLabels>,

@@ -11,7 +11,7 @@ pub struct Paired {
     pub names: Vec<String>,
     /// Their boxes, in pixels.
     pub images: Vec<Image>,
-    /// One name a class; a number where none is told.
+    /// One name a class; a number where none is known.
     pub classes: Vec<String>,
     /// What the analyst should know, in sentences.
     pub notes: Vec<String>,
@@ -44,12 +44,12 @@ pub fn pair(truth: &LabelSet, predicted: &LabelSet) -> Result<Paired, LabelError
     let (mut images, mut unsized_pictures) = (Vec::with_capacity(names.len()), 0);
     for name in &names {
         let pictures = [truth.pictures.get(name), predicted.pictures.get(name)];
-        let told = pictures
+        let size_px = pictures
             .iter()
             .flatten()
             .find_map(|picture| picture.size_px);
-        unsized_pictures += usize::from(told.is_none());
-        images.push(image(truth, predicted, pictures, told));
+        unsized_pictures += usize::from(size_px.is_none());
+        images.push(image(truth, predicted, pictures, size_px));
     }
     if unsized_pictures > 0 && truth.format == LabelFormat::Yolo {
         notes.push(format!(
@@ -68,9 +68,9 @@ fn image(
     truth: &LabelSet,
     predicted: &LabelSet,
     pictures: [Option<&PictureLabels>; 2],
-    told: Option<[u32; 2]>,
+    size_px: Option<[u32; 2]>,
 ) -> Image {
-    let size_px = told.unwrap_or([TILE_PX as u32; 2]);
+    let size_px = size_px.unwrap_or([TILE_PX as u32; 2]);
     let boxes = |picture: Option<&PictureLabels>| -> Vec<Label> {
         picture.map_or(Vec::new(), |picture| picture.labels.clone())
     };
@@ -110,7 +110,7 @@ fn pixels(rect: Rect, format: LabelFormat, [width, height]: [u32; 2]) -> Rect {
 
 /// Names for every class that is named or used.
 fn classes(truth: &LabelSet, predicted: &LabelSet) -> Vec<String> {
-    let told = if truth.names.is_empty() {
+    let names = if truth.names.is_empty() {
         &predicted.names
     } else {
         &truth.names
@@ -121,10 +121,11 @@ fn classes(truth: &LabelSet, predicted: &LabelSet) -> Vec<String> {
         .flat_map(|picture| &picture.labels)
         .map(|label| label.class + 1)
         .max();
-    let count = told.len().max(used.unwrap_or(0));
+    let count = names.len().max(used.unwrap_or(0));
     (0..count)
         .map(|class| {
-            told.get(class)
+            names
+                .get(class)
                 .cloned()
                 .unwrap_or_else(|| class.to_string())
         })

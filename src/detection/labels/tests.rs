@@ -81,7 +81,7 @@ fn both_formats_give_the_same_boxes() {
 }
 
 #[test]
-fn a_picture_beside_its_labels_tells_its_size() {
+fn a_picture_next_to_its_labels_gives_its_size() {
     let folder = folder(&[("set/labels/a.txt", "0 0.5 0.5 0.5 0.5\n")]);
     let images = folder.path().join("set/images");
     fs::create_dir(&images).expect("a folder");

@@ -4,12 +4,12 @@ use super::{Label, LabelError, LabelFormat, LabelSet, MOST_CLASSES, PictureLabel
 use crate::detection::Rect;
 use std::path::{Path, PathBuf};
 
-/// Names of files that tell class names.
+/// Names of files with class names.
 const NAMES: [&str; 2] = ["classes.txt", "obj.names"];
 /// Longer than any label file of one picture.
 const LONGEST: u64 = 16 << 20;
 
-/// Whether a file tells class names rather than boxes.
+/// Whether a file holds class names rather than boxes.
 pub fn is_names(file: &Path) -> bool {
     file.file_name()
         .is_some_and(|name| NAMES.iter().any(|names| name == *names))

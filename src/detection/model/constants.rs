@@ -13,8 +13,8 @@ use tract_onnx::tract_hir::infer::{Factoid, InferenceOp};
 const MOST_ELEMENTS: u64 = 1 << 24;
 /// Elements of all of them.
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 26;
-/// Layers that do not tell their output's size beforehand: at most the input's, times its number of axes.
-const UNTOLD: [&str; 2] = ["Compress", "NonZero"];
+/// Layers that do not state their output's size beforehand: at most the input's, times its number of axes.
+const UNSIZED: [&str; 2] = ["Compress", "NonZero"];
 
 /// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in it; what stays open here is
 /// for the compilation, and so is what is wrong.
@@ -33,8 +33,8 @@ pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
             continue;
         };
         if around.known() {
-            let untold = UNTOLD.contains(&&*model.node(node).op.name());
-            in_all = in_all.saturating_add(elements_of(&name, &outputs, untold)?);
+            let unsized_output = UNSIZED.contains(&&*model.node(node).op.name());
+            in_all = in_all.saturating_add(elements_of(&name, &outputs, unsized_output)?);
             if in_all > MOST_ELEMENTS_IN_ALL {
                 return Err(Unusable::TooBig(format!(
                     "up to its layer {name} it makes {in_all} numbers of its constants"
@@ -54,15 +54,19 @@ pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
                     .concretize()
                     .map_or(0, |axes| axes as usize),
             )?;
-            // A slot that is not there is told by the compilation.
+            // A slot that is not there is reported by the compilation.
             model.set_outlet_fact(OutletId::new(node, slot), fact).ok();
         }
     }
     Ok(())
 }
 
-/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be told.
-fn elements_of(name: &str, outputs: &[InferenceFact], untold: bool) -> Result<u64, Unusable> {
+/// Elements of what a layer makes of constants, where one tensor is not too large, or cannot be known.
+fn elements_of(
+    name: &str,
+    outputs: &[InferenceFact],
+    unsized_output: bool,
+) -> Result<u64, Unusable> {
     let mut sum = 0;
     for fact in outputs {
         let elements = fact.shape.concretize().map(|sizes| {
@@ -75,7 +79,7 @@ fn elements_of(name: &str, outputs: &[InferenceFact], untold: bool) -> Result<u6
         });
         match elements {
             Some(Some(elements)) if elements <= MOST_ELEMENTS => sum += elements,
-            None if untold => (),
+            None if unsized_output => (),
             _ => {
                 return Err(Unusable::TooBig(format!(
                     "its layer {name} makes {:?} numbers of constants",

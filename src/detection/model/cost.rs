@@ -1,4 +1,4 @@
-//! What one picture costs a compiled network, told from the sizes of its layers before it is run.
+//! What one picture costs a compiled network, estimated from the sizes of its layers before it is run.
 
 use super::Unusable;
 use tract_onnx::prelude::{OutletId, TypedModel, TypedNode};

@@ -48,12 +48,12 @@ pub enum Unusable {
     Input(String),
     /// Outputs that no decoder knows.
     #[error(
-        "its outputs ({0}) are those of no known detector; name the family in the JSON file beside it (yolov4, raw_heads, \
+        "its outputs ({0}) are those of no known detector; name the family in the sidecar JSON file (yolov4, raw_heads, \
          yolov5, yolov8, end_to_end or yolox)"
     )]
     Layout(String),
     /// Outputs that do not fit the family that the sidecar names.
-    #[error("its outputs do not fit the family {family}: {why}; correct the JSON file beside it")]
+    #[error("its outputs do not fit the family {family}: {why}; correct the sidecar JSON file")]
     Misfit {
         /// The family.
         family: String,
@@ -62,14 +62,14 @@ pub enum Unusable {
     },
     /// Raw heads without anchors.
     #[error(
-        "its outputs are raw heads, whose anchors no ONNX file holds; write them into the JSON file beside it, as `heads`"
+        "its outputs are raw heads, whose anchors no ONNX file holds; write them into the sidecar JSON file, as `heads`"
     )]
     NoAnchors,
     /// Another task than detection.
     #[error("it was trained for the task `{0}`; export a detector")]
     Task(String),
-    /// The JSON file beside it.
-    #[error("the JSON file beside it is wrong: {0}")]
+    /// The sidecar JSON file.
+    #[error("the sidecar JSON file is wrong: {0}")]
     Sidecar(String),
     /// Refused by the backend, the whole chain of reasons.
     #[error("it cannot be compiled: {0}")]
@@ -93,7 +93,7 @@ pub enum Unusable {
 /// A search that came to no end.
 #[derive(Debug, thiserror::Error)]
 pub enum DetectError {
-    /// It was told to stop.
+    /// It was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// The model failed on a tile.

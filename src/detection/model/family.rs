@@ -17,7 +17,7 @@ pub type Shaped<'a> = (&'a str, &'a [usize]);
 /// A detector whose outputs can be read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// Classes that it tells apart.
+    /// Classes that it distinguishes.
     pub classes: usize,
     kind: Kind,
 }
@@ -67,7 +67,7 @@ pub fn guess(
     input: [usize; 2],
     metadata: &Metadata,
 ) -> Result<FamilyName, Unusable> {
-    let unknown = || Err(Unusable::Layout(told(outputs)));
+    let unknown = || Err(Unusable::Layout(listed(outputs)));
     if boxes_and_confs(outputs).is_some() {
         return Ok(FamilyName::Yolov4);
     }
@@ -107,17 +107,17 @@ pub fn bind(
         why,
     };
     let one = || match outputs {
-        [(_, shape)] => flat(shape).ok_or_else(|| misfit(told(outputs))),
-        _ => Err(misfit(told(outputs))),
+        [(_, shape)] => flat(shape).ok_or_else(|| misfit(listed(outputs))),
+        _ => Err(misfit(listed(outputs))),
     };
     let more = |width: usize, fixed: usize| {
         let classes = width.checked_sub(fixed).filter(|&classes| classes > 0);
-        classes.ok_or_else(|| misfit(told(outputs)))
+        classes.ok_or_else(|| misfit(listed(outputs)))
     };
     let (classes, kind) = match name {
         FamilyName::Yolov4 => {
             let (boxes, confs, classes) =
-                boxes_and_confs(outputs).ok_or_else(|| misfit(told(outputs)))?;
+                boxes_and_confs(outputs).ok_or_else(|| misfit(listed(outputs)))?;
             let fractions = coordinates(sidecar);
             (
                 classes,
@@ -137,9 +137,9 @@ pub fn bind(
         FamilyName::EndToEnd => {
             let [_, width] = one()?;
             if width != 6 {
-                return Err(misfit(told(outputs)));
+                return Err(misfit(listed(outputs)));
             }
-            // The outputs do not tell how many classes there are.
+            // The outputs do not state how many classes there are.
             (known_names.unwrap_or(80), Kind::EndToEnd)
         }
         FamilyName::Yolox => {
@@ -199,7 +199,7 @@ impl Family {
         self.kind == Kind::EndToEnd
     }
 
-    /// Learns from a first run what shapes do not tell: whether boxes are fractions of the picture, of which none is far
+    /// Learns from a first run what shapes do not show: whether boxes are fractions of the picture, of which none is far
     /// beyond 1.
     pub fn learn(&mut self, first_run: &[Output]) {
         if let Kind::BoxesAndConfs {
@@ -228,7 +228,7 @@ fn coordinates(sidecar: &Sidecar) -> Option<bool> {
 }
 
 /// The outputs in words, for messages.
-fn told(outputs: &[Shaped<'_>]) -> String {
+fn listed(outputs: &[Shaped<'_>]) -> String {
     let words = outputs
         .iter()
         .map(|(name, shape)| format!("{name} {shape:?}"));

@@ -1,7 +1,7 @@
 //! Work on a file that may be made to harm: it may fail, stop half way or never end, and only that work ends.
 
 use super::Unusable;
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
@@ -21,7 +21,7 @@ pub fn guarded<T: Send + 'static>(
         .name(what.to_owned())
         .stack_size(STACK_BYTES)
         .spawn(move || {
-            let outcome = contained(work).unwrap_or(Err(Unusable::Damaged(what)));
+            let outcome = catch_panic(work).unwrap_or(Err(Unusable::Damaged(what)));
             // A receiver that has gone away waits no more.
             sender.send(outcome).ok();
         })?;
@@ -41,11 +41,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_fails_stops_or_never_ends_is_told_apart() {
+    fn what_fails_stops_or_never_ends_is_distinguished() {
         let soon = Duration::from_millis(50);
         let late = Duration::from_secs(600);
         assert_eq!(guarded("this", late, || Ok(7)).unwrap(), 7);
-        let panicked = guarded::<()>("this", late, || panic!("foreign"));
+        let panicked = guarded::<()>("this", late, || panic!("a fault"));
         assert!(matches!(panicked, Err(Unusable::Damaged("this"))));
         let slow = guarded("this", soon, || {
             thread::sleep(Duration::from_millis(500));

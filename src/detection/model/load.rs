@@ -5,7 +5,7 @@ use super::guard::guarded;
 use super::input::InputSpec;
 use super::metadata::Metadata;
 use super::screen::{self, Declared};
-use super::sidecar::{Colour, FamilyName, LevelEntry, LookEntry, Resize, Sidecar};
+use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Resize, Sidecar};
 use super::{Inference, Model, Output, Unusable, tract};
 use crate::detection::Nms;
 use crate::printable::one_line;
@@ -26,7 +26,7 @@ const COMPILE_LIMIT: Duration = Duration::from_secs(60);
 const FIRST_RUN_LIMIT: Duration = Duration::from_secs(30);
 /// Pixels across or down that an input may have.
 const LARGEST_INPUT: usize = 4096;
-/// Pixels across and down where nothing tells.
+/// Pixels across and down where nothing states it.
 const USUAL_INPUT: usize = 416;
 
 /// Loads the file and its sidecar.
@@ -36,8 +36,8 @@ pub fn from_path(path: &Path) -> Result<Model, Unusable> {
             ErrorKind::FileTooLarge => Unusable::TooLarge(LARGEST_MIB),
             _ => error.into(),
         })?;
-    let beside = path.with_extension("json");
-    let sidecar = match regular_file::read_text(&beside, LARGEST_SIDECAR) {
+    let sidecar_path = path.with_extension("json");
+    let sidecar = match regular_file::read_text(&sidecar_path, LARGEST_SIDECAR) {
         Ok(text) => Some(text),
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         Err(error) => return Err(Unusable::Sidecar(error.to_string())),
@@ -138,12 +138,12 @@ fn input_of(
     metadata: &Metadata,
 ) -> Result<InputSpec, Unusable> {
     let [batch, second, third, fourth] = declared.shape;
-    let told = |what: &str| Unusable::Input(format!("`{}` {what}", declared.name));
+    let input_error = |what: &str| Unusable::Input(format!("`{}` {what}", declared.name));
     if ![tract::FLOAT32, tract::FLOAT16].contains(&declared.element) {
-        return Err(told("takes no fractions (f32 or f16)"));
+        return Err(input_error("takes no fractions (f32 or f16)"));
     }
     if batch.is_some_and(|batch| batch != 1) {
-        return Err(told("takes several pictures at once"));
+        return Err(input_error("takes several pictures at once"));
     }
     let picture = |size: Option<usize>| matches!(size, Some(1 | 3));
     let channels_last = picture(fourth) && !picture(second);
@@ -165,14 +165,17 @@ fn input_of(
         resize: Resize::Stretch,
     };
     if ![1, 3].contains(&input.channels) {
-        return Err(told(&format!("has {} channels", input.channels)));
+        return Err(input_error(&format!("has {} channels", input.channels)));
     }
     let sizes = [input.width, input.height];
     if sizes
         .iter()
         .any(|size| !(32..=LARGEST_INPUT).contains(size))
     {
-        return Err(told(&format!("is {} x {} pixels", sizes[0], sizes[1])));
+        return Err(input_error(&format!(
+            "is {} x {} pixels",
+            sizes[0], sizes[1]
+        )));
     }
     Ok(input)
 }
@@ -243,7 +246,7 @@ fn class_names(
             Ok(names.iter().map(|name| one_line(name)).collect())
         }
         Some(names) => Err(Unusable::Sidecar(format!(
-            "{} class names are given, but the outputs tell {} classes apart",
+            "{} class names are given, but the outputs distinguish {} classes",
             names.len(),
             family.classes
         ))),
@@ -263,9 +266,9 @@ fn assemble(
 ) -> Model {
     let thresholds = &sidecar.thresholds;
     let mut description = describe(name, guessed, &names, &input);
-    let looks_twice = sidecar.second_look == Some(LookEntry::Mirrored);
-    if looks_twice {
-        description.push_str(", and a second look, mirrored");
+    let augments = sidecar.test_time_augmentation == Some(Augmentation::Mirrored);
+    if augments {
+        description.push_str(", with test-time augmentation (mirrored)");
     }
     Model {
         backend,
@@ -281,14 +284,14 @@ fn assemble(
             across_classes: thresholds.class_agnostic.unwrap_or(false),
         },
         vote: thresholds.vote,
-        looks_twice,
+        augments,
         description,
     }
 }
 
 fn describe(name: FamilyName, guessed: bool, names: &[String], input: &InputSpec) -> String {
     let by = if guessed {
-        "guessed from the shapes of its outputs; a JSON file beside it corrects that"
+        "guessed from the shapes of its outputs; a sidecar JSON file corrects that"
     } else {
         "by its JSON file"
     };

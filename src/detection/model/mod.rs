@@ -2,8 +2,8 @@
 //!
 //! `screen` refuses what could harm before anything is computed, `constants` what would grow while it is compiled, `cost` what
 //! would take too much to run. `tract` compiles and runs (behind `backend`, so that another may come), `guard` keeps failures
-//! and endless work to themselves. `family` tells by the outputs' shapes how boxes are
-//! written; `sidecar` (the JSON file beside the model) and `metadata` (inside it) tell the rest. `input` makes the numbers that
+//! and endless work to themselves. `family` infers from the outputs' shapes how boxes are
+//! written; `sidecar` (the JSON file next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that
 //! the network takes. `shipped` is the model that comes with the program.
 
 mod backend;
@@ -24,7 +24,7 @@ pub use backend::{Inference, Output};
 pub use error::{DetectError, ModelError, Unusable};
 pub use shipped::shipped;
 
-use super::{Nms, Picture, Scored, level, looks, suppress, vote};
+use super::{Nms, Picture, Scored, level, suppress, test_time_augmentation, vote};
 use family::Family;
 use input::InputSpec;
 use std::path::Path;
@@ -33,8 +33,8 @@ use std::path::Path;
 const MOST_BOXES: usize = 1000;
 /// Confidence from which a box takes part in the vote, whatever is asked for: a box must not move with the slider.
 const LEAST_VOTER: f32 = 0.01;
-/// Confidence from which a box is worth a second look at its picture. Most tiles of a survey show bare ground.
-const WORTH_A_LOOK: f32 = 0.1;
+/// Confidence from which a box is worth a second, mirrored pass over its picture. Most tiles of a survey show bare ground.
+const WORTH_AUGMENTING: f32 = 0.1;
 /// Least confidence of any box. Without a floor a network's every cell would be one.
 const LEAST_SCORE: f32 = 0.001;
 
@@ -52,7 +52,7 @@ pub struct Model {
     /// Overlap above which boxes vote.
     vote: Option<f32>,
     /// Whether a picture that seems to show something is looked at once more, mirrored.
-    looks_twice: bool,
+    augments: bool,
     description: String,
 }
 
@@ -136,19 +136,19 @@ impl Model {
             picture
         };
         let score = score.max(LEAST_SCORE);
-        let least = if self.vote.is_some() || self.looks_twice {
+        let least = if self.vote.is_some() || self.augments {
             score.min(LEAST_VOTER)
         } else {
             score
         };
         let mut boxes = self.look(picture, least)?;
-        if self.looks_twice && boxes.iter().any(|found| found.score >= WORTH_A_LOOK) {
+        if self.augments && boxes.iter().any(|found| found.score >= WORTH_AUGMENTING) {
             let height = picture.height as f32;
             let mut again = self.look(&picture.mirrored(), least)?;
             for found in &mut again {
-                *found = looks::mirrored(*found, height);
+                *found = test_time_augmentation::mirrored(*found, height);
             }
-            boxes = looks::agree(&boxes, &again);
+            boxes = test_time_augmentation::agree(&boxes, &again);
         }
         Ok(self.settle(boxes, score, iou))
     }
@@ -168,7 +168,7 @@ impl Model {
 
     /// One box an object, of at least that score, where the boxes around it put it.
     fn settle(&self, candidates: Vec<Scored>, score: f32, iou: f32) -> Vec<Scored> {
-        let settled = self.family.suppresses() && !self.looks_twice;
+        let settled = self.family.suppresses() && !self.augments;
         let iou = if settled { 1.0 } else { iou };
         let mut boxes = candidates.clone();
         boxes.retain(|found| found.score >= score);

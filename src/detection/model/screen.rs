@@ -1,4 +1,4 @@
-//! The graph as the file tells it, looked through before anything is computed from it.
+//! The graph as the file describes it, looked through before anything is computed from it.
 
 use super::Unusable;
 use super::metadata::Metadata;
@@ -132,8 +132,8 @@ fn screen_graph(graph: &GraphProto, layers: &mut usize) -> Result<(), Unusable> 
         )));
     }
     screen_weights(graph)?;
-    let told = graph.input.iter().chain(&graph.output);
-    for (name, axes) in told.chain(&graph.value_info).map(axes_of) {
+    let listed = graph.input.iter().chain(&graph.output);
+    for (name, axes) in listed.chain(&graph.value_info).map(axes_of) {
         check_axes(name, axes)?;
     }
     let (sizes, lists) = (written_sizes(graph), list_lengths(graph));
@@ -180,13 +180,16 @@ fn screen_weights(graph: &GraphProto) -> Result<(), Unusable> {
 }
 
 /// Name and number of axes of an input, an output, or what lies between.
-fn axes_of(told: &ValueInfoProto) -> (&str, usize) {
-    let kind = told.r#type.as_ref().and_then(|kind| kind.value.as_ref());
+fn axes_of(declared: &ValueInfoProto) -> (&str, usize) {
+    let kind = declared
+        .r#type
+        .as_ref()
+        .and_then(|kind| kind.value.as_ref());
     let axes = match kind {
         Some(Kind::TensorType(tensor)) => tensor.shape.as_ref().map_or(0, |shape| shape.dim.len()),
         _ => 0,
     };
-    (&told.name, axes)
+    (&declared.name, axes)
 }
 
 /// Refuses a tensor of more axes than anything that a detector computes with.
@@ -323,14 +326,14 @@ fn declared_input(graph: &GraphProto) -> Result<Declared, Unusable> {
             _ => None,
         })
         .collect();
-    let told = || {
+    let text = || {
         let words = sizes
             .iter()
             .map(|size| size.map_or("?".to_owned(), |size| size.to_string()));
         format!("is [{}]", words.collect::<Vec<_>>().join(", "))
     };
     let shape =
-        <[Option<usize>; 4]>::try_from(sizes.clone()).map_err(|_| Unusable::Input(told()))?;
+        <[Option<usize>; 4]>::try_from(sizes.clone()).map_err(|_| Unusable::Input(text()))?;
     Ok(Declared {
         name: input.name.clone(),
         shape,

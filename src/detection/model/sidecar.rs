@@ -1,4 +1,4 @@
-//! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not tell. Every entry may be missing; entries that are not
+//! `MODEL.json` beside `MODEL.onnx`: what the ONNX file does not state. Every entry may be missing; entries that are not
 //! named here (how a model was trained) are left alone.
 
 use super::Unusable;
@@ -22,7 +22,7 @@ pub struct Sidecar {
     /// Whether tiles are brought to one level first.
     pub level: Option<LevelEntry>,
     /// Whether a picture that seems to show something is looked at once more.
-    pub second_look: Option<LookEntry>,
+    pub test_time_augmentation: Option<Augmentation>,
     /// Anchors of raw heads, one entry a head.
     pub heads: Vec<HeadEntry>,
     /// Which boxes count.
@@ -122,15 +122,15 @@ pub enum LevelEntry {
 /// How a picture is looked at once more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum LookEntry {
-    /// Mirrored along the track: the module `looks` says what for.
+pub enum Augmentation {
+    /// Mirrored along the track (see the module `test_time_augmentation`).
     Mirrored,
 }
 
 /// The anchors of one raw head.
 #[derive(Clone, Debug, Deserialize)]
 pub struct HeadEntry {
-    /// Pixels of the input to a grid cell, which tells the heads apart.
+    /// Pixels of the input to a grid cell, which distinguishes the heads.
     pub stride: usize,
     /// Width and height, pixels of the input.
     pub anchors: Vec<[f32; 2]>,

@@ -5,7 +5,7 @@ use super::constants::check_constants;
 use super::cost::check_cost;
 use super::screen::Declared;
 use super::{Inference, Output, Unusable};
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use std::path::Path;
 use std::sync::Arc;
 use tract_onnx::pb::ModelProto;
@@ -35,17 +35,17 @@ pub fn compile(
     shape: [usize; 4],
     folder: Option<&Path>,
 ) -> Result<Network, Unusable> {
-    // The chain of reasons: the topmost alone tells nothing.
-    let told = |error: TractError| Unusable::Compile(format!("{error:#}"));
-    let mut model = parsed(proto, declared, shape, folder).map_err(told)?;
+    // The chain of reasons: the topmost alone is not enough.
+    let compile_error = |error: TractError| Unusable::Compile(format!("{error:#}"));
+    let mut model = parsed(proto, declared, shape, folder).map_err(compile_error)?;
     check_constants(&mut model)?;
-    let model = typed(model).map_err(told)?;
+    let model = typed(model).map_err(compile_error)?;
     check_cost(&model)?;
     let names = output_names(proto);
     let plan = model
         .into_optimized()
         .and_then(|model| model.into_runnable())
-        .map_err(told)?;
+        .map_err(compile_error)?;
     Ok(Network { plan, names, shape })
 }
 
@@ -114,7 +114,7 @@ fn output_names(proto: &ModelProto) -> Vec<String> {
 
 impl Inference for Network {
     fn run(&self, input: Vec<f32>) -> Result<Vec<Output>, Unusable> {
-        contained(|| self.run_trusting(&input))
+        catch_panic(|| self.run_trusting(&input))
             .ok_or(Unusable::Damaged("a run"))?
             .map_err(|error| Unusable::Run(format!("{error:#}")))
     }

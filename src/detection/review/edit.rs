@@ -135,8 +135,8 @@ impl Review {
 
     fn remove(&self, id: BoxId) -> Option<Review> {
         let index = self.position(id)?;
-        let by_hand = self.boxes[index].model.is_none();
-        by_hand.then(|| {
+        let is_manual = self.boxes[index].model.is_none();
+        is_manual.then(|| {
             let mut after = self.clone();
             after.boxes.remove(index);
             after

@@ -113,7 +113,7 @@ pub struct BoxRow {
     pub model: Option<String>,
 }
 
-/// Only the layout's number, so that a newer file is told from a broken one.
+/// Only the layout's number, so that a newer file is distinguished from a broken one.
 #[derive(Deserialize)]
 struct Versioned {
     version: u32,
@@ -290,7 +290,7 @@ impl Review {
         let is_held = held(&mark, self.identity.pings).as_ref() == Some(&mark);
         let class = self.classes.iter().position(|class| *class == one.class);
         let has_model_name = model.as_deref().is_none_or(is_name);
-        let is_by_hand = model.is_none();
+        let is_manual = model.is_none();
         match class {
             _ if !is_held => Err("its pings or ranges lie outside the log"),
             None => Err("its class is not in the list"),
@@ -300,8 +300,8 @@ impl Review {
             _ if !has_model_name || one.note.chars().count() > LONGEST_NOTE => {
                 Err("its note or the name of its model is too long")
             }
-            _ if (one.state == State::Added && !is_by_hand)
-                || (is_by_hand && matches!(one.state, State::Proposed | State::Accepted)) =>
+            _ if (one.state == State::Added && !is_manual)
+                || (is_manual && matches!(one.state, State::Proposed | State::Accepted)) =>
             {
                 Err("its state does not fit where it came from")
             }

@@ -95,7 +95,7 @@ impl Queue {
     }
 
     /// The boxes to look at, in order.
-    pub fn line_up(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
+    pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
         let mut line: Vec<&Reviewed> = review
             .boxes()
             .filter(|one| self.takes(one, &size_m))

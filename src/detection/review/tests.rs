@@ -249,7 +249,7 @@ fn adoption_is_as_comparing_all_with_all() {
 
 fn line(review: &Review, queue: &Queue) -> Vec<u32> {
     let size_m = |mark: &Mark| mark.far_m - mark.near_m;
-    let line = queue.line_up(review, size_m);
+    let line = queue.sort_and_filter(review, size_m);
     line.into_iter().map(|id| id.0).collect()
 }
 
@@ -363,9 +363,9 @@ fn every_decided_box_is_in_a_tile_that_tells_the_truth_about_it() {
     let [rock] = of_rock.boxes.labels[..] else {
         panic!("{of_rock:?}")
     };
-    let wanted = raster.rect_of(&mark(Side::Port, 100, 5.0));
+    let expected = raster.rect_of(&mark(Side::Port, 100, 5.0));
     let (column, row) = (of_rock.column as f32, of_rock.row as f32);
-    assert_eq!(rock.rect.shifted(column, row), wanted);
+    assert_eq!(rock.rect.shifted(column, row), expected);
     // The added box is too far out for the rock's tile; its own is held to the picture and shows the rock too.
     let of_added = &tiles[1].boxes.labels;
     let added = of_added.iter().find(|label| label.class == 1);

@@ -15,7 +15,7 @@ pub struct Parts {
     /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off the range.
     pub shadow_m: Option<[f64; 2]>,
     /// The longest shadow behind a few neighbouring pings: that of the object's top. Where the top is round, or the object
-    /// lies askew, [`Parts::shadow_m`] ends before it, where half of the pings hear the bottom again.
+    /// lies askew, [`Parts::shadow_m`] ends before it, where half of the pings receive the bottom again.
     pub longest: Option<Shadow>,
 }
 
@@ -26,7 +26,7 @@ pub struct Shadow {
     pub bright_end_m: f64,
     /// Where the dark starts.
     pub start_m: f64,
-    /// Where the bottom is heard again; NaN where the dark runs off the range.
+    /// Where the echo of the bottom returns; NaN where the dark runs off the range.
     pub end_m: f64,
 }
 
@@ -44,7 +44,7 @@ const SLICE: f64 = 0.2;
 const SLICES: usize = 24;
 /// A shadow is at least this share of the background's level darker than it; the bytes are decibels, more or less.
 const DARKER: f64 = 0.12;
-/// A shadow ends where half of the bottom's power is heard again: pulse and beam blur the edge evenly in power, and the
+/// A shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in power, and the
 /// middle of the levels lies deep in the shadow where they are decibels. Of fully developed speckle the decibels have a
 /// standard deviation of 5.57, whatever the level, and the amplitudes one of 0.52 of their mean; half of the power, 3 dB or
 /// 0.29 of the amplitude, is 0.55 of either: so many standard deviations below the background, whatever the recorder's curve.
@@ -96,7 +96,7 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
 }
 
 /// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the levels in the middle pings of
-/// the box best (least squares about the background, which is what the pings before and behind the box hear at the same
+/// the box best (least squares about the background, which is what the pings before and behind the box receive at the same
 /// range). `None` where the box holds no samples.
 pub fn parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
     let look = Look::new(survey, mark)?;
@@ -172,9 +172,9 @@ impl<'a> Look<'a> {
 
     /// How much brighter than the background each step is in some pings.
     fn contrast(&self, pings: Range<usize>) -> Option<Vec<f64>> {
-        let heard = self.grid.profile(self.survey, pings)?;
-        let both = heard.iter().zip(&self.background.levels);
-        Some(both.map(|(heard, quiet)| heard - quiet).collect())
+        let echo = self.grid.profile(self.survey, pings)?;
+        let both = echo.iter().zip(&self.background.levels);
+        Some(both.map(|(echo, quiet)| echo - quiet).collect())
     }
 
     /// The shadow in some pings behind which nothing of the object comes any more up to the end of its box.

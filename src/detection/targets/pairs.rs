@@ -4,10 +4,10 @@ use super::spread::Spread;
 use super::{GroupSettings, Sighting, Target};
 
 /// Two sightings of one side that lie along the track by less than this, metres sailed, with less change of heading than this,
-/// radians, are of one pass: a boat that goes straight on hears a thing once.
+/// radians, are of one pass: a boat that goes straight on passes a thing once.
 const ONE_PASS_M: f64 = 8.0;
 const ONE_PASS_RAD: f64 = 0.35;
-/// Echoes that one ping hears begin at least so far apart where they are of two objects, metres.
+/// Echoes that one ping receives begin at least so far apart where they are of two objects, metres.
 const SAME_ECHO_M: f64 = 0.5;
 /// What another class counts for in squared standard deviations: `-2 ln` of how often a detector takes one thing for another.
 const OTHER_CLASS: f64 = 3.0;
@@ -16,7 +16,7 @@ const OTHER_CLASS: f64 = 3.0;
 const SIZE_SIGMA: f64 = 0.2;
 const LARGEST_M: f64 = 4.0;
 
-/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides hear it;
+/// Whether one pass saw both apart. In a turn a side sweeps over the same place again, and under the boat both sides detect it;
 /// two boxes over the same echo, or two halves of it, at one time and one range, are no two objects.
 pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
     if one.log != other.log {

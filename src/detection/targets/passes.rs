@@ -25,7 +25,7 @@ const ABEAM_SIGMAS: f64 = 2.0;
 /// Pings without the place abeam that end a pass.
 const GAP: usize = 20;
 
-/// Every pass in which a side could hear a place (metres in the survey's plane): it is abeam, recorded, and within the range.
+/// Every pass in which a side could insonify a place (metres in the survey's plane): it is abeam, recorded, and within the range.
 pub fn passes_over(survey: &Survey, navigation: &Navigation, place: [f64; 2]) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     // Least distance ahead or astern of the pass that is going on.

@@ -110,7 +110,7 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// The bottom drawn by hand over the box, else the recorded depth where the recorder had the bottom, else the first return
+    /// The bottom edits over the box, else the recorded depth where the recorder had the bottom, else the first return
     /// on its side: who draws the bottom sees what the recorder took for it.
     fn altitude_m(&self, mark: &Mark) -> Option<f64> {
         let pings = mark.pings.start..mark.pings.end.min(self.survey.side_scan.len());
@@ -128,14 +128,14 @@ impl<'a> Placer<'a> {
         (altitude_m > 0.0).then_some(altitude_m)
     }
 
-    /// Slant ranges of the first returns of some pings, metres; canopy left out.
+    /// Slant ranges of the first returns of some pings, metres; above-bottom returns left out.
     fn first_returns_m(&self, side: Side, pings: impl Iterator<Item = usize>) -> Vec<f64> {
         let picks = self.returns.side(side);
         let range_m = |ping: usize| {
             let pick = picks.get(ping)?;
             let span = self.survey.span(ping, side)?;
             let range_m = self.calibration.range_m(span, f64::from(pick.sample));
-            (pick.is_some() && !pick.canopy && range_m > 0.0).then_some(range_m)
+            (pick.is_some() && !pick.above_bottom && range_m > 0.0).then_some(range_m)
         };
         pings.filter_map(range_m).collect()
     }

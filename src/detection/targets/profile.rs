@@ -6,7 +6,7 @@ use crate::survey::{Side, Survey};
 use std::ops::Range;
 
 /// Pings to each side of the box that the background is taken from, and those next to it that are left out.
-const BESIDE: usize = 24;
+const NEIGHBOUR_PINGS: usize = 24;
 const APART: usize = 2;
 
 /// Equal steps of slant range on one side.
@@ -45,13 +45,13 @@ impl Grid {
         (count > 0.0).then(|| sums.iter().map(|sum| sum / count).collect())
     }
 
-    /// What the pings before and behind the box hear; `None` where there are none.
+    /// What the pings before and behind the box receive; `None` where there are none.
     pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Background> {
         let before = mark.pings.start.saturating_sub(APART);
         let behind = (mark.pings.end + APART).min(survey.side_scan.len());
         let pings = [
-            before.saturating_sub(BESIDE)..before,
-            behind..(behind + BESIDE).min(survey.side_scan.len()),
+            before.saturating_sub(NEIGHBOUR_PINGS)..before,
+            behind..(behind + NEIGHBOUR_PINGS).min(survey.side_scan.len()),
         ];
         let both: Vec<Vec<f64>> = pings
             .iter()
@@ -100,7 +100,7 @@ impl Grid {
     }
 }
 
-/// What the pings beside a box hear.
+/// What the pings next to a box receive.
 pub(super) struct Background {
     /// Mean level at each step, smoothed over range.
     pub(super) levels: Vec<f64>,

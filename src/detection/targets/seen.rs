@@ -1,7 +1,7 @@
 //! What is measured of an object across the track, and how well.
 //!
 //! The bottom around the boat is taken as flat. With the altitude `H` and a slant range `r`, a point of the bottom lies
-//! `sqrt(r^2 - H^2)` beside the track, and one that stands `h` above it `sqrt(r^2 - (H - h)^2)`. A shadow from `r_t` (the far
+//! `sqrt(r^2 - H^2)` across-track, and one that stands `h` above it `sqrt(r^2 - (H - h)^2)`. A shadow from `r_t` (the far
 //! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e`.
 
 use super::echo::Shadow;
@@ -21,7 +21,7 @@ const USUAL_WIDTH_M: f64 = 0.6;
 const USUAL_HEIGHT_M: f64 = 0.3;
 /// Least share of the slant range that the ground range counts with: steeper, and a shadow tells nothing.
 const STEEPEST: f64 = 0.2;
-/// Share of an extent by which the middle of what is heard may be off that of the object.
+/// Share of an extent by which the middle of the echo may be off that of the object.
 pub(super) const PART_SIGMA: f64 = 0.15;
 
 /// What is measured of an object, by the calibration in force. Slant ranges and heights in metres.
@@ -175,7 +175,7 @@ impl Seen {
 mod tests {
     use super::*;
 
-    /// A block 0.5 m high from `ground_m` beside the track on, 0.6 m wide, 2.5 m below the transducer; with its shadow.
+    /// A block 0.5 m high from `ground_m` across-track on, 0.6 m wide, 2.5 m below the transducer; with its shadow.
     fn block(ground_m: f64) -> Seen {
         let back_m = ground_m + 0.6;
         let shadow_end_m = back_m * 2.5 / 2.0;

@@ -1,6 +1,6 @@
 //! A review's boxes against the truth.
 
-use super::LaidTruth;
+use super::RasterTruth;
 use crate::detection::metrics::{
     AtScore, Cause, Confusion, Counts, CurvePoint, Matched, MetricSettings,
 };
@@ -12,7 +12,7 @@ use crate::survey::Side;
 /// no score and are left out.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    laid: LaidTruth,
+    on_raster: RasterTruth,
     /// Class names: those of the review, then those that only the truth has.
     classes: Vec<String>,
     /// The two sides as pictures.
@@ -81,11 +81,11 @@ impl Comparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
     /// when their names are. Objects and boxes in pings that the review's search has not come to are left out: nobody has
     /// missed what nobody has looked for.
-    pub fn new(review: &Review, mut laid: LaidTruth, raster: &Raster) -> Self {
+    pub fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
         let gaps = review.unsearched();
-        let unsearched = laid.ignore(|whole| Review::reaches_into(&gaps, whole));
+        let unsearched = on_raster.ignore(|whole| Review::reaches_into(&gaps, whole));
         let mut classes = review.classes().to_vec();
-        let mut images = laid.images(&mut classes);
+        let mut images = on_raster.images(&mut classes);
         let mut boxes = [Vec::new(), Vec::new()];
         for (index, side) in Side::BOTH.into_iter().enumerate() {
             let of_side =
@@ -105,7 +105,7 @@ impl Comparison {
         Self {
             curve: matched.curve(),
             matched,
-            laid,
+            on_raster,
             classes,
             boxes,
             unsearched,
@@ -125,7 +125,7 @@ impl Comparison {
 
     /// The truth that boxes are compared with.
     pub fn truth(&self) -> &super::Truth {
-        self.laid.truth()
+        self.on_raster.truth()
     }
 
     /// Objects that can be seen and do not count, because no search has come to them.
@@ -135,7 +135,7 @@ impl Comparison {
 
     /// Objects that count: those that can be seen, where a search has come to.
     pub fn counted(&self) -> usize {
-        let all = self.laid.sides.iter().flatten();
+        let all = self.on_raster.sides.iter().flatten();
         all.filter(|(one, _)| !one.ignored).count()
     }
 
@@ -165,7 +165,7 @@ impl Comparison {
             .collect();
         let first_miss = mistakes.len();
         mistakes.extend(misses.iter().map(|one| Mistake::Miss {
-            object: self.laid.sides[one.image][one.truth].1,
+            object: self.on_raster.sides[one.image][one.truth].1,
             size_m: size_m(&images[one.image].truth[one.truth].rect),
         }));
         mistakes[first_miss..].sort_by(|a, b| b.size_m().total_cmp(&a.size_m()));

@@ -12,7 +12,7 @@ const MOST_OBJECTS: usize = 200_000;
 /// More classes than any detector of this kind knows.
 const MOST_CLASSES: usize = 1_000;
 
-/// A file that does not tell what lies in the open survey.
+/// A file that does not describe the open survey.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct TruthError(String);
@@ -94,7 +94,7 @@ fn from_table(text: &str, pings: usize) -> Result<Truth, TruthError> {
     };
     for (index, record) in table.records().enumerate() {
         let record = record.map_err(broken)?;
-        // An object that no pass heard has no side.
+        // An object that no pass insonified has no side.
         if record.get(columns.side).is_none_or(str::is_empty) {
             continue;
         }

@@ -1,29 +1,29 @@
 //! What is known to lie in a survey, and how a review's boxes compare with it.
 //!
 //! `file` reads it: the table of objects that `bathyscope simulate` writes, or a review of the same log by somebody who knew.
-//! `laid` puts it into the survey's raster and leaves out what nobody could see; `compare` pairs it with boxes.
+//! `raster_truth` puts it into the survey's raster and leaves out what nobody could see; `compare` pairs it with boxes.
 
 mod compare;
 mod file;
-mod laid;
+mod raster_truth;
 #[cfg(test)]
 mod tests;
 
 pub use compare::{Comparison, Mistake, Standing};
 pub use file::TruthError;
-pub use laid::LaidTruth;
+pub use raster_truth::RasterTruth;
 
 use super::dataset::Known;
 
-/// End of the name of the table of objects that `bathyscope simulate` writes beside a log, in place of the log's own.
-pub const BESIDE: &str = "objects.csv";
+/// End of the name of the table of objects that `bathyscope simulate` writes next to a log, in place of the log's own.
+pub const SIDECAR: &str = "objects.csv";
 
 /// Objects whose place in a survey is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Class names that [`Known::class`] means.
     pub classes: Vec<String>,
-    /// The objects, one entry for each pass that heard one.
+    /// The objects, one entry for each pass that insonified one.
     pub objects: Vec<Known>,
     /// Somebody drew the boxes because they saw something there: all of them count. Otherwise they follow from geometry, and
     /// what does not stand out in the picture is neither to be found nor to be missed.

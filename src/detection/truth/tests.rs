@@ -30,7 +30,7 @@ fn read(lines: &str) -> Result<Truth, String> {
 }
 
 #[test]
-fn the_table_tells_boxes_and_objects_that_nobody_heard_are_left_out() {
+fn the_table_gives_boxes_and_objects_that_were_not_insonified_are_left_out() {
     let truth = read(
         "0,tyre,port,40,49,3.0,5.0,1\n1,rock,,,,,,\n2,log,starboard,0,199,2,3,0\n3,tyre,port,5,5,1,2,1\n",
     );
@@ -102,14 +102,14 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
     let raster = Raster::new(&survey, &navigation, 0.04);
     let lines = "0,tyre,port,40,49,3,5,1\n0,tyre,port,100,109,3,5,0\n0,tyre,port,140,149,3,3.1,1\n";
     let mut truth = read(lines).expect("a table");
-    let lay = |truth: &Truth| {
-        let [port, starboard] = LaidTruth::new(&raster, Arc::new(truth.clone())).sides;
+    let rasterise = |truth: &Truth| {
+        let [port, starboard] = RasterTruth::new(&raster, Arc::new(truth.clone())).sides;
         assert!(starboard.is_empty());
         port.iter().map(|(one, _)| one.ignored).collect::<Vec<_>>()
     };
-    assert_eq!(lay(&truth), [false, true, true]);
+    assert_eq!(rasterise(&truth), [false, true, true]);
     truth.was_seen = true;
-    assert_eq!(lay(&truth), [false; 3]);
+    assert_eq!(rasterise(&truth), [false; 3]);
 }
 
 /// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
@@ -140,8 +140,8 @@ fn compared() -> Comparison {
     let review = Review::new(identity(200), Vec::new());
     let review = review.adopt("model", &names, &found, &raster);
     let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
-    let laid = LaidTruth::new(&raster, Arc::new(truth));
-    Comparison::new(&review, laid, &raster)
+    let on_raster = RasterTruth::new(&raster, Arc::new(truth));
+    Comparison::new(&review, on_raster, &raster)
 }
 
 #[test]

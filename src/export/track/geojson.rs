@@ -1,4 +1,4 @@
-//! `track.geojson` and the area that was heard.
+//! `track.geojson` and the insonified area.
 
 use super::TrackPiece;
 use crate::export::geojson::{collection, positions};

@@ -50,7 +50,7 @@ fn anchor(points: &[[f64; 2]]) -> String {
     }
 }
 
-/// Writes areas as one thing on the map; `place` tells where a corner lies.
+/// Writes areas as one thing on the map; `place` gives where a corner lies.
 pub fn areas_kmz(
     path: &Path,
     name: &str,

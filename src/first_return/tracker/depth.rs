@@ -39,7 +39,7 @@ impl Depths {
         }
     }
 
-    /// Lowers what lies beyond the recorded depth, if any of the line does: the bottom below the boat is heard at that range,
+    /// Lowers what lies beyond the recorded depth, if any of the line does: the bottom below the boat returns at that range,
     /// so nothing farther can be the first return. Under a boulder's or a wreck's echo the line would else run on along the
     /// ground. Returns whether anything was lowered.
     ///

@@ -1,4 +1,4 @@
-//! What is heard just before the edge: a stone, the side of a boulder, the crest of a bump.
+//! The echo just before the edge: a stone, the side of a boulder, the crest of a bump.
 //!
 //! The edge is read off a profile that is averaged over many pings, which a stone of two pings does not survive. Its echo is
 //! weaker than that of the ground behind it, but it is the first return. So each row is read once more, hardly averaged:
@@ -18,7 +18,7 @@ const WATER_M: (f64, f64) = (0.45, 0.25);
 const BOTTOM_M: (f64, f64) = (0.03, 0.12);
 /// Rise above the water that is an onset, as a share of the usual contrast between bottom and water.
 const RISE: f32 = 0.18;
-/// So many standard deviations of the water that rise must be. In louder water nothing that faint can be told from noise,
+/// So many standard deviations of the water that rise must be. In louder water nothing that faint can be distinguished from noise,
 /// and the edge stays where it is.
 const QUIET: f32 = 4.0;
 /// How much earlier than usual an onset may be by its noise alone, metres.

@@ -1,6 +1,6 @@
 //! The picture of a chunk: one row of bytes a ping, nearest cell first, whatever the samples are.
 
-use super::super::{Normalisation, SampleMode, words};
+use super::super::{Normalisation, SampleMode, int32_image};
 use super::runs::Chunk;
 use crate::survey::{Side, Survey};
 
@@ -8,7 +8,7 @@ use crate::survey::{Side, Survey};
 pub(super) fn cell(samples: SampleMode) -> usize {
     match samples {
         SampleMode::Bytes => 1,
-        SampleMode::Words => words::WORD,
+        SampleMode::Words => int32_image::WORD,
     }
 }
 
@@ -56,7 +56,7 @@ impl Rows {
                     out.copy_from_slice(&self.scratch[..out.len()]);
                 }
                 SampleMode::Words => {
-                    for (cell, word) in out.iter_mut().zip(words::outward(samples, side, 0)) {
+                    for (cell, word) in out.iter_mut().zip(int32_image::outward(samples, side, 0)) {
                         *cell = (255.0 * normalisation.normalised(word)) as u8;
                     }
                 }

@@ -31,8 +31,8 @@ impl Chunk {
     }
 }
 
-/// The chunks of one side that answer for at least one ping of `wanted`.
-pub(super) fn chunks(survey: &Survey, side: Side, wanted: &Range<usize>) -> Vec<Chunk> {
+/// The chunks of one side that answer for at least one ping of `requested`.
+pub(super) fn chunks(survey: &Survey, side: Side, requested: &Range<usize>) -> Vec<Chunk> {
     let mut chunks = Vec::new();
     for run in runs(survey, side) {
         let Some(span) = run
@@ -45,7 +45,7 @@ pub(super) fn chunks(survey: &Survey, side: Side, wanted: &Range<usize>) -> Vec<
             let kept = start..run.len().min(start + KEPT);
             let first = run[kept.start] as usize;
             let last = run[kept.end - 1] as usize;
-            if last < wanted.start || first >= wanted.end {
+            if last < requested.start || first >= requested.end {
                 continue;
             }
             let with_overlap = start.saturating_sub(OVERLAP)..run.len().min(kept.end + OVERLAP);
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_what_is_wanted() {
+    fn every_ping_is_answered_for_once_and_chunks_do_not_depend_on_the_request() {
         let survey = survey((0..2000).map(|ping| (0.05 * f64::from(ping), 12.0)));
         let all = chunks(&survey, Side::Port, &(0..2000));
         let kept: Vec<u32> = all.iter().flat_map(Chunk::kept_pings).copied().collect();

@@ -287,9 +287,9 @@ impl Moments {
         };
         let score = (self.mean - dark) / noise;
         let score = if score < MOST { score } else { MOST };
-        let heard = (near.mean - quiet) / noise - TUNING.quiet;
-        let cost = if heard > 0.0 {
-            TUNING.loud_cost * heard
+        let level = (near.mean - quiet) / noise - TUNING.quiet;
+        let cost = if level > 0.0 {
+            TUNING.loud_cost * level
         } else {
             0.0
         };

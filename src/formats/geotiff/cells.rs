@@ -2,7 +2,7 @@
 
 use super::metadata::counts_downwards;
 use super::placing::{GeoKeys, Placing};
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use crate::regular_file;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -39,7 +39,7 @@ const GDAL_METADATA: u16 = 42_112;
 /// # Errors
 /// When the file cannot be read, or holds no heights with a place.
 pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
-    contained(|| read_open(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+    catch_panic(|| read_open(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
 }
 
 /// Why a raster gives no points, in a sentence without the path.

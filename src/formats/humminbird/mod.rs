@@ -1,7 +1,7 @@
 //! Humminbird DAT and SON: 700 to 1100 series, Helix, Solix.
 
 pub mod dat;
-mod meaning;
+mod decode;
 pub mod ping;
 mod recording;
 mod son;
@@ -82,7 +82,7 @@ fn read_son(
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy();
-    let mut reader = meaning::Reader::new(file, name.into_owned(), dat);
+    let mut reader = decode::Reader::new(file, name.into_owned(), dat);
     let report = log.report.clone();
     let walk = son::Walk {
         bytes: &opened.bytes,

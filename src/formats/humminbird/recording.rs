@@ -2,7 +2,7 @@
 
 use super::dat::Dat;
 use super::son;
-use crate::formats::{Opened, Shelf};
+use crate::formats::{FileSource, Opened};
 use std::path::{Path, PathBuf};
 
 /// The files of a recording.
@@ -19,20 +19,20 @@ pub(in crate::formats) struct Recording {
 }
 
 /// Recognises a DAT or a SON file by its content; a damaged DAT by the SON files that belong to it.
-pub(in crate::formats) fn sniff(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
+pub(in crate::formats) fn sniff(files: &FileSource, opened: &Opened) -> Option<Recording> {
     if son::byte_order(&opened.bytes).is_some() {
-        Some(around_son(shelf, opened))
+        Some(around_son(files, opened))
     } else {
-        around_dat(shelf, opened)
+        around_dat(files, opened)
     }
 }
 
 /// The recording that a SON file belongs to; at least the file itself.
-fn around_son(shelf: &Shelf, opened: &Opened) -> Recording {
+fn around_son(files: &FileSource, opened: &Opened) -> Recording {
     let path = &opened.path;
     let whole = path
         .parent()
-        .and_then(|folder| gather(shelf, path, folder, dat_of(shelf, folder)));
+        .and_then(|folder| gather(files, path, folder, dat_of(files, folder)));
     whole
         .filter(|recording| recording.sons.iter().any(|son| son.path == *path))
         .unwrap_or_else(|| Recording {
@@ -44,16 +44,16 @@ fn around_son(shelf: &Shelf, opened: &Opened) -> Recording {
 }
 
 /// The recording that a DAT file belongs to; its folder of SON files may be missing.
-fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
+fn around_dat(files: &FileSource, opened: &Opened) -> Option<Recording> {
     let path = &opened.path;
     let folder = path.with_extension("");
     let gathered = (folder != *path)
-        .then(|| gather(shelf, path, &folder, Some(path.clone())))
+        .then(|| gather(files, path, &folder, Some(path.clone())))
         .flatten();
     let beside = || {
         let folder = path.parent()?;
-        let alone = only_dat(shelf, folder).is_some_and(|dat| dat == *path);
-        alone.then(|| gather(shelf, path, folder, Some(path.clone())))?
+        let alone = only_dat(files, folder).is_some_and(|dat| dat == *path);
+        alone.then(|| gather(files, path, folder, Some(path.clone())))?
     };
     gathered.or_else(beside).or_else(|| {
         let dat = Dat::parse(&opened.bytes)?;
@@ -67,26 +67,26 @@ fn around_dat(shelf: &Shelf, opened: &Opened) -> Option<Recording> {
 }
 
 /// The recording in a folder: its own SON files, or those of the first DAT in it.
-pub(in crate::formats) fn find_in_folder(shelf: &Shelf, folder: &Path) -> Option<Recording> {
-    gather(shelf, folder, folder, dat_of(shelf, folder)).or_else(|| {
-        let mut dats = shelf.children(folder);
+pub(in crate::formats) fn find_in_folder(files: &FileSource, folder: &Path) -> Option<Recording> {
+    gather(files, folder, folder, dat_of(files, folder)).or_else(|| {
+        let mut dats = files.children(folder);
         dats.retain(|child| has_extension(child, "dat"));
         let others = dats.len().saturating_sub(1);
         let first = dats
             .into_iter()
-            .find_map(|dat| gather(shelf, folder, &dat.with_extension(""), Some(dat)))?;
+            .find_map(|dat| gather(files, folder, &dat.with_extension(""), Some(dat)))?;
         Some(Recording { others, ..first })
     })
 }
 
 /// Whether a folder holds the SON files of one recording.
-pub(in crate::formats) fn is_recording(shelf: &Shelf, folder: &Path) -> bool {
-    gather(shelf, folder, folder, None).is_some()
+pub(in crate::formats) fn is_recording(files: &FileSource, folder: &Path) -> bool {
+    gather(files, folder, folder, None).is_some()
 }
 
 /// The DAT of a folder of SON files: the one of the folder's name beside it, else the only one in it (copies of a recording
 /// without its folder, as in the PyHum package).
-fn dat_of(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
+fn dat_of(files: &FileSource, folder: &Path) -> Option<PathBuf> {
     let is_named = |path: &PathBuf| {
         has_extension(path, "dat")
             && path
@@ -96,17 +96,17 @@ fn dat_of(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
     };
     let around = folder
         .parent()
-        .map(|parent| shelf.children(parent))
+        .map(|parent| files.children(parent))
         .unwrap_or_default();
     around
         .into_iter()
         .find(is_named)
-        .or_else(|| only_dat(shelf, folder))
+        .or_else(|| only_dat(files, folder))
 }
 
 /// The DAT in a folder, when there is just one.
-fn only_dat(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
-    let mut dats = shelf
+fn only_dat(files: &FileSource, folder: &Path) -> Option<PathBuf> {
+    let mut dats = files
         .children(folder)
         .into_iter()
         .filter(|path| has_extension(path, "dat"));
@@ -117,12 +117,17 @@ fn only_dat(shelf: &Shelf, folder: &Path) -> Option<PathBuf> {
 const MOST_SONS: usize = 255;
 
 /// The SON files in `folder` that hold pings; `None` when there is none.
-fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> Option<Recording> {
+fn gather(
+    files: &FileSource,
+    opened: &Path,
+    folder: &Path,
+    dat: Option<PathBuf>,
+) -> Option<Recording> {
     let read = |path: PathBuf| {
-        let bytes = shelf.read(&path).ok()?;
+        let bytes = files.read(&path).ok()?;
         Some(Opened { path, bytes })
     };
-    let sons: Vec<Opened> = shelf
+    let sons: Vec<Opened> = files
         .children(folder)
         .into_iter()
         .filter(|path| has_extension(path, "son"))
@@ -145,7 +150,7 @@ fn gather(shelf: &Shelf, opened: &Path, folder: &Path, dat: Option<PathBuf>) -> 
     })
 }
 
-fn has_extension(path: &Path, wanted: &str) -> bool {
+fn has_extension(path: &Path, requested: &str) -> bool {
     path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+        .is_some_and(|extension| extension.eq_ignore_ascii_case(requested))
 }

@@ -48,12 +48,12 @@ pub(super) struct Walk<'a> {
 impl Walk<'_> {
     /// Calls `take` with offset and header of every whole ping.
     pub(super) fn run(&self, mut take: impl FnMut(usize, PingHeader)) -> Result<(), Cancelled> {
-        let (mut at, mut told, mut pings) = (0, 0, 0_usize);
+        let (mut at, mut reported, mut pings) = (0, 0, 0_usize);
         while at < self.bytes.len() {
             if pings.is_multiple_of(PINGS_A_CHECK) {
                 self.progress.check()?;
-                self.progress.advance((at - told) as u64);
-                told = at;
+                self.progress.advance((at - reported) as u64);
+                reported = at;
             }
             pings += 1;
             at = match PingHeader::parse(self.bytes, at, self.order) {
@@ -61,7 +61,7 @@ impl Walk<'_> {
                 None => self.over_gap(at),
             };
         }
-        self.progress.advance((self.bytes.len() - told) as u64);
+        self.progress.advance((self.bytes.len() - reported) as u64);
         Ok(())
     }
 

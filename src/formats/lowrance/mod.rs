@@ -1,7 +1,7 @@
 //! Lowrance SL2 and SL3, and a word about SLG.
 
+mod decode;
 pub mod frame;
-mod meaning;
 mod sides;
 pub mod sl2;
 pub mod sl3;
@@ -85,7 +85,7 @@ pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Su
     let mut log = Collected::new(source, vec![opened.bytes.clone()]);
     if version.is_none() {
         log.report
-            .log("the file header is damaged; the format was told from the frames");
+            .log("the file header is damaged; the format was inferred from the frames");
     }
     read_frames(&opened.bytes, layout, &mut log, progress)?;
     if log.channels.is_empty() {
@@ -110,7 +110,7 @@ fn read_frames(
     progress.start(bytes.len() as u64);
     let start = FILE_HEADER.min(bytes.len());
     progress.advance(start as u64);
-    let mut reader = meaning::Reader::default();
+    let mut reader = decode::Reader::default();
     let walk = walk::Walk {
         bytes,
         layout,

@@ -28,13 +28,13 @@ impl Walk<'_> {
     /// Calls `take` for every whole frame from `start` on.
     pub(super) fn run(&self, start: usize, mut take: impl FnMut(Frame)) -> Result<(), Cancelled> {
         let mut here = Place { at: start, lost: 0 };
-        let mut told = start;
+        let mut reported = start;
         let mut frames = 0_usize;
         while here.at < self.bytes.len() {
             if frames.is_multiple_of(FRAMES_A_CHECK) {
                 self.progress.check()?;
-                self.progress.advance((here.at - told) as u64);
-                told = here.at;
+                self.progress.advance((here.at - reported) as u64);
+                reported = here.at;
             }
             frames += 1;
             here = match self.layout.look(self.bytes, here.at, here.lost) {
@@ -43,7 +43,7 @@ impl Walk<'_> {
                 Found::Nothing => self.over_gap(here)?,
             };
         }
-        self.progress.advance((self.bytes.len() - told) as u64);
+        self.progress.advance((self.bytes.len() - reported) as u64);
         Ok(())
     }
 

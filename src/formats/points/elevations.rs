@@ -1,7 +1,7 @@
 //! Point files as elevations to compare: which plane they lie in, and which way is up.
 
-use super::text_file::{KNOWN_NAMES, Wanted};
-use super::{PointFile, PointFileError, geojson_file, read_wanted, split_columns, suffix};
+use super::text_file::{ColumnRequest, KNOWN_NAMES};
+use super::{PointFile, PointFileError, geojson_file, read_columns, split_columns, suffix};
 use crate::formats::geotiff;
 use crate::geo::UtmZone;
 use std::ffi::OsStr;
@@ -87,12 +87,12 @@ pub fn read_elevations(argument: &OsStr) -> Result<Elevations, PointFileError> {
         _ => (),
     }
     let known = [GEOGRAPHIC_NAMES.as_slice(), KNOWN_NAMES.as_slice()].concat();
-    let wanted = Wanted {
+    let requested = ColumnRequest {
         named: names.as_ref(),
         known: &known,
         skip_blank: true,
     };
-    let file = read_wanted(&path, wanted)?;
+    let file = read_columns(&path, requested)?;
     let degrees = file.names.as_ref().is_some_and(|[x, _, _]| {
         ["lon", "longitude"]
             .iter()

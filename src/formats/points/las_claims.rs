@@ -40,7 +40,7 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
         let points = u64::from(at(96)?.u32());
         let mut table = at(points)?.i64();
         if table <= points as i64 {
-            // The writer could not seek back: the place is told at the end.
+            // The writer could not seek back: the place stands at the end.
             table = at(len.saturating_sub(8))?.i64();
         }
         let table = u64::try_from(table).unwrap_or(len).min(len);

@@ -2,7 +2,7 @@
 
 use super::las_claims;
 use super::las_writer::{LasWriter, transforms};
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;
 use std::io;
@@ -18,10 +18,10 @@ pub(super) struct LasFile {
     batches: Vec<PointData>,
 }
 
-/// Reads all points. The crate trusts some of what a LAZ file says of itself: it is checked before, and contained.
+/// Reads all points. The crate trusts some of what a LAZ file says of itself: the file is checked first, and a panic becomes an error.
 pub(super) fn read(path: &Path) -> Result<(LasFile, Vec<[f64; 3]>), String> {
     las_claims::check(path).map_err(|error| format!("the LAS file cannot be read: {error}"))?;
-    contained(|| read_checked(path))
+    catch_panic(|| read_checked(path))
         .unwrap_or_else(|| Err("the LAS file cannot be read: it is damaged".to_owned()))
 }
 

@@ -1,6 +1,6 @@
 //! Points into LAS and LAZ, as far as their 32-bit numbers reach.
 
-use crate::contained::contained;
+use crate::catch_panic::catch_panic;
 use las::{Header, Point, PointData, Transform, Vector, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -49,7 +49,7 @@ impl Drop for LasWriter {
     fn drop(&mut self) {
         let left = self.0.take();
         // The error that matters was returned before.
-        contained(|| drop(left));
+        catch_panic(|| drop(left));
     }
 }
 

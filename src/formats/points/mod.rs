@@ -20,7 +20,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
-use text_file::{KNOWN_NAMES, TextFile, Wanted};
+use text_file::{ColumnRequest, KNOWN_NAMES, TextFile};
 
 /// Why a point file cannot be used: one sentence, the path last.
 #[derive(Debug, thiserror::Error)]
@@ -128,9 +128,9 @@ pub fn is_named_as_elevations(argument: impl AsRef<OsStr>) -> bool {
 /// # Errors
 /// When no point file is named so, or this one cannot be read.
 pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, PointFileError> {
-    read_wanted(
+    read_columns(
         path,
-        Wanted {
+        ColumnRequest {
             named: columns,
             known: &KNOWN_NAMES,
             skip_blank: false,
@@ -138,15 +138,21 @@ pub fn read(path: &Path, columns: Option<&[String; 3]>) -> Result<PointFile, Poi
     )
 }
 
-fn read_wanted(path: &Path, wanted: Wanted<'_>) -> Result<PointFile, PointFileError> {
-    read_format(PointFormat::of(path)?, path, wanted).map_err(|what| PointFileError {
+fn read_columns(path: &Path, requested: ColumnRequest<'_>) -> Result<PointFile, PointFileError> {
+    read_format(PointFormat::of(path)?, path, requested).map_err(|what| PointFileError {
         what,
         path: path.to_path_buf(),
     })
 }
 
-fn read_format(format: PointFormat, path: &Path, wanted: Wanted<'_>) -> Result<PointFile, String> {
-    let named_otherwise = wanted.named.is_some_and(|names| names != &["x", "y", "z"]);
+fn read_format(
+    format: PointFormat,
+    path: &Path,
+    requested: ColumnRequest<'_>,
+) -> Result<PointFile, String> {
+    let named_otherwise = requested
+        .named
+        .is_some_and(|names| names != &["x", "y", "z"]);
     if !format.is_text() && named_otherwise {
         return Err("the coordinates of a PLY or LAS file are always x, y and z".to_owned());
     }
@@ -160,7 +166,7 @@ fn read_format(format: PointFormat, path: &Path, wanted: Wanted<'_>) -> Result<P
     };
     Ok(match format {
         PointFormat::Csv | PointFormat::Xyz => {
-            let (file, points) = text_file::read(path, wanted)?;
+            let (file, points) = text_file::read(path, requested)?;
             PointFile {
                 note: file.note(),
                 names: file.names.clone(),

@@ -23,7 +23,7 @@ pub(super) struct TextFile {
 
 /// Which columns to take.
 #[derive(Clone, Copy)]
-pub(super) struct Wanted<'a> {
+pub(super) struct ColumnRequest<'a> {
     /// As the user named them.
     pub named: Option<&'a [String; 3]>,
     /// Names to look for when the user names none, in lower case; the first that are all there win.
@@ -42,7 +42,10 @@ pub(super) const KNOWN_NAMES: [[&str; 3]; 4] = [
 
 /// Reads lines of numbers, separated by commas, semicolons, tabs or spaces. Without a header line the first three columns
 /// are x, y, z. Lines that begin with `#` or `//` are comments.
-pub(super) fn read(path: &Path, wanted: Wanted<'_>) -> Result<(TextFile, Vec<[f64; 3]>), String> {
+pub(super) fn read(
+    path: &Path,
+    requested: ColumnRequest<'_>,
+) -> Result<(TextFile, Vec<[f64; 3]>), String> {
     let text = regular_file::read_text(path, u64::MAX)
         .map_err(|error| format!("cannot read the points: {error}"))?;
     let mut file = TextFile {
@@ -64,7 +67,7 @@ pub(super) fn read(path: &Path, wanted: Wanted<'_>) -> Result<(TextFile, Vec<[f6
         let layout = match &layout {
             Some(layout) => layout,
             None => {
-                let (found, is_header) = Layout::of(line, wanted)?;
+                let (found, is_header) = Layout::of(line, requested)?;
                 let found = layout.insert(found);
                 if is_header {
                     file.guessed = found.guessed.clone();
@@ -75,7 +78,7 @@ pub(super) fn read(path: &Path, wanted: Wanted<'_>) -> Result<(TextFile, Vec<[f6
                 found
             }
         };
-        if wanted.skip_blank && layout.is_blank(line) {
+        if requested.skip_blank && layout.is_blank(line) {
             file.blank += 1;
             continue;
         }
@@ -130,8 +133,8 @@ struct Layout {
 
 impl Layout {
     /// From the first line, which is a header unless all it holds is numbers.
-    fn of(line: &str, wanted: Wanted<'_>) -> Result<(Self, bool), String> {
-        let names = wanted.named;
+    fn of(line: &str, requested: ColumnRequest<'_>) -> Result<(Self, bool), String> {
+        let names = requested.named;
         let separator = [',', ';', '\t']
             .into_iter()
             .find(|&separator| line.contains(separator));
@@ -174,7 +177,7 @@ impl Layout {
                     "there is no header line that could name `{x}`, `{y}` and `{z}`; write one, or name no columns: then the first three count"
                 ));
             }
-            None if is_header => wanted.known.iter().copied().find_map(find),
+            None if is_header => requested.known.iter().copied().find_map(find),
             None => None,
         };
         let first = || {

@@ -2,7 +2,7 @@
 
 mod channels;
 mod date;
-mod meaning;
+mod decode;
 mod packets;
 mod place;
 pub mod raw;
@@ -62,9 +62,9 @@ pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<
     let mut log = Collected::new(opened.source(FORMAT.to_owned()), vec![opened.bytes]);
     let report = log.report.clone();
     if found.header.is_none() {
-        report.log("the file header is damaged; channels and units were told from the pings");
+        report.log("the file header is damaged; channels and units were inferred from the pings");
     }
-    let mut reader = meaning::Reader::new(&bytes, found.header);
+    let mut reader = decode::Reader::new(&bytes, found.header);
     progress.start(bytes.len().saturating_sub(found.first_packet) as u64);
     walk::Walk {
         bytes: &bytes,

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn packets_are_told_by_kind_the_most_frequent_first() {
+    fn packets_are_listed_by_kind_the_most_frequent_first() {
         let mut packets = Packets::default();
         packets.count(3);
         assert_eq!(packets.summary(), "1 attitude (type 3) packets");

@@ -28,12 +28,12 @@ impl Walk<'_> {
         start: usize,
         mut take: impl FnMut(usize, PacketHeader),
     ) -> Result<(), Cancelled> {
-        let (mut at, mut told, mut packets) = (start, start, 0_usize);
+        let (mut at, mut reported, mut packets) = (start, start, 0_usize);
         while at < self.bytes.len() {
             if packets.is_multiple_of(PACKETS_A_CHECK) {
                 self.progress.check()?;
-                self.progress.advance((at - told) as u64);
-                told = at;
+                self.progress.advance((at - reported) as u64);
+                reported = at;
             }
             packets += 1;
             at = match header(self.bytes, at) {
@@ -41,7 +41,7 @@ impl Walk<'_> {
                 None => self.over_gap(at),
             };
         }
-        self.progress.advance((self.bytes.len() - told) as u64);
+        self.progress.advance((self.bytes.len() - reported) as u64);
         Ok(())
     }
 

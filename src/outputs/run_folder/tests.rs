@@ -76,12 +76,12 @@ fn a_run_that_fails_leaves_all_as_it_was() {
     drop(run);
     assert_eq!(names(&out), ["cloud.csv", "report.json"]);
     assert_eq!(text(&out.join("report.json")), before);
-    // A folder in the way is told before anything is moved.
+    // A folder in the way is reported before anything is moved.
     fs::create_dir(out.join("depth.tif")).unwrap();
     let run = RunFolder::begin(&out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
-    let told = run.commit("report.json").unwrap_err();
-    assert!(told.contains("depth.tif"), "{told}");
+    let refusal = run.commit("report.json").unwrap_err();
+    assert!(refusal.contains("depth.tif"), "{refusal}");
     assert_eq!(text(&out.join("report.json")), before);
     assert_eq!(text(&out.join("cloud.csv")), "one");
     assert!(!out.join(SIDE).exists());
@@ -91,8 +91,8 @@ fn a_run_that_fails_leaves_all_as_it_was() {
 fn two_runs_do_not_write_into_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let first = RunFolder::begin(folder.path()).unwrap();
-    let told = RunFolder::begin(folder.path()).unwrap_err();
-    assert!(told.contains("another run"), "{told}");
+    let refusal = RunFolder::begin(folder.path()).unwrap_err();
+    assert!(refusal.contains("another run"), "{refusal}");
     write(&first, &["cloud.csv"], "one");
     first.commit("report.json").unwrap();
     RunFolder::begin(folder.path()).unwrap();

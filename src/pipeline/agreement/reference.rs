@@ -231,7 +231,7 @@ impl System {
     }
 }
 
-/// A file this far from the track may be one of the same water in the wrong place, and is told to be that far away.
+/// A file this far from the track may be one of the same water in the wrong place, and is reported as that far away.
 const NEAR_M: f64 = 20_000.0;
 
 /// West, south, east and north of what has a place.

@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct ResidualTables {
     /// By the depth of the reference there, metres.
     pub by_depth_m: Vec<Bin>,
-    /// By the distance beside the track, metres: port below 0, starboard above.
+    /// By the across-track distance, metres: port below 0, starboard above.
     pub by_across_m: Vec<Bin>,
     /// By the heading, degrees clockwise from north.
     pub by_heading_deg: Vec<Bin>,

@@ -1,6 +1,6 @@
 //! What crossing tracks say about the depths of one log and of several.
 
-use crate::bathymetry::crossings::{Crossing, TrackDepth, crossings};
+use crate::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;

@@ -20,10 +20,10 @@ impl Settings {
         if let Some(sentence) = unknown_in(&over) {
             return Err(refused(sentence));
         }
-        (self.overlaid(over)).map_err(|error| refused(one_line(&error, text)))
+        (self.with_overrides(over)).map_err(|error| refused(one_line(&error, text)))
     }
 
-    fn overlaid(&self, over: toml::Table) -> Result<Self, toml::de::Error> {
+    fn with_overrides(&self, over: toml::Table) -> Result<Self, toml::de::Error> {
         let mut table = toml::Table::try_from(self).map_err(serde::de::Error::custom)?;
         merge(&mut table, over);
         table.try_into()
@@ -51,7 +51,7 @@ impl Settings {
         let over = table.map_err(cannot)?;
         match unknown_in(&over) {
             Some(sentence) => Err(SettingsError(sentence)),
-            None => self.overlaid(over).map_err(cannot),
+            None => self.with_overrides(over).map_err(cannot),
         }
     }
 }

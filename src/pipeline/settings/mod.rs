@@ -75,7 +75,7 @@ pub struct Settings {
     pub image: ImageSettings,
     /// `first_return.*`.
     pub first_return: FirstReturnSettings,
-    /// `bottom.*`: the bottom drawn by hand.
+    /// `bottom.*`: the bottom edits.
     #[serde(skip_serializing_if = "BottomSettings::is_empty")]
     pub bottom: BottomSettings,
     /// `calibration.*`.
@@ -84,7 +84,7 @@ pub struct Settings {
     pub cloud: CloudSettings,
     /// `heading.*`.
     pub heading: HeadingSettings,
-    /// `track.*`, for a track from another receiver; it acts when the track is laid over the log, before any stage.
+    /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
     pub track: TrackSettings,
     /// `left_out.*`: turns, stops and other stretches that count for nothing.
     pub left_out: LeftOutSettings,

@@ -116,9 +116,9 @@ rows! {
         "Slant range around the transducer that is ignored: its ring-down.",
         number!(first_return.dead_zone_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
     // On a slope of 45 degrees in 30 m of water the first return comes 9 m early.
-    CANOPY_MARGIN: "first_return.canopy_margin_m", "Canopy margin", "canopy margin",
-        "A return nearer than the recorded depth by more than this is flagged as canopy, fish or another obstacle.",
-        number!(first_return.canopy_margin_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
+    CANOPY_MARGIN: "first_return.above_bottom_margin_m", "Above-bottom margin", "above-bottom margin",
+        "A return nearer than the recorded depth by more than this is flagged as an above-bottom return (weed, fish or another obstacle).",
+        number!(first_return.above_bottom_margin_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
     MIN_CONFIDENCE: "first_return.min_confidence", "Least conf.", "least confidence",
         "The point of a first return that is less sure than this is not kept. Confidence is the chance that a return lies within 25 cm of the nearest ground, as measured on simulated ponds.",
         number!(first_return.min_confidence, "", [0.0, 1.0], 0.05, 2, Slider);
@@ -226,10 +226,10 @@ rows! {
         ]);
     GAIN: "mosaic.gain", "Gain", "gain", "How levels are made even across the track.",
         choice!(mosaic.gain, [
-            "empirical", "evened", "Divided by the survey's own mean at that range and angle; shadows stay dark.";
+            "empirical", "gain-normalised", "Divided by the survey's own mean at that range and angle; shadows stay dark.";
             "recorded", "as recorded", "The recorder's own levels.";
         ]);
-    WATER_COLUMN: "mosaic.water_column", "Water column", "water column", "What is heard before the bottom.",
+    WATER_COLUMN: "mosaic.water_column", "Water column", "water column", "Echoes before the first return.",
         choice!(mosaic.water_column, [
             "false", "removed", "Slant ranges are turned into distances on the ground by the altitude.";
             "true", "kept", "Slant ranges are taken for distances on the ground.";
@@ -264,15 +264,15 @@ rows! {
     SIDE_SCAN_WEIGHT: "surface.side_scan_weight", "Side-scan", "weight of side-scan points",
         "What a side-scan point counts where it meets a sounding, which counts 1; 0 leaves side-scan points out.",
         number!(surface.side_scan_weight, "", [0.0, 1.0], 0.05, 2, Slider);
-    SURFACE_CANOPY: "surface.canopy", "Canopy", "canopy in the depth map",
+    SURFACE_CANOPY: "surface.above_bottom", "Canopy", "canopy in the depth map",
         "Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.",
-        choice!(surface.canopy, [
+        choice!(surface.above_bottom, [
             "false", "left out", "Only those of long stretches count: a field of boulders, no clump of weed, fish or object.";
             "true", "counts", "All of them count.";
         ]);
-    LONGEST_CANOPY: "surface.longest_canopy_m", "Longest", "longest canopy",
+    LONGEST_CANOPY: "surface.longest_above_bottom_m", "Longest", "longest canopy",
         "Side-scan points above the recorded depth count where most first returns of both sides lie above it for longer than this along the track.",
-        number!(surface.longest_canopy_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
+        number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
     // Finer than a millimetre no depth is known.
     INTERVAL: "isobaths.interval_m", "Isobaths", "isobath interval",
         "Metres from one isobath to the next, counted from depth 0. Every fifth is thick.",

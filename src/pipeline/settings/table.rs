@@ -28,7 +28,7 @@ pub enum Kind {
     Number(Number),
     /// One of several names.
     Choice(Choice),
-    /// Numbers, as many as wanted.
+    /// Numbers, as many as requested.
     Numbers {
         /// Unit of all.
         unit: &'static str,

@@ -35,11 +35,11 @@ pub fn difference_colour(share: f32) -> Rgb {
 
 /// A round end of a scale that reaches as far as a difference does, a centimetre at least, metres.
 pub fn difference_reach_m(difference_m: f64) -> f64 {
-    let wanted_m = difference_m.abs();
-    if !(wanted_m.is_finite() && wanted_m > LEAST_M) {
+    let needed_m = difference_m.abs();
+    if !(needed_m.is_finite() && needed_m > LEAST_M) {
         return LEAST_M;
     }
-    ticks::scale_end(wanted_m)
+    ticks::scale_end(needed_m)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::{
     value_of,
 };
 use crate::detection::review::{BoxRow, NAMELESS_CLASS, Review, ReviewRows, SearchRow};
-use crate::first_return::{BottomSettings, HandLine};
+use crate::first_return::{BottomEdit, BottomSettings};
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
 use crate::survey::{LeftOutSettings, Side, Stretch};
 use serde::de::DeserializeOwned;
@@ -326,13 +326,13 @@ impl Reading<'_> {
             let key = Key::new(["log", log_key, "bottom", side, first]);
             let Stretch { last, corners } = self.fields(&key, row, &BOTTOM_FIELDS)?;
             let side = Side::BOTH.into_iter().find(|one| one.name() == side);
-            let line = HandLine {
+            let line = BottomEdit {
                 side: side.unwrap_or(Side::Port),
                 pings: [first.parse().unwrap_or(usize::MAX), last],
                 corners,
             };
             let meets =
-                |before: &&HandLine| before.side == line.side && before.pings[1] >= line.pings[0];
+                |before: &&BottomEdit| before.side == line.side && before.pings[1] >= line.pings[0];
             if all.lines.last().filter(meets).is_some() {
                 let what =
                     "this stretch of the bottom lies over the one before; change one of them";

@@ -109,11 +109,11 @@ proptest! {
 
     /// Whatever is done can be taken back to the state before, and done again to the state after, step by step.
     #[test]
-    fn all_that_is_done_is_undone_and_done_again(wanted in prop::collection::vec(any_change(), 1..60)) {
+    fn all_that_is_done_is_undone_and_done_again(requested in prop::collection::vec(any_change(), 1..60)) {
         let mut history = History::default();
         let mut states = vec![Project::default()];
         let mut labels = Vec::new();
-        for one in wanted {
+        for one in requested {
             let now = &states[states.len() - 1];
             let Some(change) = change_from(one, now) else { continue };
             let Some(after) = now.apply(&change) else { continue };
@@ -141,9 +141,9 @@ proptest! {
 
     /// What a journal says of a change makes of the lines before it the lines after it, from any state to any other.
     #[test]
-    fn the_lines_of_a_change_are_all_of_it(wanted in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
+    fn the_lines_of_a_change_are_all_of_it(requested in prop::collection::vec(any_change(), 1..40), from in any::<prop::sample::Index>()) {
         let mut states = vec![full()];
-        for one in wanted {
+        for one in requested {
             let now = &states[states.len() - 1];
             let after = change_from(one, now).and_then(|change| now.apply(&change));
             states.extend(after);

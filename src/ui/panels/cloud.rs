@@ -44,9 +44,9 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
     fact(
         ui,
         "Points",
-        "All points of the cloud, and how many of them are first returns beside the track; the rest are soundings under the boat.",
+        "All points of the cloud, and how many of them are side-scan points; the rest are soundings under the boat.",
         format!(
-            "{} · {} beside",
+            "{} · {} side-scan",
             text::count(figures.points),
             text::count(figures.outliers.side_scan)
         ),

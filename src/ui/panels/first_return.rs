@@ -1,4 +1,4 @@
-//! Step 1: where the bottom is first heard.
+//! Step 1: where the bottom is first detected.
 
 use super::parts::{self, Section, section, setting};
 use crate::app::{Action, Command, Tool};
@@ -22,7 +22,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         found(ui, context);
         controls(ui, context);
-        by_hand(ui, context);
+        bottom_edits(ui, context);
     });
 }
 
@@ -63,7 +63,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
             ui.label(text.color(theme::side_colour(options, side)))
                 .on_hover_text(hint(side.name(), found));
         }
-        ui.label(format!("{} canopy", text::count(figures.canopy)))
+        ui.label(format!("{} above bottom", text::count(figures.above_bottom)))
             .on_hover_text("Returns nearer than the recorded depth by more than the margin: weed, fish, obstacles. They are flagged, not hidden.");
     });
     if figures.unsure > 0 {
@@ -77,10 +77,10 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
 }
 
 /// The pen, and what was drawn with it.
-fn by_hand(ui: &mut Ui, context: &mut ViewContext<'_>) {
+fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let app = context.app;
     let drawn = app.log.settings.bottom.ping_count();
-    let mut wanted = None;
+    let mut requested = None;
     ui.horizontal(|ui| {
         let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.options.waterfall.bottom_both_sides;
@@ -90,20 +90,20 @@ fn by_hand(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.checkbox(&mut both, "Both sides"),
             Action::BottomBothSides,
         );
-        wanted = [(pen, Action::DrawBottom), (sides, Action::BottomBothSides)]
+        requested = [(pen, Action::DrawBottom), (sides, Action::BottomBothSides)]
             .into_iter()
             .find_map(|(response, action)| response.clicked().then_some(action));
     });
     if drawn > 0 {
         ui.horizontal(|ui| {
-            ui.label(format!("{} by hand", text::plural(drawn, "ping", "pings")))
+            ui.label(format!("{} edited", text::plural(drawn, "ping", "pings")))
                 .on_hover_text("Pings whose first return was drawn, both sides counted.");
             if action(ui.button("Forget"), Action::ForgetBottom).clicked() {
-                wanted = Some(Action::ForgetBottom);
+                requested = Some(Action::ForgetBottom);
             }
         });
     }
-    if let Some(action) = wanted {
+    if let Some(action) = requested {
         context.push(Command::Do(action));
     }
 }

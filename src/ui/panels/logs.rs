@@ -40,9 +40,9 @@ fn add(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -> Option<Command> {
     let (id, name) = (log.id, log.name());
     let mut command = None;
-    let mut ask = |clicked: bool, wanted: Command| {
+    let mut ask = |clicked: bool, requested: Command| {
         if clicked {
-            command = Some(wanted);
+            command = Some(requested);
         }
     };
     ui.horizontal(|ui| {

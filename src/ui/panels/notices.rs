@@ -14,7 +14,7 @@ const LINES: usize = 4;
 /// Widest that a notice becomes, points.
 const WIDEST: f32 = 720.0;
 
-/// Draws them over the lower edge of the time line; nothing when there is nothing to tell.
+/// Draws them over the lower edge of the time line; nothing when there is no notice.
 pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>) {
     let app = context.app;
     if app.notices.is_empty() {

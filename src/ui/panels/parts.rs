@@ -265,14 +265,14 @@ fn number(
     number: &'static Number,
 ) {
     let [least, most] = number.ends();
-    let mut wanted = number.shown(&context.app.log.settings);
+    let mut requested = number.shown(&context.app.log.settings);
     let hint = match number.without.filter(|_| number.zero_is_none()) {
         Some(without) => format!("{} At 0: {without}.", setting.hint),
         None => setting.hint.to_owned(),
     };
     let response = row(ui, setting.label, &hint, |ui| {
         if number.control == Control::Drag {
-            let value = DragValue::new(&mut wanted)
+            let value = DragValue::new(&mut requested)
                 .range(least..=most)
                 // Showing must change nothing.
                 .clamp_existing_to_range(false)
@@ -287,7 +287,7 @@ fn number(
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
-            egui::Slider::new(&mut wanted, least..=most)
+            egui::Slider::new(&mut requested, least..=most)
                 .logarithmic(number.control == Control::LogSlider)
                 .smallest_positive(number.step)
                 // A value is rounded when it is edited, not when it is shown: showing must change nothing.
@@ -300,7 +300,7 @@ fn number(
     if response.changed() || response.drag_stopped() {
         let mut settings = Settings::clone(&context.app.log.settings);
         if response.changed() {
-            number.take(&mut settings, wanted);
+            number.take(&mut settings, requested);
         }
         context.push(Command::Change {
             settings: Box::new(settings),

@@ -39,10 +39,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         setting(ui, context, &rows::CRS);
         groups(ui, context);
-        parts::remark(
-            ui,
-            "Beside each lies its record: inputs, settings, system, extent.",
-        );
+        parts::remark(ui, "Each has a record: inputs, settings, system, extent.");
     });
 }
 
@@ -56,13 +53,13 @@ fn groups(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 let compared = OUTPUT_FILES.iter().filter(|row| row.when == When::Compared);
                 files = format!("{files}; {}", files_in_words(compared));
             }
-            let mut wanted = !options.left_out.contains(&product);
+            let mut requested = !options.left_out.contains(&product);
             if ui
-                .checkbox(&mut wanted, product.name())
+                .checkbox(&mut requested, product.name())
                 .on_hover_text(files)
                 .clicked()
             {
-                match wanted {
+                match requested {
                     true => options.left_out.retain(|one| *one != product),
                     false => options.left_out.push(product),
                 }

@@ -108,9 +108,13 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
                 ..Mark::ping(ping)
             };
             let range = place::range_m(context.app, mark).unwrap_or(f64::NAN);
-            let canopy = if pick.canopy { " · canopy" } else { "" };
+            let above_bottom = if pick.above_bottom {
+                " · above bottom"
+            } else {
+                ""
+            };
             format!(
-                "{} · conf. {:.2}{canopy}",
+                "{} · conf. {:.2}{above_bottom}",
                 text::measure(range, 2, "m"),
                 pick.confidence
             )

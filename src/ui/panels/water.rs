@@ -43,16 +43,16 @@ fn levels(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn sound_speed(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let speed = context.app.log.settings.sound_speed.clone();
     let known = speed.water_m_s().is_some();
-    let mut wanted = known;
+    let mut requested = known;
     let toggle = ui
-        .checkbox(&mut wanted, "Correct the speed of sound")
+        .checkbox(&mut requested, "Correct the speed of sound")
         .on_hover_text(
             "Scales every range and depth by the speed of sound in this water over that which the recorder assumed.",
         );
     if toggle.changed() {
         let mut settings = Settings::clone(&context.app.log.settings);
         settings.sound_speed.m_s = None;
-        settings.sound_speed.temperature_c = wanted.then_some(USUAL_C);
+        settings.sound_speed.temperature_c = requested.then_some(USUAL_C);
         context.push(Command::Change {
             settings: Box::new(settings),
             label: "sound speed",

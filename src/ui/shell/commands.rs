@@ -32,11 +32,11 @@ impl Shell {
             Action::OpenPath => self.dialogs.ask_for_path(),
             Action::Export if self.app.log.products.is_none() => {
                 let text = "there is no result to export yet; open a log first";
-                self.app.apply(Command::Tell(text.to_owned()));
+                self.app.apply(Command::Notify(text.to_owned()));
             }
             Action::Export if self.app.export_fraction().is_some() => {
                 let text = "products are still being written; wait, or cancel that first";
-                self.app.apply(Command::Tell(text.to_owned()));
+                self.app.apply(Command::Notify(text.to_owned()));
             }
             Action::Export => self.dialogs.ask(Purpose::ExportInto, self.app.jobs()),
             Action::PrintView => self.ask_to_print(),
@@ -48,7 +48,7 @@ impl Shell {
             }
             Action::CompareWith if self.app.log.products.is_none() => {
                 let text = "open a log first, then what it is to be compared with";
-                self.app.apply(Command::Tell(text.to_owned()));
+                self.app.apply(Command::Notify(text.to_owned()));
             }
             Action::CompareWith => self.dialogs.ask(Purpose::OpenReference, self.app.jobs()),
             Action::ChooseModel => self.dialogs.ask(Purpose::OpenModel, self.app.jobs()),
@@ -84,7 +84,7 @@ impl Shell {
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
-                None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),
+                None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
             },
             Action::TopView => self.views.request(View::Cloud, ViewRequest::Top),
             Action::SideView => self.views.request(View::Cloud, ViewRequest::Side),
@@ -97,10 +97,10 @@ impl Shell {
     fn name_project(&mut self) {
         if self.app.log_count() == 0 {
             let text = "there is nothing to keep yet; open a log first";
-            return self.app.apply(Command::Tell(text.to_owned()));
+            return self.app.apply(Command::Notify(text.to_owned()));
         }
         let known = self.app.project_path().map(std::path::Path::to_owned);
-        let proposed = known.unwrap_or_else(|| self.beside_the_log("bathyscope"));
+        let proposed = known.unwrap_or_else(|| self.sidecar_path("bathyscope"));
         self.dialogs
             .name(Purpose::SaveProject, proposed, self.app.jobs());
     }
@@ -116,12 +116,12 @@ impl Shell {
                 self.dialogs
                     .name(Purpose::SaveReview, path, self.app.jobs());
             }
-            _ => self.app.apply(Command::Tell(NO_BOXES.to_owned())),
+            _ => self.app.apply(Command::Notify(NO_BOXES.to_owned())),
         }
     }
 
-    /// A name for a file beside the log.
-    pub(super) fn beside_the_log(&self, ending: &str) -> PathBuf {
+    /// The path of a sidecar file of the log.
+    pub(super) fn sidecar_path(&self, ending: &str) -> PathBuf {
         let survey = self.app.log.survey.as_ref();
         let log = survey.and_then(|survey| survey.source.files.first());
         log.map_or_else(|| PathBuf::from(ending), |log| log.with_extension(ending))
@@ -129,33 +129,33 @@ impl Shell {
 
     fn save_figure(&mut self) {
         if self.app.measured().is_some() {
-            let proposed = self.beside_the_log("measured.geojson");
+            let proposed = self.sidecar_path("measured.geojson");
             self.dialogs
                 .name(Purpose::SaveFigure, proposed, self.app.jobs());
         } else {
             let text = "nothing is measured yet; draw a line or an area on the map first";
-            self.app.apply(Command::Tell(text.to_owned()));
+            self.app.apply(Command::Notify(text.to_owned()));
         }
     }
 
     fn save_profile(&mut self) {
         match self.app.profile_csv() {
             Some(_) => {
-                let proposed = self.beside_the_log("profile.csv");
+                let proposed = self.sidecar_path("profile.csv");
                 self.dialogs
                     .name(Purpose::SaveProfile, proposed, self.app.jobs());
             }
-            None => self.app.apply(Command::Tell(NO_PROFILE.to_owned())),
+            None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
         }
     }
 
     fn export_boxes(&mut self) {
         let is_writing = self.app.export_fraction().is_some();
         if !self.app.log.reviewing.has_boxes() {
-            self.app.apply(Command::Tell(NO_BOXES.to_owned()));
+            self.app.apply(Command::Notify(NO_BOXES.to_owned()));
         } else if is_writing {
             let text = "products are still being written; wait, or cancel that first";
-            self.app.apply(Command::Tell(text.to_owned()));
+            self.app.apply(Command::Notify(text.to_owned()));
         } else {
             self.dialogs.ask(Purpose::ExportBoxesInto, self.app.jobs());
         }

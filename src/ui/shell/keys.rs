@@ -277,7 +277,11 @@ mod tests {
 
     #[test]
     fn more_modifiers_come_first() {
-        let place = |wanted: Action| SHORTCUTS.iter().position(|(_, action)| *action == wanted);
+        let place = |requested: Action| {
+            SHORTCUTS
+                .iter()
+                .position(|(_, action)| *action == requested)
+        };
         assert!(place(Action::Redo) < place(Action::Undo));
         assert!(place(Action::Forward25) < place(Action::NextPing));
     }

@@ -229,7 +229,7 @@ impl Shell {
         }
     }
 
-    /// Decisions about boxes that no file keeps are not lost by a slip: the first wish to close only says so.
+    /// Decisions about boxes that no file keeps are not lost by a slip: the first request to close only says so.
     fn guard_decisions(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|input| input.viewport().close_requested());
         if closes {
@@ -243,7 +243,7 @@ impl Shell {
             self.warned_of_loss = true;
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             let text = "decisions about boxes are not saved; save the project with Ctrl+S or the review in the Review menu, or close again to leave them";
-            self.app.apply(Command::Tell(text.to_owned()));
+            self.app.apply(Command::Notify(text.to_owned()));
         }
     }
 

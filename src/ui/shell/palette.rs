@@ -136,11 +136,11 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
 /// more. `None` when they do not fit.
 fn score(label: &str, query: &str) -> Option<i32> {
     let letters: Vec<char> = label.to_lowercase().chars().collect();
-    let wanted = query.to_lowercase();
+    let requested = query.to_lowercase();
     let mut total = 0;
     let mut from = 0;
     let mut last = None;
-    for letter in wanted.chars().filter(|letter| !letter.is_whitespace()) {
+    for letter in requested.chars().filter(|letter| !letter.is_whitespace()) {
         let follows = last.map(|last: usize| last + 1);
         let starts_word = |at: usize| at == 0 || !letters[at - 1].is_alphanumeric();
         let places = || (from..letters.len()).filter(|&at| letters[at] == letter);

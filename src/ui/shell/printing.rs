@@ -48,7 +48,7 @@ impl Printing {
             ui.heading("Print view");
             choices(ui, &mut view, &mut options);
             let sheet = options.sheet(views.size(view));
-            ui.label(told(view, sheet, views));
+            ui.label(sheet_summary(view, sheet, views));
             ui.add_space(6.0);
             ui.horizontal(|ui| (ui.button("Save…").clicked(), ui.button("Cancel").clicked()))
                 .inner
@@ -114,7 +114,7 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
 }
 
 /// Size in words, and the scale that the map has on paper.
-fn told(view: View, sheet: Sheet, views: &Views) -> String {
+fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     let [width, height] = sheet.size_px;
     let size = format!("{width} x {height} pixels");
     let points = sheet
@@ -138,9 +138,9 @@ impl Shell {
     pub(super) fn ask_to_print(&mut self) {
         if self.app.log.products.is_none() {
             let text = "there is nothing to print yet; open a log first";
-            self.app.apply(Command::Tell(text.to_owned()));
+            self.app.apply(Command::Notify(text.to_owned()));
         } else if self.app.export_fraction().is_some() {
-            self.app.apply(Command::Tell(BUSY.to_owned()));
+            self.app.apply(Command::Notify(BUSY.to_owned()));
         } else {
             self.printing.ask(self.layout.target());
         }
@@ -154,7 +154,7 @@ impl Shell {
             View::Map => "map.png",
             View::Cloud => "cloud.png",
         };
-        let proposed = self.beside_the_log(ending);
+        let proposed = self.sidecar_path(ending);
         self.dialogs
             .name(Purpose::PrintInto, proposed, self.app.jobs());
     }
@@ -167,7 +167,7 @@ impl Shell {
             .is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         if !is_png {
             let text = format!("a picture's name ends in .png: {}", path.display());
-            return self.app.apply(Command::Tell(text));
+            return self.app.apply(Command::Notify(text));
         }
         let options = &self.app.options.print;
         let sheet = options.sheet(self.views.size(view));

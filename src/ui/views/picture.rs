@@ -28,12 +28,12 @@ impl Picture {
     /// Makes the target as large as `rect` on screen; whether it is a new one that has to be drawn.
     pub fn resize(&mut self, state: &RenderState, rect: Rect, pixels_per_point: f32) -> bool {
         let size = rect.round_to_pixels(pixels_per_point).size() * pixels_per_point;
-        let wanted = [size.x.round() as u32, size.y.round() as u32];
-        let wanted = Target::possible(&state.device, wanted);
+        let requested = [size.x.round() as u32, size.y.round() as u32];
+        let requested = Target::possible(&state.device, requested);
         match &mut self.shown {
-            Some(shown) if shown.target.size_px() == wanted => false,
+            Some(shown) if shown.target.size_px() == requested => false,
             Some(shown) => {
-                shown.target = Target::new(&state.device, wanted);
+                shown.target = Target::new(&state.device, requested);
                 state
                     .renderer
                     .write()
@@ -46,7 +46,7 @@ impl Picture {
                 true
             }
             none => {
-                let target = Target::new(&state.device, wanted);
+                let target = Target::new(&state.device, requested);
                 let texture = state.renderer.write().register_native_texture(
                     &state.device,
                     target.colour(),

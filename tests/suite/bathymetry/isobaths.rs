@@ -1,4 +1,4 @@
-//! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` tells how their figures were made).
+//! Isobaths and depth areas against GDAL and contourpy (`make_isobaths.py` shows how their figures were made).
 
 use bathyscope::bathymetry::isobaths::{Isobath, depth_areas, isobaths, storage};
 use bathyscope::bathymetry::{Grid, Surface};

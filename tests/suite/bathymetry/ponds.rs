@@ -2,7 +2,7 @@
 
 use crate::missions::{Mission, repeatability};
 use bathyscope::bathymetry::SurfaceSettings;
-use bathyscope::bathymetry::crossings::{Crossing, TrackDepth, crossings};
+use bathyscope::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
@@ -52,7 +52,7 @@ fn crossings_of_one_survey_show_the_noise_of_its_soundings() {
     let mission = Mission::new(&Scene::gentle(), 5);
     let survey = &mission.known.survey;
     let points = mission.products.cloud.points.iter();
-    let soundings = points.filter(|point| point.source == PointSource::DownScan && point.sound);
+    let soundings = points.filter(|point| point.source == PointSource::DownScan && point.reliable);
     let track: Vec<TrackDepth> = soundings
         .map(|point| TrackDepth {
             time_s: survey.soundings[point.sounding.expect("a sounding").get()].time_s,

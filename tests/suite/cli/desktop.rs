@@ -27,8 +27,8 @@ fn an_entry_and_file_types_are_written_and_removed() {
         "applications/bathyscope.desktop",
         "mime/packages/bathyscope.xml",
     ];
-    let told = desktop(data, &[]);
-    assert!(told.contains(entry) && told.contains(types), "{told}");
+    let text = desktop(data, &[]);
+    assert!(text.contains(entry) && text.contains(types), "{text}");
     let text = fs::read_to_string(data.join(entry)).expect("an entry");
     let program = fs::canonicalize(env!("CARGO_BIN_EXE_bathyscope")).expect("the program");
     let program = program.display();

@@ -30,10 +30,10 @@ fn objects_of_a_log_become_a_table_and_chips() {
     ];
     let output = bathyscope(folder, &args);
     assert!(output.status.success());
-    let told = String::from_utf8_lossy(&output.stderr);
+    let text = String::from_utf8_lossy(&output.stderr);
     assert!(
-        told.contains("model: YOLOv8 to v12 with 3 classes, 64 x 64"),
-        "{told}"
+        text.contains("model: YOLOv8 to v12 with 3 classes, 64 x 64"),
+        "{text}"
     );
 
     let table = folder.join("out/detections.csv");
@@ -49,12 +49,12 @@ fn objects_of_a_log_become_a_table_and_chips() {
     let placed = rows.iter().filter(|row| !row[10].is_empty()).count();
     assert!(placed > 0, "the demo pond has positions and depths");
     assert_eq!(map["features"].as_array().map(Vec::len), Some(placed));
-    let told = String::from_utf8_lossy(&output.stdout);
+    let text = String::from_utf8_lossy(&output.stdout);
     // An object that several lines saw has as many boxes.
     let objects: BTreeSet<&str> = rows.iter().map(|row| row[20].as_str()).collect();
     let objects = objects.iter().filter(|number| !number.is_empty()).count();
-    assert!(objects > 0 && told.contains(&format!("found {} box", rows.len())));
-    assert!(told.contains(&format!(") on {objects} object")), "{told}");
+    assert!(objects > 0 && text.contains(&format!("found {} box", rows.len())));
+    assert!(text.contains(&format!(") on {objects} object")), "{text}");
     for (index, row) in rows.iter().enumerate() {
         assert_eq!(row[0], (index + 1).to_string());
         assert_eq!(row[1], "pond");
@@ -150,22 +150,22 @@ fn what_cannot_be_searched_is_refused() {
     let folder = temporary.path();
     fs::write(folder.join("text.onnx"), "no model").expect("a file");
     fs::write(folder.join("torn.png"), b"\x89PNG\r\n\x1a\n").expect("a file");
-    let told = refusal(
+    let text = refusal(
         folder,
         &["detect", "x.sl2", "-o", "out", "--model", "text.onnx"],
         1,
     );
-    assert!(told.contains("it is no ONNX file"), "{told}");
+    assert!(text.contains("it is no ONNX file"), "{text}");
     assert!(!folder.join("out").exists());
     let model = model();
-    let told = refusal(
+    let text = refusal(
         folder,
         &["detect", "torn.png", "-o", "out", "--model", &model],
         1,
     );
-    assert!(told.contains("cannot read the picture"), "{told}");
-    let told = refusal(folder, &["detect", "x.sl2", "-o", "out", "--score", "2"], 2);
-    assert!(told.contains("between 0 and 1"), "{told}");
+    assert!(text.contains("cannot read the picture"), "{text}");
+    let text = refusal(folder, &["detect", "x.sl2", "-o", "out", "--score", "2"], 2);
+    assert!(text.contains("between 0 and 1"), "{text}");
 }
 
 #[test]
@@ -216,7 +216,7 @@ fn objects_lie_where_the_settings_put_them_and_process_agrees() {
 }
 
 #[test]
-fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
+fn process_writes_the_same_objects_as_detect_unless_switched_off() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
@@ -226,7 +226,7 @@ fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
     ];
     run(folder, &of_detect);
     let which = format!("detector.model={model}");
-    let told = run(
+    let text = run(
         folder,
         &[
             "process",
@@ -243,7 +243,7 @@ fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
         ["out", "detected"].map(|name| rows(&folder.join(name).join("detections.csv")));
     assert!(!of_process.is_empty());
     assert_eq!(of_process, of_detect);
-    assert!(told.contains("proposed by the detector: "), "{told}");
+    assert!(text.contains("proposed by the detector: "), "{text}");
     assert!(folder.join("out/detections.geojson").is_file());
 
     run(
@@ -253,7 +253,7 @@ fn process_writes_the_same_objects_as_detect_unless_told_not_to() {
     assert!(folder.join("bare/report.json").is_file());
     assert!(!folder.join("bare/detections.csv").exists());
 
-    // A model that cannot be used is told before anything is computed or written.
+    // A model that cannot be used is reported before anything is computed or written.
     let refused = refusal(
         folder,
         &[

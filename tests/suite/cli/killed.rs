@@ -25,7 +25,7 @@ fn kills() -> usize {
         .unwrap_or(KILLS)
 }
 
-/// A run with a setting that every record and the report tell.
+/// A run with a setting that every record and the report state.
 fn start(folder: &Path, draft_m: f64, products: &str) -> Child {
     let draft = format!("draft_m={draft_m}");
     Command::new(env!("CARGO_BIN_EXE_bathyscope"))
@@ -188,10 +188,10 @@ fn detect_takes_its_files_out_of_the_run_that_lies_there() {
         "--products",
         "depth",
     ];
-    let told = run(folder, &bare);
+    let text = run(folder, &bare);
     assert!(
-        told.contains("removed of an earlier run: detections.csv"),
-        "{told}"
+        text.contains("removed of an earlier run: detections.csv"),
+        "{text}"
     );
     assert!(!out.join("detections.csv").exists() && !out.join("chips").exists());
 }

@@ -34,7 +34,7 @@ pub(crate) fn run(folder: &Path, args: &[&str]) -> String {
 }
 
 /// What a run says on the way.
-pub(crate) fn told(folder: &Path, args: &[&str]) -> String {
+pub(crate) fn stderr_of(folder: &Path, args: &[&str]) -> String {
     let output = bathyscope(folder, args);
     assert!(output.status.success(), "{args:?} failed");
     String::from_utf8_lossy(&output.stderr).into_owned()
@@ -137,7 +137,7 @@ fn simulate_info_process_and_filter_work_together() {
 }
 
 #[test]
-fn presets_files_and_assignments_are_laid_over_each_other() {
+fn later_settings_override_earlier_ones() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
@@ -222,8 +222,8 @@ fn what_cannot_be_used_is_refused_in_one_sentence() {
 fn without_a_display_the_demo_is_processed() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    let told = run(folder, &["--demo"]);
-    assert!(told.contains("bathyscope-out"), "{told}");
+    let output = run(folder, &["--demo"]);
+    assert!(output.contains("bathyscope-out"), "{output}");
     assert!(folder.join("bathyscope-out/demo/report.json").is_file());
     assert!(
         folder.join("bathyscope-out/demo/window.png").is_file(),

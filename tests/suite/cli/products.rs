@@ -1,6 +1,6 @@
 //! The maps of `bathyscope process`: which are made, and that they agree with each other.
 
-use super::{refusal, run, simulated, told};
+use super::{refusal, run, simulated, stderr_of};
 use crate::handmade;
 use serde_json::Value;
 use std::fs;
@@ -317,7 +317,7 @@ fn another_receivers_track_takes_the_place_of_the_recorders() {
 }
 
 #[test]
-fn residuals_show_the_choices_the_crossings_and_what_they_hang_on() {
+fn residuals_show_the_choices_the_crosslines_and_what_they_depend_on() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     fs::write(
@@ -390,13 +390,13 @@ fn residuals_show_the_choices_the_crossings_and_what_they_hang_on() {
         .sum();
     assert!((counts + number(&histogram["below"]) + number(&histogram["above"]) - n).abs() < 0.5);
     // Two lines and two across.
-    let crossings = &record["crossings"];
+    let crosslines = &record["crossline_analysis"];
     assert!(
-        (4.0..=6.0).contains(&number(&crossings["n"])),
-        "{crossings}"
+        (4.0..=6.0).contains(&number(&crosslines["n"])),
+        "{crosslines}"
     );
-    assert!(number(&crossings["rms_m"]) < 0.08);
-    let first = &crossings["list"][0];
+    assert!(number(&crosslines["rms_m"]) < 0.08);
+    let first = &crosslines["list"][0];
     assert!(number(&first["time_s"][0]) < number(&first["time_s"][1]));
     assert!((number(&first["lon"]) + 82.11).abs() < 1e-3);
 }
@@ -530,7 +530,7 @@ fn the_same_bytes_under_another_name_are_taken_once() {
     run(folder, &["simulate", "-o", "pond"]);
     fs::copy(folder.join("pond.sl2"), folder.join("copy.sl2")).unwrap();
     let options = ["--no-objects", "--products", "cloud,depth", "-o"];
-    let warned = told(
+    let warned = stderr_of(
         folder,
         &[
             &["process", "pond.sl2", "copy.sl2"],
@@ -571,7 +571,7 @@ fn a_log_without_a_point_says_so_and_writes_no_cloud() {
     }
     fs::write(folder.join("still.sl2"), handmade::sl2(&frames)).unwrap();
     let process = ["process", "still.sl2", "--no-objects", "-o", "out"];
-    let warned = told(folder, &process);
+    let warned = stderr_of(folder, &process);
     assert!(warned.contains("no cloud: there is no point"), "{warned}");
     let out = folder.join("out");
     assert_made(&out, &["cloud.csv", "report.json", "report.html"], true);

@@ -8,11 +8,11 @@ use std::process::{Command, Stdio};
 
 /// A refusal of input that is one line after the progress, with these words in it.
 fn one_line(folder: &Path, args: &[&str], words: &[&str]) {
-    let told = refusal(folder, args, 1);
-    let sentence = told.lines().last().unwrap_or_default();
-    assert!(sentence.starts_with("bathyscope: "), "{args:?}: {told}");
+    let text = refusal(folder, args, 1);
+    let sentence = text.lines().last().unwrap_or_default();
+    assert!(sentence.starts_with("bathyscope: "), "{args:?}: {text}");
     for word in words {
-        assert!(sentence.contains(word), "{args:?}: {word} in {told}");
+        assert!(sentence.contains(word), "{args:?}: {word} in {text}");
     }
 }
 
@@ -112,9 +112,9 @@ fn a_full_or_closed_stdout_is_no_panic() {
         .write(true)
         .open("/dev/full")
         .expect("a device");
-    let told = info(full.into()).wait_with_output().expect("an end");
-    assert_eq!(told.status.code(), Some(1));
-    let errors = String::from_utf8_lossy(&told.stderr);
+    let output = info(full.into()).wait_with_output().expect("an end");
+    assert_eq!(output.status.code(), Some(1));
+    let errors = String::from_utf8_lossy(&output.stderr);
     assert!(
         errors.contains("stdout") && errors.lines().count() == 1,
         "{errors}"
@@ -142,7 +142,7 @@ fn surveys_of_one_name_get_a_folder_each() {
     let report = fs::read_to_string(folder.join("out/Rec1-2/report.json")).expect("a report");
     assert!(report.contains("b/Rec1.sl2"), "{report}");
 
-    // One that cannot be read costs the others nothing, and is told by the exit code.
+    // One that cannot be read costs the others nothing, and shows in the exit code.
     let output = bathyscope(folder, &["process", "no.sl2", "pond.sl2", "-o", "more"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(folder.join("more/report.json").is_file());
@@ -154,7 +154,7 @@ fn surveys_of_one_name_get_a_folder_each() {
 }
 
 #[test]
-fn settings_that_cannot_be_are_told_with_their_reason() {
+fn impossible_settings_are_refused_with_their_reason() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
@@ -191,9 +191,9 @@ fn settings_that_cannot_be_are_told_with_their_reason() {
             "--settings",
             "mine.toml",
         ];
-        let told = refusal(folder, &args, 1);
-        assert_eq!(told.lines().count(), 1, "{told}");
-        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        let text = refusal(folder, &args, 1);
+        assert_eq!(text.lines().count(), 1, "{text}");
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
     }
     assert!(!folder.join("out").exists(), "nothing is written");
     let beyond = "calibration.pings=5000..6000";
@@ -288,15 +288,15 @@ fn columns_are_found_named_or_asked_for() {
     write("strange.csv", "id;lon;lat\n1;2;3\n1;2;3\n");
     let output = bathyscope(folder, &filter("strange.csv"));
     assert!(output.status.success());
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(told.contains("warning") && told.contains("`id`"), "{told}");
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(text.contains("warning") && text.contains("`id`"), "{text}");
     // A row that is no place has no neighbours; it does not stop the others.
     write(
         "holes.csv",
         "\u{feff}x,y,z\r\n1,2,3\r\nnan,2,3\r\n# rest\r\n1,2,3\r\ninf,0,0\r\n",
     );
-    let told = run(folder, &filter("holes.csv"));
-    assert!(told.starts_with("kept 2 of 4"), "{told}");
+    let text = run(folder, &filter("holes.csv"));
+    assert!(text.starts_with("kept 2 of 4"), "{text}");
 }
 
 #[test]
@@ -314,7 +314,7 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
     for (name, bytes) in &logs {
         fs::write(trip.join(name), bytes).expect("a file");
     }
-    let told = run(folder, &["info", "trip"]);
+    let text = run(folder, &["info", "trip"]);
     for words in [
         "3 logs in this folder",
         "a.sl2: Lowrance SL2",
@@ -322,7 +322,7 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
         "line.xtf: XTF, start 2020-06-01",
         "process trip -o OUT",
     ] {
-        assert!(told.contains(words), "{told}");
+        assert!(text.contains(words), "{text}");
     }
     let list: serde_json::Value =
         serde_json::from_str(&run(folder, &["info", "trip", "--json"])).expect("JSON");
@@ -442,11 +442,11 @@ fn a_snapshot_says_what_drew_it_and_no_more() {
         .env_remove("NODEVICE_SELECT")
         .output()
         .expect("the program starts");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
     assert!(
-        told.starts_with("drawn by ") && told.lines().count() == 1,
-        "{told}"
+        text.starts_with("drawn by ") && text.lines().count() == 1,
+        "{text}"
     );
     assert!(temporary.path().join("demo.png").is_file());
 }

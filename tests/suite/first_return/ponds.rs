@@ -215,12 +215,12 @@ fn weed_is_flagged_and_open_ground_is_not() {
     let mut flagged = [(0, 0); 2];
     for side in Side::BOTH {
         for (truth, pick) in pond.truth.iter().zip(returns.side(side)) {
-            let (canopy, all) = &mut flagged[usize::from(truth.side(side).weed)];
-            *canopy += usize::from(pick.canopy);
+            let (above_bottom, all) = &mut flagged[usize::from(truth.side(side).weed)];
+            *above_bottom += usize::from(pick.above_bottom);
             *all += 1;
         }
     }
-    let share = |(canopy, all): (usize, usize)| canopy as f64 / f64::from(all as u32);
+    let share = |(above_bottom, all): (usize, usize)| above_bottom as f64 / f64::from(all as u32);
     assert!(share(flagged[0]) < 0.03, "open ground: {flagged:?}");
     assert!(share(flagged[1]) > 0.6, "weed: {flagged:?}");
 }

@@ -60,7 +60,7 @@ fn progress_ends_at_the_end() {
 }
 
 #[test]
-fn cancel_is_heard() {
+fn cancel_stops_the_reading() {
     let progress = Progress::new();
     progress.cancel();
     let bytes = handmade::sl2(&handmade::survey_frames(5));

@@ -45,14 +45,14 @@ fn bathymetry_without_side_scan_is_no_damage() {
     let bytes = handmade::xtf_bathymetry(40);
     let error = formats::open_bytes("lines.xtf", bytes, &Progress::new()).unwrap_err();
     assert!(matches!(error, OpenError::Unsupported { .. }), "{error}");
-    let told = error.to_string();
+    let text = error.to_string();
     for words in [
         "40 bathymetry (type 2) and 20 attitude (type 3) packets",
         "no side-scan in it",
         "open the file that the side-scan was recorded into",
         "lines.xtf",
     ] {
-        assert!(told.contains(words), "{told}");
+        assert!(text.contains(words), "{text}");
     }
-    assert!(!told.contains("damaged"), "{told}");
+    assert!(!text.contains("damaged"), "{text}");
 }

@@ -235,7 +235,7 @@ const KEYS: [&str; 30] = [
     "sound_speed.recorder_m_s",
     "first_return.threshold",
     "first_return.dead_zone_m",
-    "first_return.canopy_margin_m",
+    "first_return.above_bottom_margin_m",
     "calibration.pings",
     "calibration.mode",
     "cloud.alpha2_deg",

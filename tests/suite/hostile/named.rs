@@ -365,8 +365,8 @@ fn what_files_hold_reaches_the_terminal_as_text() {
     // The name of the first channel: 16 bytes from the 12th of its description.
     xtf[256 + 12..256 + 28].copy_from_slice(b"\x1b[31mPORT\x07\x1b[2J\0\0");
     write(&folder, "pond.xtf", &xtf);
-    let (told, _) = run(&folder, "info pond.xtf", 0);
-    assert!(told.contains("\\u{1b}[31mPORT"), "{told}");
+    let (text, _) = run(&folder, "info pond.xtf", 0);
+    assert!(text.contains("\\u{1b}[31mPORT"), "{text}");
     let (json, _) = run(&folder, "info pond.xtf --json", 0);
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let names: Vec<&str> = json["channels"]
@@ -433,10 +433,10 @@ fn a_full_disk_is_said_whatever_is_written() {
             .current_dir(folder.path())
             .output();
         let outcome = outcome.expect("a shell");
-        let told = String::from_utf8_lossy(&outcome.stderr).into_owned();
-        assert_eq!(outcome.status.code(), Some(1), "{told}");
-        let last = told.lines().last().unwrap_or_default();
-        assert!(last.contains(output) && last.contains("large"), "{told}");
+        let text = String::from_utf8_lossy(&outcome.stderr).into_owned();
+        assert_eq!(outcome.status.code(), Some(1), "{text}");
+        let last = text.lines().last().unwrap_or_default();
+        assert!(last.contains(output) && last.contains("large"), "{text}");
     };
     full("kept.csv");
     full("kept.laz");

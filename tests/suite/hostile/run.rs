@@ -18,9 +18,9 @@ pub struct Outcome {
     pub code: Option<i32>,
     pub stdout: String,
     pub stderr: String,
-    /// Seconds of processor time, of all threads; 0 where the system does not tell.
+    /// Seconds of processor time, of all threads; 0 where the system does not report it.
     pub cpu_s: f64,
-    /// Most memory that was resident; 0 where the system does not tell.
+    /// Most memory that was resident; 0 where the system does not report it.
     pub peak_mib: u64,
 }
 
@@ -104,7 +104,7 @@ pub fn fault(outcome: &Outcome, folder: &Path) -> Option<String> {
         .count();
     match code {
         Some(0) if refusals == 0 => {}
-        // Wrong usage is told in clap's own way.
+        // clap reports wrong usage itself.
         Some(2) => {}
         Some(1) if refusals == 1 => {
             if !stderr

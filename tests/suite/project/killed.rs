@@ -130,18 +130,19 @@ fn a_killed_program_loses_its_last_gesture_at_most() {
     let (mut unsaved, mut ahead) = (0, 0);
     for kill in 0..kills {
         let moment = Duration::from_secs_f64(LONGEST_MS * 0.001 * moments.share());
-        let told = killed(folder, moment).unwrap_or_else(|| panic!("kill {kill}: it did nothing"));
+        let reported =
+            killed(folder, moment).unwrap_or_else(|| panic!("kill {kill}: it did nothing"));
         let in_file =
             number_of(&bathyscope::project::read(&path(folder)).expect("a whole project"));
         let opened = Store::open(&path(folder)).expect("a project");
         let there = number_of(&opened.project);
-        // Of the last gesture it may not have told yet.
+        // Of the last gesture it may not have reported yet.
         assert!(
-            (told..=told + 1).contains(&there),
-            "kill {kill}: told of {told}, {there} is there"
+            (reported..=reported + 1).contains(&there),
+            "kill {kill}: it reported {reported}, {there} is there"
         );
         unsaved += usize::from(in_file < there);
-        ahead += usize::from(there > told);
+        ahead += usize::from(there > reported);
         last = after(&last, there);
         assert_eq!(
             opened.project.to_text(folder),

@@ -168,7 +168,7 @@ fn the_matrix_says_what_was_taken_for_what() {
 }
 
 #[test]
-fn truth_is_found_beside_the_log_opened_by_path_and_left() {
+fn truth_is_found_next_to_the_log_opened_by_path_and_left() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("pond.sl2");
     fs::copy(crate::support::demo_log(), &log).expect("a log");

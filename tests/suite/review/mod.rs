@@ -102,7 +102,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     let path = propose(&mut window, &found, folder.path());
     press(&mut window, Modifiers::NONE, Key::Tab);
     let mut presses = 1;
-    let mut wanted = Vec::new();
+    let mut expected = Vec::new();
     for index in 0..50 {
         let id = selected(&window);
         let state = if index % 3 == 0 {
@@ -118,10 +118,10 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
             presses += 1;
             State::Accepted
         };
-        wanted.push((id, state));
+        expected.push((id, state));
     }
     assert!(presses <= 2 * 50, "{presses} key presses for 50 boxes");
-    for (id, state) in &wanted {
+    for (id, state) in &expected {
         assert_eq!(
             review_of(&window).get(*id).map(|one| one.state),
             Some(*state)
@@ -130,7 +130,7 @@ fn fifty_boxes_are_reviewed_by_keys_alone_and_come_back() {
     let logs = review_of(&window).boxes().filter(|one| one.class == 2);
     assert_eq!(logs.count(), 6, "those that were named a log");
     assert_eq!(app(&window).log.reviewing.counts().decided(), 50);
-    let scores: Vec<_> = wanted
+    let scores: Vec<_> = expected
         .iter()
         .map(|(id, _)| review_of(&window).get(*id).and_then(|one| one.score))
         .collect();
@@ -348,7 +348,7 @@ fn boxes_of_a_log_come_back_when_it_is_opened_again() {
     let mut fresh = demo_window();
     fresh.state_mut().app.apply(Command::Open(log));
     fresh.run();
-    assert_eq!(states(&fresh), [State::Added], "found beside the log");
+    assert_eq!(states(&fresh), [State::Added], "found next to the log");
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn a_missed_object_is_drawn_with_the_mouse_and_moved() {
     drag(&mut window, from, to);
     let one = review_of(&window).boxes().next().cloned().expect("a box");
     assert_eq!((one.state, one.mark.side), (State::Added, Side::Port));
-    let near = |value: f64, wanted: f64, by: f64| (value - wanted).abs() < by;
+    let near = |value: f64, expected: f64, by: f64| (value - expected).abs() < by;
     let mark = &one.mark;
     assert!(near(mark.pings.start as f64, 300.0, 4.0), "{mark:?}");
     assert!(near(mark.pings.end as f64, 400.0, 4.0), "{mark:?}");

@@ -53,7 +53,7 @@ fn a_dashed_first_return_is_explained() {
     // By a margin of a centimetre the pulse's lead alone flags a pick; by ten metres nothing does.
     for (margin_m, dashed) in [("0.01", true), ("10", false)] {
         let mut app = demo();
-        let assignment = format!("first_return.canopy_margin_m={margin_m}");
+        let assignment = format!("first_return.above_bottom_margin_m={margin_m}");
         let settings = app
             .log
             .settings
@@ -61,7 +61,7 @@ fn a_dashed_first_return_is_explained() {
             .expect("a setting");
         app.apply(Command::Change {
             settings: Box::new(settings),
-            label: "canopy margin",
+            label: "above-bottom margin",
             live: false,
         });
         while !app.is_idle() {

@@ -78,7 +78,7 @@ pub fn bed_m(ping: usize) -> f32 {
     4.0 + 1.5 * (ping as f32 * 0.015).sin()
 }
 
-/// First returns on the bed of [`pond`]: a gap on port, canopy on starboard.
+/// First returns on the bed of [`pond`]: a gap on port, above-bottom returns on starboard.
 pub fn pond_returns(survey: &Survey) -> FirstReturns {
     let picks = |side: Side| -> Vec<Pick> {
         let pick = |(ping, recorded): (usize, &SidePing)| {
@@ -86,7 +86,7 @@ pub fn pond_returns(survey: &Survey) -> FirstReturns {
             let pick = Pick {
                 sample: span.sample_at(f64::from(bed_m(ping))) as f32,
                 confidence: 0.9,
-                canopy: side == Side::Starboard && (80..180).contains(&ping),
+                above_bottom: side == Side::Starboard && (80..180).contains(&ping),
             };
             if side == Side::Port && (250..300).contains(&ping) {
                 Pick::NONE

@@ -54,7 +54,7 @@ pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>) {
         let name = format!("S-44 {}", within.order.order);
         let verdict = match within.share >= 0.95 {
             true => "",
-            false => ", 95 % wanted",
+            false => ", 95 % required",
         };
         let share = format!("{:.1} % within{verdict}", 100.0 * within.share);
         let hint = "Share of the points within what this order of IHO S-44 allows at their depth.";

@@ -33,7 +33,7 @@ pub const OVERS: [(Over, &str, &str); 4] = [
     (
         Over::Across,
         "Across",
-        "Median and standard deviation over the distance beside the track: port left, starboard right.",
+        "Median and standard deviation over the across-track distance: port left, starboard right.",
     ),
     (
         Over::Heading,

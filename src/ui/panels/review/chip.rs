@@ -42,14 +42,14 @@ impl Chip {
         ctx: &egui::Context,
     ) -> Option<Self> {
         let fine = Raster::new(survey, navigation, PIXEL_M);
-        let height = wanted_height(&fine, mark);
+        let height = chip_height(&fine, mark);
         let largest = TILE_PX as f32 / ASPECT;
         let pixel_m = PIXEL_M * f64::from((height / largest).max(1.0));
         let raster = match pixel_m > PIXEL_M {
             true => Raster::new(survey, navigation, pixel_m),
             false => fine,
         };
-        let height = wanted_height(&raster, mark).min(largest);
+        let height = chip_height(&raster, mark).min(largest);
         let rect = raster.rect_of(mark);
         let [cx, cy] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
         let (rows, columns) = (height as usize, (height * ASPECT) as usize);
@@ -102,7 +102,7 @@ impl Chip {
 }
 
 /// Rows around a box so that its surroundings are seen, and all its columns.
-fn wanted_height(raster: &Raster, mark: &Mark) -> f32 {
+fn chip_height(raster: &Raster, mark: &Mark) -> f32 {
     let rect = raster.rect_of(mark);
     let tallest = (rect.y1 - rect.y0).max((rect.x1 - rect.x0) / ASPECT);
     (SURROUNDINGS * tallest).max(LEAST_PX)

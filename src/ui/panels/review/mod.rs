@@ -77,7 +77,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         // What is kept on the way is safe, but not where the analyst put it.
         let kept = match context.app.is_at_risk() {
             true => "not saved",
-            false => "not saved, kept beside the log",
+            false => "not saved, kept next to the log",
         };
         parts.push(kept.to_owned());
     }

@@ -21,7 +21,7 @@ pub fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     rect: Rect,
-    wish: &mut Option<ViewRequest>,
+    request: &mut Option<ViewRequest>,
 ) {
     let mut options = context.app.options.clone();
     let frame = legend::frame(&options);
@@ -33,7 +33,7 @@ pub fn show(
                 .on_hover_text("Shows the whole cloud (F, or a double-click).")
                 .clicked()
             {
-                *wish = Some(ViewRequest::Fit);
+                *request = Some(ViewRequest::Fit);
             }
         });
     });
@@ -95,7 +95,7 @@ pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Produ
     legend::plate(painter, &app.options, at, Align2::LEFT_TOP, &text, colour);
 }
 
-/// Why there are no points beside the track, when there are none.
+/// Why there are no side-scan points, when there are none.
 fn lack(survey: &Survey) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,

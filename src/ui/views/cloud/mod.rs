@@ -30,7 +30,7 @@ pub struct CloudView {
     camera: Option<OrbitCamera>,
     /// The camera that showed everything, and the frame it did so in: untouched, it is fitted anew to another frame.
     fitted: Option<(OrbitCamera, Vec2)>,
-    wish: Option<ViewRequest>,
+    request: Option<ViewRequest>,
     scene: Background<Key, Arc<CloudScene>>,
     picture: CloudPicture,
     pointer: pointer::Pointer,
@@ -72,14 +72,14 @@ impl CloudView {
         }
     }
 
-    /// Carries out a wish from menu, key or palette.
+    /// Carries out a request from menu, key or palette.
     pub fn request(&mut self, request: ViewRequest) {
-        self.wish = Some(request);
+        self.request = Some(request);
     }
 
     /// Whether everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
-        !self.scene.is_running() && self.wish.is_none()
+        !self.scene.is_running() && self.request.is_none()
     }
 
     /// Everything inside the frame; returns the view's accessible name.
@@ -138,7 +138,7 @@ impl CloudView {
             .handle(context, response, &scene, (&axes, camera));
         match context.app.is_picture {
             true => controls::paint_exaggeration(&painter, rect, options),
-            false => controls::show(ui, context, rect, &mut self.wish),
+            false => controls::show(ui, context, rect, &mut self.request),
         }
         name(&scene)
     }
@@ -179,10 +179,10 @@ impl CloudView {
         if let Some(seen) = self.aim.take().filter(|seen| aspect(rect) < *seen) {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
-        let wish = self.wish.take();
+        let request = self.request.take();
         let shown = (context.app.options.cloud.outlier_preview, rect);
         let mut zoom = |factor| pointer::zoom(&mut camera, scene, shown, rect.center(), factor);
-        match wish {
+        match request {
             Some(ViewRequest::ZoomIn) => zoom(1.4),
             Some(ViewRequest::ZoomOut) => zoom(1.0 / 1.4),
             Some(ViewRequest::Top) => camera.look_from(Direction::Top),
@@ -190,7 +190,7 @@ impl CloudView {
             Some(ViewRequest::Fit) | None => {}
         }
         let fits = matches!(
-            wish,
+            request,
             Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
         );
         if is_new || fits || response.double_clicked() {

@@ -84,10 +84,10 @@ impl LogPoints {
     }
 
     /// Points that have a place and are kept, or are not, with their index.
-    fn points(&self, wanted: bool) -> impl Iterator<Item = (usize, &CloudPoint)> {
+    fn points(&self, requested: bool) -> impl Iterator<Item = (usize, &CloudPoint)> {
         let all = self.cloud.points.iter().enumerate();
         all.filter(move |(index, point)| {
-            self.kept.get(*index).copied().unwrap_or(true) == wanted && is_placed(point)
+            self.kept.get(*index).copied().unwrap_or(true) == requested && is_placed(point)
         })
     }
 }
@@ -192,10 +192,10 @@ impl CloudScene {
     }
 
     /// Points of all logs that are kept, or are not: their numbers, and the log of each.
-    fn points(&self, wanted: bool) -> impl Iterator<Item = (usize, &LogPoints, &CloudPoint)> {
+    fn points(&self, requested: bool) -> impl Iterator<Item = (usize, &LogPoints, &CloudPoint)> {
         let logs = self.logs.iter().zip(&self.starts);
         logs.flat_map(move |(log, start)| {
-            let points = log.points(wanted);
+            let points = log.points(requested);
             points.map(move |(index, point)| (start + index, log, point))
         })
     }
@@ -316,9 +316,9 @@ fn is_placed(point: &CloudPoint) -> bool {
 
 fn counts(logs: &[LogPoints]) -> Counts {
     let mut counts = Counts::default();
-    for wanted in [true, false] {
-        let points = logs.iter().flat_map(|log| log.points(wanted));
-        points.for_each(|(_, point)| counts.add(point.source, wanted));
+    for requested in [true, false] {
+        let points = logs.iter().flat_map(|log| log.points(requested));
+        points.for_each(|(_, point)| counts.add(point.source, requested));
     }
     counts
 }
@@ -333,8 +333,8 @@ mod tests {
             source,
             ping,
             sounding: None,
-            sound: true,
-            canopy: false,
+            reliable: true,
+            above_bottom: false,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,

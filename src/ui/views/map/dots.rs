@@ -5,7 +5,7 @@ use super::transform::GroundBounds;
 use crate::progress::Progress;
 use egui::Color32;
 
-/// Dots in a box that tells whether they need to be looked at. A boat cannot jump: those in a row lie close together.
+/// Dots in a box that shows whether they need to be looked at. A boat cannot jump: those in a row lie close together.
 const BOXED: usize = 512;
 /// Radius of a dot, texels.
 const RADIUS: f64 = 1.5;

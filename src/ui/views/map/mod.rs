@@ -48,7 +48,7 @@ pub struct MapView {
     fitted: Option<MapTransform>,
     /// The layers that it was fitted to: it follows them while they are being made, not those that are shown later.
     fits: Vec<MapLayer>,
-    wish: Option<ViewRequest>,
+    request: Option<ViewRequest>,
     /// The ground of the last frame.
     visible: Option<GroundBounds>,
     /// The ground that the first frame is to show.
@@ -99,14 +99,14 @@ impl MapView {
         self.measure.set_corner();
     }
 
-    /// Carries out a wish from menu, key or palette.
+    /// Carries out a request from menu, key or palette.
     pub fn request(&mut self, request: ViewRequest) {
-        self.wish = Some(request);
+        self.request = Some(request);
     }
 
     /// Whether everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
-        !self.track.is_running() && self.layers.is_settled() && self.wish.is_none()
+        !self.track.is_running() && self.layers.is_settled() && self.request.is_none()
     }
 
     /// A view that looks at the same ground, in a frame of any size.
@@ -194,7 +194,7 @@ impl MapView {
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
         if !context.app.is_picture {
-            toolbar::show(ui, context, rect, &mut self.wish, &mut self.pointer);
+            toolbar::show(ui, context, rect, &mut self.request, &mut self.pointer);
         }
         name(context.app, &products, &track) + &boxes(context) + &layers(context)
     }
@@ -230,7 +230,7 @@ impl MapView {
     ) -> MapTransform {
         // A double-click ends a measurement.
         let fits = context.app.measuring.tool.is_none();
-        let is_asked = self.wish == Some(ViewRequest::Fit) || fits && response.double_clicked();
+        let is_asked = self.request == Some(ViewRequest::Fit) || fits && response.double_clicked();
         if self.transform.is_none() || is_asked {
             let shown = context.app.options.map.layers.bottom_up();
             let shown = shown.filter(|shown| shown.visible).map(|shown| shown.layer);
@@ -245,7 +245,7 @@ impl MapView {
         if let Some(ground) = self.aim.take() {
             transform = MapTransform::showing(ground, rect);
         }
-        match self.wish.take() {
+        match self.request.take() {
             Some(ViewRequest::Fit) => transform = whole(),
             Some(ViewRequest::ZoomIn) => transform.zoom(rect, rect.center(), 1.5),
             Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),

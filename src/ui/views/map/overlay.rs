@@ -168,7 +168,7 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
     plate
 }
 
-/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; a place beside the track is joined
+/// The selected place as a ring with the boat's heading, the hovered one as a cross-hair; an across-track place is joined
 /// to its boat.
 pub fn marks(painter: &Painter, scene: &Scene<'_>, app: &App) {
     if let Some(mark) = app.selection {

@@ -1,5 +1,5 @@
 //! Finds the ping nearest to a place. The boat cannot jump: a few hundred pings in a row lie close together, and a box around
-//! them tells whether they need to be looked at.
+//! them shows whether they need to be looked at.
 
 use super::transform::GroundBounds;
 use crate::survey::{Navigation, PingNav};

@@ -13,7 +13,7 @@ use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
 /// How near the pointer must come to the track, points.
 const REACH: f32 = 30.0;
 
-/// How near the pointer must come to a point whose residual is told, points.
+/// How near the pointer must come to a point whose residual is shown, points.
 const NEAR: f32 = 6.0;
 
 /// Width in which a place stands in one line in degrees and in metres, points.

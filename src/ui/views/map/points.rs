@@ -1,4 +1,4 @@
-//! The points of the cloud from above: where on the ground depths were heard.
+//! The points of the cloud from above: where on the ground depths were measured.
 
 use super::dots::{Dot, Dots};
 use super::tiles::TileSource;

@@ -128,7 +128,7 @@ impl TileSource for DepthTiles {
         };
         made.paint(key, progress, look, |[depth_m, distance_m]| {
             let [r, g, b] = depth_colour(depth_share(depth_m, made.range_m));
-            // The root lets the first metres beside the track already look less sure.
+            // The root lets the first metres across-track already look less sure.
             let unsure = (distance_m / made.gap_m).clamp(0.0, 1.0).sqrt();
             let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
             Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)

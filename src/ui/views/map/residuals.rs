@@ -105,8 +105,8 @@ mod tests {
             source: PointSource::Port,
             ping: 0,
             sounding: None,
-            sound: true,
-            canopy: false,
+            reliable: true,
+            above_bottom: false,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 0.0,
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn the_difference_under_the_pointer_is_told_and_shallower_is_red() {
+    fn the_difference_under_the_pointer_is_shown_and_shallower_is_red() {
         let layer = layer(&[0.3, 0.0, -0.3, 0.01]);
         assert!((layer.reach_m - 0.3).abs() < 1e-12);
         assert_eq!(layer.at([20.4, 5.3], 1.0), Some(-0.3));

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// Layers that are drawn from the depth map.
 const FROM_RELIEF: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
-/// Work that takes longer than this is told.
+/// Work that takes longer than this is announced.
 const PATIENCE_S: f64 = 0.5;
 
 /// What the tiles of a layer are painted by; `None` where there is nothing to paint.
@@ -299,7 +299,7 @@ impl Layers {
             (self.base_map.is_running(), "placing the base map"),
             (self.relief.is_running(), "making the depth map"),
             (self.isobaths.is_running(), "drawing isobaths"),
-            (self.mosaic.is_running(), "evening the mosaic's gain"),
+            (self.mosaic.is_running(), "normalising the mosaic's gain"),
             (self.points.is_running(), "sorting points"),
             (self.comparing, "comparing points"),
             (self.residuals.is_running(), "placing residuals"),

@@ -11,14 +11,14 @@ pub fn show(
     ui: &mut Ui,
     context: &mut ViewContext<'_>,
     rect: Rect,
-    wish: &mut Option<ViewRequest>,
+    request: &mut Option<ViewRequest>,
     pointer: &mut Pointer,
 ) {
     let bar = Rect::from_min_size(rect.min + vec2(4.0, 4.0), vec2(rect.width() - 60.0, 28.0));
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
         legend::frame(&context.app.options).show(ui, |ui| {
             ui.horizontal(|ui| {
-                let takes_calibration = buttons(ui, wish, pointer);
+                let takes_calibration = buttons(ui, request, pointer);
                 // The tool that was taken last is the one in hand.
                 if context.app.measuring.tool.is_some() {
                     match takes_calibration {
@@ -33,14 +33,14 @@ pub fn show(
 }
 
 /// Whether the calibration tool was taken.
-fn buttons(ui: &mut Ui, wish: &mut Option<ViewRequest>, pointer: &mut Pointer) -> bool {
+fn buttons(ui: &mut Ui, request: &mut Option<ViewRequest>, pointer: &mut Pointer) -> bool {
     ui.spacing_mut().item_spacing.x = 4.0;
     let fit = ui.button("Fit");
     if fit
         .on_hover_text("Shows the whole track and the layers around it (F, or a double-click).")
         .clicked()
     {
-        *wish = Some(ViewRequest::Fit);
+        *request = Some(ViewRequest::Fit);
     }
     let tool = ui.toggle_value(&mut pointer.calibrating, "Calibrate by click");
     let was_clicked = tool.clicked();

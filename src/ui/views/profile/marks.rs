@@ -70,8 +70,12 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
     if !vertical(painter, plot, across_m, Stroke::new(2.0, colour)) {
         return;
     }
-    let canopy = if found.pick.canopy { " canopy" } else { "" };
-    let label = format!("{:.2} m{canopy}", found.range_m);
+    let above_bottom = if found.pick.above_bottom {
+        " above bottom"
+    } else {
+        ""
+    };
+    let label = format!("{:.2} m{above_bottom}", found.range_m);
     let anchor = match side {
         Side::Port => Align2::RIGHT_BOTTOM,
         Side::Starboard => Align2::LEFT_BOTTOM,

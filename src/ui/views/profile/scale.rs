@@ -14,7 +14,7 @@ struct Key {
     dead_zone_m: f64,
 }
 
-/// Measures again when survey, image or dead zone change; the newest wish wins.
+/// Measures again when survey, image or dead zone change; the newest request wins.
 #[derive(Default)]
 pub(super) struct ScaleJob(Background<Key, (Key, Normalisation)>);
 
@@ -27,13 +27,13 @@ impl ScaleJob {
             image: settings.image.clone(),
             dead_zone_m: settings.first_return.dead_zone_m,
         };
-        let (wanted, survey) = (key.clone(), survey.clone());
+        let (requested, survey) = (key.clone(), survey.clone());
         self.0
             .ask(key.clone(), context.app.jobs(), move |progress| {
-                let (image, dead_zone_m) = (&wanted.image, wanted.dead_zone_m);
+                let (image, dead_zone_m) = (&requested.image, requested.dead_zone_m);
                 let measured =
                     Normalisation::measure(&survey, image, dead_zone_m, progress).ok()?;
-                Some((wanted, measured))
+                Some((requested, measured))
             });
         let usable = self.0.result().filter(|(known, _)| {
             known.survey_serial == key.survey_serial && known.image == key.image

@@ -1,4 +1,4 @@
-//! The pen that draws the bottom by hand, and what was drawn.
+//! The pen for bottom edits, and the edits.
 
 use super::gestures::drag_begun;
 use super::lens::{Lens, Place, across_m};
@@ -115,7 +115,7 @@ fn at(lens: &Lens, side: Side, ping: f64, range_m: f64) -> Pos2 {
     })
 }
 
-/// The stretches in view that were drawn by hand, over the first returns: they are there before the results are.
+/// The bottom edits in view, over the first returns: they are there before the results are.
 pub(super) fn drawn(painter: &Painter, lens: &Lens, app: &App) {
     let seen = lens.pings();
     let pen = Pen {

@@ -68,7 +68,7 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// The whole range across; all pings, or as many from the first as can be told apart.
+    /// The whole range across; all pings, or as many from the first as can be distinguished.
     pub fn start(extent: &Extent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);

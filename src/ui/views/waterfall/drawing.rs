@@ -20,7 +20,7 @@ pub(super) struct Drawing {
     arrived: VecDeque<Tile>,
     /// Outer `None`: not known yet. Inner `None`: there is nothing to draw.
     axis: Option<Option<RangeAxis>>,
-    wanted_returns: Option<Arc<FirstReturns>>,
+    requested_returns: Option<Arc<FirstReturns>>,
     wants_tiles: bool,
     /// The worker ended before the picture was made.
     pub has_failed: bool,
@@ -41,7 +41,7 @@ impl Drawing {
             tiles: TileSet::new(),
             arrived: VecDeque::new(),
             axis: None,
-            wanted_returns: None,
+            requested_returns: None,
             wants_tiles: true,
             has_failed: false,
             picks: None,
@@ -74,8 +74,8 @@ impl Drawing {
             return;
         };
         let is_new = |old: &Arc<FirstReturns>| !Arc::ptr_eq(old, returns);
-        if self.wanted_returns.as_ref().is_none_or(is_new) {
-            self.wanted_returns = Some(returns.clone());
+        if self.requested_returns.as_ref().is_none_or(is_new) {
+            self.requested_returns = Some(returns.clone());
             self.tiler.want_picks(returns.clone());
         }
     }
@@ -111,9 +111,9 @@ impl Drawing {
 
     /// Whether nothing more is expected from the worker.
     pub fn is_settled(&self) -> bool {
-        let picks_made = match (&self.wanted_returns, &self.picks) {
+        let picks_made = match (&self.requested_returns, &self.picks) {
             (None, _) => true,
-            (Some(wanted), Some(made)) => Arc::ptr_eq(wanted, &made.returns),
+            (Some(requested), Some(made)) => Arc::ptr_eq(requested, &made.returns),
             (Some(_), None) => false,
         };
         match self.axis {

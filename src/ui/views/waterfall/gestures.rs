@@ -11,7 +11,7 @@ const KEY_STEP: f64 = 1.25;
 /// Wheel points that enlarge by a factor of e.
 const WHEEL_POINTS: f64 = 200.0;
 
-/// A wish from menu, key or palette.
+/// A request from menu, key or palette.
 pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Extent, size: Size) {
     let middle = Size {
         along: 0.0,

@@ -53,7 +53,7 @@ impl Pen {
     }
 }
 
-/// The first return of a side; canopy is dashed and paler, pings without a pick are gaps.
+/// The first return of a side; above-bottom returns are dashed and paler, pings without a pick are gaps.
 pub(super) fn first_return(
     painter: &Painter,
     lens: &Lens,
@@ -71,7 +71,7 @@ pub(super) fn first_return(
     draw(painter, &columns(lens, survey, step, side), lens, pen);
 }
 
-/// The recorded depth, where the slant range lies at which a flat bottom would first be heard; dashed and paler where the recorder
+/// The recorded depth, where the slant range lies at which a flat bottom would give the first return; dashed and paler where the recorder
 /// had lost the bottom.
 pub(super) fn depth(
     painter: &Painter,

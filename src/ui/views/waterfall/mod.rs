@@ -1,5 +1,6 @@
 //! The waterfall view: the picture of all pings, port and starboard of the nadir, with the first return over it.
 
+mod accessibility;
 mod bottom;
 mod boxes;
 mod camera;
@@ -15,7 +16,6 @@ mod picture;
 mod pointer;
 mod scales;
 mod tiles;
-mod words;
 
 pub use boxes::outline;
 
@@ -83,7 +83,7 @@ impl WaterfallView {
         let axis = self.drawing.as_ref().and_then(Drawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
             self.settled = self.drawing.as_ref().is_none_or(Drawing::is_settled);
-            words::without_picture(ui, context, rect, &response, !self.settled);
+            accessibility::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
         let orientation = context.app.options.waterfall.orientation;
@@ -129,7 +129,7 @@ impl WaterfallView {
         }
         let visible = lens.visible(survey.side_scan.len());
         let seen = boxes::words(&boxes, &missed, context.app);
-        words::describe(
+        accessibility::describe(
             &response,
             &visible,
             &survey,
@@ -142,7 +142,7 @@ impl WaterfallView {
         }
     }
 
-    /// Carries out a wish from menu, key or palette.
+    /// Carries out a request from menu, key or palette.
     pub fn request(&mut self, request: ViewRequest) {
         self.requests.push(Request::View(request));
         self.settled = false;
@@ -188,7 +188,7 @@ impl WaterfallView {
             drawing.poll(app.returns());
             if drawing.has_failed && !had_failed {
                 let text = "drawing the waterfall failed unexpectedly; what is missing comes when the log is opened again";
-                context.push(Command::Tell(text.to_owned()));
+                context.push(Command::Notify(text.to_owned()));
             }
         }
     }

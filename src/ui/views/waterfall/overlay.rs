@@ -1,4 +1,4 @@
-//! Everything on top of the picture, in the order in which it is laid over it.
+//! Everything on top of the picture, in the order in which it is drawn.
 
 use super::drawing::Drawing;
 use super::labels::Labels;
@@ -13,7 +13,7 @@ use egui::Painter;
 /// Width of the first return, points.
 const FIRST_RETURN_WIDTH: f32 = 1.5;
 
-/// What is laid over the picture.
+/// What is drawn over the picture.
 pub(super) struct Shown<'a> {
     pub app: &'a App,
     pub survey: &'a Survey,

@@ -37,7 +37,7 @@ pub(super) struct Followed {
     pub equal_scales_at: Option<usize>,
 }
 
-/// Pushes hover, selection and the menu's wishes.
+/// Pushes hover, selection and the menu's commands.
 pub(super) fn follow(
     response: &Response,
     lens: &Lens,
@@ -158,10 +158,10 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
     let pick = app
         .returns()
         .and_then(|returns| returns.side(side).get(number));
-    if shown.first_return && pick.is_some_and(|pick| pick.canopy) {
+    if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
         lines += &format!(
             "\nfirst return dashed: nearer than the depth\nby over {:.2} m (weed, fish, an obstacle)",
-            app.log.settings.first_return.canopy_margin_m
+            app.log.settings.first_return.above_bottom_margin_m
         );
     }
     lines

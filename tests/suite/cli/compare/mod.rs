@@ -1,4 +1,4 @@
-//! `bathyscope compare` against numpy and scipy (`make.py` tells how their figures were made).
+//! `bathyscope compare` against numpy and scipy (`make.py` shows how their figures were made).
 
 use super::{refusal, run};
 use serde_json::Value;

@@ -80,7 +80,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// Draws the grid; the cell under the pointer is told in words.
+/// Draws the grid; the cell under the pointer is described in its tooltip.
 pub fn ui(ui: &mut Ui, context: &ViewContext<'_>, comparison: &Comparison, standing: &Standing) {
     let grid = Grid::new(comparison, standing);
     let count = grid.shown.len() as f32;
@@ -97,11 +97,11 @@ pub fn ui(ui: &mut Ui, context: &ViewContext<'_>, comparison: &Comparison, stand
         let class = |index: f32| (index >= 0.0).then(|| grid.shown.get(index as usize).copied())?;
         class(row).zip(class(column))
     });
-    let told = under.map_or_else(
+    let text = under.map_or_else(
         || "Rows: what is there. Columns: what was proposed at this confidence.".to_owned(),
         |(truth, predicted)| grid.said(truth, predicted),
     );
-    response.on_hover_text(told);
+    response.on_hover_text(text);
 }
 
 fn draw(painter: &Painter, grid: &Grid<'_>, origin: Pos2, cell: f32, context: &ViewContext<'_>) {

@@ -43,18 +43,18 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             comparison.counted(),
             comparison.truth().objects.len() - unsearched,
         );
-        let mut told = format!(
+        let mut text = format!(
             "Against {}: {}",
             judging.source().unwrap_or_default(),
             text::plural(counted, "object", "objects")
         );
         if counted < all {
-            told += &format!(", {} more cannot be seen and do not count", all - counted);
+            text += &format!(", {} more cannot be seen and do not count", all - counted);
         }
         if unsearched > 0 {
-            told += &format!(", {unsearched} more lie where nothing was searched");
+            text += &format!(", {unsearched} more lie where nothing was searched");
         }
-        remark(ui, told + ".");
+        remark(ui, text + ".");
         mistakes::ui(ui, context, comparison);
         matrix::ui(ui, context, comparison, standing);
         ui.horizontal(|ui| {

@@ -145,7 +145,7 @@ fn is_index(depth_m: f64, step_m: f64) -> bool {
     (count / INDEX).fract() == 0.0
 }
 
-/// Digits after the point that tell the levels apart, at most three.
+/// Digits after the point that distinguish the levels, at most three.
 fn decimals(levels_m: &[f64]) -> usize {
     let needs = |level_m: &f64| {
         let fits = |digits: &i32| {

@@ -144,15 +144,15 @@ impl MeasureTool {
     /// Looks at the depths along the line, and hands those of the corners that are set to the state.
     fn sample(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: Option<&Figure>) {
         let measuring = &context.app.measuring;
-        let wanted = |figure: &&Figure| figure.kind == FigureKind::Profile;
-        let set = measuring.figure.as_deref().filter(wanted);
+        let requested = |figure: &&Figure| figure.kind == FigureKind::Profile;
+        let set = measuring.figure.as_deref().filter(requested);
         keep(&mut self.set, scene, set);
         let set = self.set.as_ref().map_or(&[][..], |set| &set.stations);
         if set != &measuring.stations[..] {
             let stations = Arc::new(set.to_vec());
             context.push(Command::Measure(Measure::Sampled(stations)));
         }
-        keep(&mut self.shown, scene, shown.filter(wanted));
+        keep(&mut self.shown, scene, shown.filter(requested));
         if self.shown.is_none() {
             self.hovered_m = None;
         }

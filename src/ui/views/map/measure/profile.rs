@@ -21,10 +21,10 @@ pub struct Drawn<'a> {
     pub lacks_map: bool,
 }
 
-/// The part of the view that is the map, and the one that the plot takes while it is wanted.
+/// The part of the view that is the map, and the one that the plot takes while it is shown.
 pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
-    let wanted = app.measuring.shows_profile() && app.log.products.is_some();
-    if !wanted || whole.height() < 120.0 {
+    let requested = app.measuring.shows_profile() && app.log.products.is_some();
+    if !requested || whole.height() < 120.0 {
         return (whole, None);
     }
     let height = (0.36 * whole.height())

@@ -122,14 +122,14 @@ impl TileLayer {
         let level = key::level_for(pixel_m).max(source.finest());
         let seen = key::tiles(level, view, all);
         let overview = key::overview_level(all);
-        let mut wanted = Vec::new();
+        let mut requested = Vec::new();
         if overview > level {
             // Something to show at once, wherever the view moves next.
-            wanted.extend(key::tiles(overview, view, all));
+            requested.extend(key::tiles(overview, view, all));
         }
-        wanted.extend(&seen);
-        wanted.retain(|key| !self.is_fresh(*key));
-        self.order(&source, wanted, painter.ctx(), jobs);
+        requested.extend(&seen);
+        requested.retain(|key| !self.is_fresh(*key));
+        self.order(&source, requested, painter.ctx(), jobs);
         let at = |east_m: f64, north_m: f64| transform.to_screen(rect, [east_m, north_m]);
         for key in &seen {
             self.draw(painter, *key, overview.max(level), at);
@@ -174,16 +174,17 @@ impl TileLayer {
         self.cache.insert(done.key, resident, bytes);
     }
 
-    /// Has the first of the wanted tiles painted; gives up those that are not wanted any more.
+    /// Has the first of the requested tiles painted; gives up those that are not requested any more.
     fn order(
         &mut self,
         source: &Arc<dyn TileSource>,
-        wanted: Vec<TileKey>,
+        requested: Vec<TileKey>,
         context: &egui::Context,
         jobs: &Jobs,
     ) {
-        self.running.retain(|running| wanted.contains(&running.key));
-        for key in wanted {
+        self.running
+            .retain(|running| requested.contains(&running.key));
+        for key in requested {
             if self.running.len() >= WORKERS {
                 break;
             }

@@ -65,7 +65,7 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
     }
     if rect.size().min_elem() < PLAIN {
         match style.line {
-            // Without a frame around it: told from the others by its shape where there is no room for two lines.
+            // Without a frame around it: distinguished from the others by its shape where there is no room for two lines.
             Line::Crossed => cross(painter, rect.expand2(room(rect)), style.colour),
             _ => {
                 painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);

@@ -1,11 +1,11 @@
-//! The bottom drawn by hand, where the search went wrong and the analyst sees the ground: it stands over what was found.
+//! Manual picks (bottom edits): where the search is wrong and the analyst sees the ground, they replace what was found.
 
 use super::{FirstReturns, Pick};
 use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// `bottom.*` settings: what was drawn over the first returns of one log. The window keeps them in `LOG.bottom.toml`.
+/// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in `LOG.bottom.toml`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BottomSettings {
@@ -14,27 +14,27 @@ pub struct BottomSettings {
     /// Side-scan pings of that log.
     pub pings: usize,
     /// The stretches; no two cover the same ping of a side.
-    pub lines: Vec<HandLine>,
+    pub lines: Vec<BottomEdit>,
 }
 
 /// A stretch of the bottom of one side.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct HandLine {
+pub struct BottomEdit {
     /// The side.
     pub side: Side,
     /// First and last ping.
     pub pings: [usize; 2],
     /// Ping and slant range, metres by the recorder's scale; straight between them, level beyond the ends. None where no
-    /// bottom is heard.
+    /// bottom is detected.
     #[serde(default)]
     pub corners: Vec<[f64; 2]>,
 }
 
-/// Stretches beyond this are no work of a hand.
+/// More edits than this were not made by a person.
 const MOST_LINES: usize = 100_000;
 
-impl HandLine {
+impl BottomEdit {
     /// The line along a path of the pen, from ping to ping; `path` holds pings with their fractions (ping 7 lies between 7 and
     /// 8) and slant ranges, metres. Where the pen went back, what it drew last counts. Corners that lie on the line within
     /// `tolerance_m` are left out. `None` of a path that meets none of the `count` pings.
@@ -43,7 +43,7 @@ impl HandLine {
         side: Side,
         count: usize,
         tolerance_m: f64,
-    ) -> Option<HandLine> {
+    ) -> Option<BottomEdit> {
         let last = count.checked_sub(1)? as f64;
         let ping_of = |at: f64| at.floor().clamp(0.0, last) as usize;
         let ends = path.iter().map(|[ping, _]| *ping);
@@ -84,7 +84,7 @@ impl HandLine {
         self.pings[0]..=self.pings[1]
     }
 
-    /// Slant range at a ping, metres by the recorder's scale; `None` where no bottom is heard.
+    /// Slant range at a ping, metres by the recorder's scale; `None` where no bottom is detected.
     pub fn range_m(&self, ping: usize) -> Option<f64> {
         let at = ping as f64;
         let after = self.corners.partition_point(|[corner, _]| *corner <= at);
@@ -98,7 +98,7 @@ impl HandLine {
     }
 
     /// What is left of it outside of some pings.
-    fn outside(&self, pings: [usize; 2]) -> impl Iterator<Item = HandLine> + use<> {
+    fn outside(&self, pings: [usize; 2]) -> impl Iterator<Item = BottomEdit> + use<> {
         let [first, last] = self.pings;
         let before = (first < pings[0]).then(|| [first, last.min(pings[0].saturating_sub(1))]);
         let after = (last > pings[1]).then(|| [first.max(pings[1] + 1), last]);
@@ -106,7 +106,7 @@ impl HandLine {
         [before, after]
             .into_iter()
             .flatten()
-            .map(move |pings| HandLine {
+            .map(move |pings| BottomEdit {
                 pings,
                 ..line.clone()
             })
@@ -115,7 +115,7 @@ impl HandLine {
 
 impl BottomSettings {
     /// End of the name of the file that they are kept in, in place of the log's.
-    pub const BESIDE: &str = "bottom.toml";
+    pub const SIDECAR: &str = "bottom.toml";
 
     /// Nothing yet, over a log.
     pub fn of(survey: &Survey) -> Self {
@@ -132,7 +132,7 @@ impl BottomSettings {
         let Self {
             log_bytes, pings, ..
         } = Self::of(survey);
-        // An earlier version counted the bytes of a track that lay over the log.
+        // An earlier version counted the bytes of a track that was applied to the log.
         let track = survey.track.external.as_ref().and(survey.bytes.last());
         let with_track = log_bytes + track.map_or(0, |track| track.len() as u64);
         if self.pings == pings && [log_bytes, with_track].contains(&self.log_bytes) {
@@ -144,12 +144,12 @@ impl BottomSettings {
         ))
     }
 
-    /// The same as drawn on a log beside which it lies, named after it: what an earlier version kept while a track lay over the log
+    /// The same for the log whose sidecar file it is: what an earlier version kept while a track was applied to the log
     /// counts the bytes of that, which may be gone.
     ///
     /// # Errors
     /// On which log it was drawn instead, after "it".
-    pub fn beside(self, survey: &Survey) -> Result<Self, String> {
+    pub fn adopted(self, survey: &Survey) -> Result<Self, String> {
         let of = Self::of(survey);
         if self.pings != of.pings || self.log_bytes < of.log_bytes {
             self.belongs_to(survey)?;
@@ -166,7 +166,7 @@ impl BottomSettings {
     }
 
     /// With one more line; of what was drawn in its pings before, nothing stays.
-    pub fn with(&self, line: HandLine) -> Self {
+    pub fn with(&self, line: BottomEdit) -> Self {
         let mut all = self.without(line.side, line.pings);
         all.lines.push(line);
         all.lines.sort_by_key(|line| (line.side, line.pings));
@@ -188,26 +188,26 @@ impl BottomSettings {
     }
 
     /// The line over a ping, if one was drawn there.
-    pub fn line_at(&self, side: Side, ping: usize) -> Option<&HandLine> {
+    pub fn line_at(&self, side: Side, ping: usize) -> Option<&BottomEdit> {
         self.lines.iter().find(|line| line.covers(side, ping))
     }
 
-    /// Pings that were drawn, both sides counted.
+    /// Edited pings, both sides counted.
     pub fn ping_count(&self) -> usize {
         let counts = self.lines.iter().map(|line| line.span().count());
         counts.sum()
     }
 
-    /// What was done to the first returns of this log, in a sentence for its report; empty where it is nothing.
+    /// The number of manual picks of this log, in a sentence for its report; empty where there is none.
     pub fn statement(&self, survey: &Survey) -> String {
         // A drawing of another log is not even counted: it may claim any number of pings.
         if self.is_empty() || self.belongs_to(survey).is_err() {
             return String::new();
         }
-        format!("{} first returns were drawn by hand.", self.ping_count())
+        format!("{} first returns are manual picks.", self.ping_count())
     }
 
-    /// Refuses what no hand can have drawn, in one sentence.
+    /// Refuses edits that cannot be, in one sentence.
     pub fn check(&self) -> Result<(), &'static str> {
         if self.lines.len() > MOST_LINES {
             return Err("bottom.lines may hold 100000 stretches at most");
@@ -232,14 +232,14 @@ impl BottomSettings {
         Ok(())
     }
 
-    /// Lays what was drawn over what was found; a drawn pick is certain, and no canopy. Drawn on another log, it is left out
+    /// Applies the edits to what was found; a manual pick is certain, and no above-bottom return. Drawn on another log, it is left out
     /// with a warning.
-    pub fn lay_over(&self, survey: &Survey, returns: &mut FirstReturns) {
+    pub fn apply(&self, survey: &Survey, returns: &mut FirstReturns) {
         if self.is_empty() {
             return;
         }
         if let Err(why) = self.belongs_to(survey) {
-            let text = format!("the bottom drawn by hand is left out: {why}");
+            let text = format!("the bottom edits are left out: {why}");
             return returns.warnings.push(text);
         }
         for line in &self.lines {
@@ -258,7 +258,7 @@ impl BottomSettings {
                     *pick = sample.map_or(Pick::NONE, |sample| Pick {
                         sample: sample.clamp(0.0, f64::from(span.count)) as f32,
                         confidence: 1.0,
-                        canopy: false,
+                        above_bottom: false,
                     });
                 }
             }
@@ -296,8 +296,8 @@ mod tests {
     use crate::survey::{Encoding, Order, SidePing, SideSpan};
     use std::sync::Arc;
 
-    fn line(side: Side, pings: [usize; 2], range_m: f64) -> HandLine {
-        HandLine {
+    fn line(side: Side, pings: [usize; 2], range_m: f64) -> BottomEdit {
+        BottomEdit {
             side,
             pings,
             corners: vec![[pings[0] as f64, range_m], [pings[1] as f64 + 1.0, range_m]],
@@ -316,7 +316,7 @@ mod tests {
             })
             .collect();
         path.extend([[50.5, 9.0], [40.5, 9.0]]);
-        let drawn = HandLine::along(&path, Side::Port, 100, 0.01).expect("a line");
+        let drawn = BottomEdit::along(&path, Side::Port, 100, 0.01).expect("a line");
         assert_eq!(drawn.pings, [10, 50]);
         for ping in 10..40 {
             let expected_m = 4.0 + 3.6 * (ping - 10) as f64 / 40.0;
@@ -328,8 +328,8 @@ mod tests {
     }
 
     #[test]
-    fn paths_beyond_the_log_are_cut_and_those_beside_it_are_none() {
-        let along = |path: &[[f64; 2]]| HandLine::along(path, Side::Port, 20, 0.0);
+    fn paths_beyond_the_log_are_cut_and_those_outside_it_are_none() {
+        let along = |path: &[[f64; 2]]| BottomEdit::along(path, Side::Port, 20, 0.0);
         let cut = along(&[[-5.0, 3.0], [25.0, -1.0]]).expect("a line");
         assert_eq!(cut.pings, [0, 19]);
         assert!((0..20).all(|ping| cut.range_m(ping).is_some_and(|range_m| range_m >= 0.0)));
@@ -337,7 +337,7 @@ mod tests {
         assert_eq!(along(&[[-9.0, 3.0], [-2.0, 3.0]]), None);
         assert_eq!(along(&[[30.0, 3.0]]), None);
         assert_eq!(along(&[]), None);
-        assert_eq!(HandLine::along(&[[1.0, 1.0]], Side::Port, 0, 0.0), None);
+        assert_eq!(BottomEdit::along(&[[1.0, 1.0]], Side::Port, 0, 0.0), None);
     }
 
     #[test]
@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_ranges_and_foreign_drawings_do_no_harm() {
+    fn damaged_ranges_and_edits_of_another_log_do_no_harm() {
         let span = |near_m: f32, far_m: f32| SideSpan {
             file: 0,
             encoding: Encoding::U8,
@@ -405,7 +405,7 @@ mod tests {
             starboard: vec![Pick::NONE; 4],
             ..FirstReturns::default()
         };
-        drawn.lay_over(&survey, &mut returns);
+        drawn.apply(&survey, &mut returns);
         assert_eq!(returns.port[0].sample, 20.0);
         assert!((0..4).all(|ping| returns.is_drawn(Side::Port, ping)));
         assert!(!returns.is_drawn(Side::Port, 4) && !returns.is_drawn(Side::Starboard, 0));
@@ -417,13 +417,13 @@ mod tests {
         );
         assert!(!returns.port[1].is_some() && !returns.port[2].is_some());
 
-        let foreign = BottomSettings {
+        let of_another_log = BottomSettings {
             log_bytes: 1,
             pings: usize::MAX,
             lines: vec![line(Side::Port, [0, usize::MAX - 2], 2.0); 3],
         };
-        assert_eq!(foreign.statement(&survey), "");
-        foreign.lay_over(&survey, &mut returns);
+        assert_eq!(of_another_log.statement(&survey), "");
+        of_another_log.apply(&survey, &mut returns);
         assert_eq!(returns.warnings.len(), 1);
     }
 

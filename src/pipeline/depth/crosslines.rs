@@ -1,16 +1,16 @@
-//! The survey against itself: depths where its track crosses itself.
+//! Crossline analysis of one log: depths where its track crosses itself.
 
 use super::residuals::kept_of;
-use crate::bathymetry::crossings::{Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings};
+use crate::bathymetry::crosslines::{Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings};
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::Products;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
 
-/// Crossings and what they say together.
+/// The differences at the crossings, and their statistics.
 #[derive(Serialize)]
-pub struct Crossed {
+pub struct OwnCrosslines {
     sign: &'static str,
     least_angle_deg: f64,
     reach_m: f64,
@@ -36,11 +36,11 @@ const SIGN: &str =
 const MOST_LISTED: usize = 10_000;
 
 /// `None` where the track never crosses itself over soundings.
-pub fn crossed(
+pub fn own_crosslines(
     survey: &Survey,
     products: &Products,
     progress: &Progress,
-) -> Result<Option<Crossed>, Cancelled> {
+) -> Result<Option<OwnCrosslines>, Cancelled> {
     let soundings = kept_of(products, &[PointSource::DownScan]);
     let depths = soundings.into_iter().filter_map(|point| {
         Some(TrackDepth {
@@ -67,11 +67,13 @@ pub fn crossed(
             angle_deg: one.angle_deg,
         }
     };
-    Ok(Residuals::of(&mut differences).map(|residuals| Crossed {
-        sign: SIGN,
-        least_angle_deg: LEAST_ANGLE_DEG,
-        reach_m: REACH_M,
-        residuals,
-        list: found.iter().take(MOST_LISTED).map(listed).collect(),
-    }))
+    Ok(
+        Residuals::of(&mut differences).map(|residuals| OwnCrosslines {
+            sign: SIGN,
+            least_angle_deg: LEAST_ANGLE_DEG,
+            reach_m: REACH_M,
+            residuals,
+            list: found.iter().take(MOST_LISTED).map(listed).collect(),
+        }),
+    )
 }

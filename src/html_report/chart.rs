@@ -1,6 +1,6 @@
 //! The water below each level: two curves over the depth, and their table.
 
-use super::Handover;
+use super::ReportData;
 use crate::bathymetry::isobaths::{Storage, storage};
 use crate::presentation::plot::{Axis, Curve, Plot};
 use crate::presentation::text::typeset_count as count;
@@ -12,7 +12,7 @@ const STEPS: usize = 60;
 const PLOT_PX: [f64; 2] = [360.0, 240.0];
 
 /// Curves and table; empty without a depth map.
-pub fn storage_section(from: &Handover<'_>) -> String {
+pub fn storage_section(from: &ReportData<'_>) -> String {
     let Some(surface) = from.surface else {
         return String::new();
     };

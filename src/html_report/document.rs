@@ -1,9 +1,9 @@
-//! The page as a whole.
+//! The HTML document.
 
 use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
-use super::{Handover, chart, objects, summary, tables};
+use super::{ReportData, chart, objects, summary, tables};
 use crate::bathymetry::Light;
 use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
@@ -20,8 +20,8 @@ th{background:#f1f1f1}td.text,th.text{text-align:left}pre{font-size:12.5px;backg
 code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
 @media print{body{padding:0;max-width:none}figure,table tr{break-inside:avoid}h2{break-after:avoid}}";
 
-/// The page, whole in itself: no script, no font and no picture from elsewhere.
-pub fn page(from: &Handover<'_>, progress: &Progress) -> Result<String, Cancelled> {
+/// The self-contained document: no script, no font and no picture from elsewhere.
+pub fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>Survey {}</title><style>{STYLE}</style></head><body>\n",
         xml(&from.survey.name())
@@ -33,8 +33,8 @@ pub fn page(from: &Handover<'_>, progress: &Progress) -> Result<String, Cancelle
     html += &figure(
         "Side-scan mosaic",
         mosaic_plan(from, progress)?,
-        "Echoes at their place on the ground, evened across the track; shadows stay dark. The line is the way of the boat. \
-         The ground beside the boat is taken as level.",
+        "Echoes at their place on the ground, gain-normalised; shadows stay dark. The line is the way of the boat. \
+         The ground to the side of the boat is taken as level.",
     );
     html += &figure(
         "The log at a glance",
@@ -55,7 +55,7 @@ fn figure(title: &str, drawn: Option<String>, caption: &str) -> String {
     })
 }
 
-fn depth_caption(from: &Handover<'_>) -> String {
+fn depth_caption(from: &ReportData<'_>) -> String {
     let Some(surface) = from.surface else {
         return String::new();
     };

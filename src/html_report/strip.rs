@@ -1,6 +1,6 @@
 //! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
 
-use super::{Handover, raster};
+use super::{ReportData, raster};
 use crate::cloud::Reduction;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
@@ -17,7 +17,7 @@ const READ: usize = 4;
 const LEFT: usize = 40;
 
 /// The picture; `None` without side-scan.
-pub fn strip(from: &Handover<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub fn strip(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
     let Some(axis) = RangeAxis::of(from.survey).filter(|_| from.survey.has_side_scan()) else {
         return Ok(None);
     };
@@ -46,7 +46,7 @@ pub fn strip(from: &Handover<'_>, progress: &Progress) -> Result<Option<String>,
 }
 
 struct Strip<'a> {
-    from: &'a Handover<'a>,
+    from: &'a ReportData<'a>,
     far_m: f64,
     columns: usize,
 }

@@ -1,17 +1,17 @@
-//! A second look at a picture, mirrored along the track.
+//! Test-time augmentation: a second pass over a picture, mirrored along the track.
 //!
 //! The boat may come from either end, so a picture and its mirror image show the same objects, and what a network sees in one
-//! of them by chance it mostly does not see in the other: the mean of both looks raises fewer false alarms and puts edges
-//! better (test-time augmentation; how much it brings is in the detector's model card). Columns are never mirrored: shadows
+//! of them by chance it mostly does not see in the other: the mean of both passes raises
+//! fewer false alarms and places edges better (figures in the detector's model card). Columns are never mirrored: shadows
 //! fall outward.
 
 use super::{Rect, Scored};
 
-/// Overlap (IoU) above which two looks see the same object.
+/// Overlap (IoU) above which boxes of both passes are the same object.
 const SAME: f32 = 0.6;
 
-/// The candidates of both looks, each as sure as the mean of its own confidence and that of the surest of its class which the
-/// other look has there; 0 where it has none. `second` holds the boxes of the mirrored picture, mirrored back.
+/// The candidates of both passes, each as sure as the mean of its own confidence and that of the surest of its class that the
+/// other pass has there; 0 where it has none. `second` holds the boxes of the mirrored picture, mirrored back.
 pub fn agree(first: &[Scored], second: &[Scored]) -> Vec<Scored> {
     let weighed = |own: &[Scored], other: &[Scored]| -> Vec<Scored> {
         own.iter()
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn what_both_looks_see_is_as_sure_as_their_mean() {
+    fn what_both_passes_see_is_as_sure_as_their_mean() {
         // They share 9 of 11.
         let first = [scored(0, 0.75, [0.0, 10.0])];
         let second = [scored(0, 0.25, [1.0, 11.0])];

@@ -51,7 +51,7 @@ impl Crossing {
 
 /// Depths farther than this from a crossing, along their own track, say nothing about it, metres.
 pub const REACH_M: f64 = 0.5;
-/// Depths within this distance of a crossing, along their own track, tell the slope there, metres, and how many at least.
+/// Depths within this distance of a crossing, along their own track, give the slope there, metres, and how many at least.
 const SLOPE_REACH_M: f64 = 3.0;
 const LEAST_FOR_SLOPE: usize = 5;
 /// Tracks that meet at a smaller angle run along each other: where they cross is chance, degrees.

@@ -1,7 +1,7 @@
 //! The map of echoes: the mosaic with the track and the objects.
 
 use super::frame::Frame;
-use super::{Handover, objects, raster};
+use super::{ReportData, objects, raster};
 use crate::bathymetry::Grid;
 use crate::mosaic::{GainTable, Layout, TILE_CELLS, TileIndex, gain_table, tile};
 use crate::pipeline::mosaic_layout;
@@ -10,11 +10,14 @@ use rayon::prelude::*;
 
 /// Cells along the longer side: what a screen shows, and little to send.
 const MOST_CELLS: f64 = 1500.0;
-/// What shows where nothing was heard.
+/// What shows where nothing was insonified.
 const PAPER: u8 = 0xf7;
 
 /// The map; `None` where no ping has side-scan, a place, a heading and an altitude.
-pub fn mosaic_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub fn mosaic_plan(
+    from: &ReportData<'_>,
+    progress: &Progress,
+) -> Result<Option<String>, Cancelled> {
     let (survey, products) = (from.survey, from.products);
     if !survey.has_side_scan() {
         return Ok(None);
@@ -68,7 +71,7 @@ fn bounds(grid: &Grid) -> [f64; 4] {
 }
 
 struct Drawing<'a> {
-    from: &'a Handover<'a>,
+    from: &'a ReportData<'a>,
     layout: &'a Layout,
     grid: &'a Grid,
     gain: GainTable,
@@ -117,7 +120,7 @@ impl Drawing<'_> {
 }
 
 /// The way of the boat.
-pub fn track(from: &Handover<'_>, frame: &Frame, colour: &str, opacity: f64) -> String {
+pub fn track(from: &ReportData<'_>, frame: &Frame, colour: &str, opacity: f64) -> String {
     let navigation = &from.products.navigation;
     let pings = match navigation.pings.is_empty() {
         true => &navigation.soundings,

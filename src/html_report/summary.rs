@@ -1,6 +1,6 @@
 //! What was surveyed and what came out, in a paragraph and a row of figures.
 
-use super::{Handover, objects};
+use super::{ReportData, objects};
 use crate::calendar;
 use crate::presentation::text::{
     area, decimal, long_date, long_duration, position, typeset_count as count, way,
@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 const LONGEST_STEP_M: f64 = 50.0;
 
 /// Title, paragraph and figures.
-pub fn summary(from: &Handover<'_>) -> String {
+pub fn summary(from: &ReportData<'_>) -> String {
     let mut html = format!(
         "<h1>Survey {}</h1>\n<p class=\"lead\">",
         xml(&from.survey.name())
@@ -27,7 +27,7 @@ pub fn summary(from: &Handover<'_>) -> String {
     html + "</div>\n"
 }
 
-fn sentences(from: &Handover<'_>) -> String {
+fn sentences(from: &ReportData<'_>) -> String {
     let (survey, counts) = (from.survey, &from.report.counts);
     let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
     let when = survey.start_unix_s.map_or(
@@ -42,17 +42,17 @@ fn sentences(from: &Handover<'_>) -> String {
             )
         },
     );
-    let mut told = format!(
+    let mut text = format!(
         "Recorded{when} ({}), {}.",
         long_duration(end_s - begin_s),
         xml(&survey.source.format)
     );
     let place = survey.track.frame.origin();
     if !survey.track.fixes.is_empty() {
-        write!(told, " The log begins at {}.", position(place)).ok();
+        write!(text, " The log begins at {}.", position(place)).ok();
     }
     write!(
-        told,
+        text,
         " {} side-scan pings and {} soundings along {} of track gave {} points; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
@@ -65,7 +65,7 @@ fn sentences(from: &Handover<'_>) -> String {
     .ok();
     if counts.soundings_without_bottom > 0 {
         write!(
-            told,
+            text,
             " The recorder had lost the bottom at {} soundings; these were not used.",
             count(counts.soundings_without_bottom)
         )
@@ -74,7 +74,7 @@ fn sentences(from: &Handover<'_>) -> String {
     let track = &from.report.track;
     if track.side_scan_only_pings > 0 {
         write!(
-            told,
+            text,
             " Over {} of the track ({:.0} %) depth rests on side-scan only.",
             way(track.side_scan_only_m),
             100.0 * track.side_scan_only(),
@@ -83,49 +83,51 @@ fn sentences(from: &Handover<'_>) -> String {
     }
     if counts.low_confidence > 0 {
         write!(
-            told,
+            text,
             " {} first returns are less sure than {:.2} and were set aside.",
             count(counts.low_confidence),
             from.products.settings.first_return.min_confidence,
         )
         .ok();
     }
-    if counts.canopy > 0 {
-        told += &above_bottom(from);
+    if counts.above_bottom > 0 {
+        text += &above_bottom(from);
     }
-    told
+    text
 }
 
 /// What became of the first returns above the recorded depth.
-fn above_bottom(from: &Handover<'_>) -> String {
+fn above_bottom(from: &ReportData<'_>) -> String {
     let counts = &from.report.counts;
-    let mut told = format!(
+    let mut text = format!(
         " {} first returns are nearer than the recorded depth (weed, fish or boulders).",
-        count(counts.canopy)
+        count(counts.above_bottom)
     );
-    if counts.canopy_left_out > 0 {
+    if counts.above_bottom_left_out > 0 {
         write!(
-            told,
+            text,
             " {} of them are in the point cloud, but not in the depth map.",
-            count(counts.canopy_left_out)
+            count(counts.above_bottom_left_out)
         )
         .ok();
     }
-    let in_map = counts.canopy.saturating_sub(counts.canopy_left_out);
-    if in_map > 0 && !from.products.settings.surface.canopy {
+    let in_map = counts
+        .above_bottom
+        .saturating_sub(counts.above_bottom_left_out);
+    if in_map > 0 && !from.products.settings.surface.above_bottom {
         write!(
-            told,
-            " {} go on for more than {} m along the track and count as ground (surface.longest_canopy_m).",
+            text,
+            " {} go on for more than {} m along the track and count as ground (surface.longest_above_bottom_m).",
             count(in_map),
-            from.products.settings.surface.longest_canopy_m
+            from.products.settings.surface.longest_above_bottom_m
         )
         .ok();
     }
-    told
+    text
 }
 
 /// A value with its unit, and what it is.
-fn figures(from: &Handover<'_>) -> Vec<(String, &'static str)> {
+fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
     let mut figures = Vec::new();
     if let Some(surface) = from.surface {
         let [least_m, most_m] = surface.range_m();
@@ -183,7 +185,7 @@ fn volume(cubic_m: f64) -> String {
 }
 
 /// Length of the fitted track.
-fn sailed_m(from: &Handover<'_>) -> f64 {
+fn sailed_m(from: &ReportData<'_>) -> f64 {
     let navigation = &from.products.navigation;
     let pings = match navigation.pings.is_empty() {
         true => &navigation.soundings,

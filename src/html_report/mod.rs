@@ -11,16 +11,16 @@
 
 mod chart;
 mod depth_plan;
+mod document;
 mod frame;
 mod mosaic_plan;
 mod objects;
-mod page;
 mod raster;
 mod strip;
 mod summary;
 mod tables;
 
-pub use page::page;
+pub use document::document;
 
 use crate::bathymetry::Surface;
 use crate::detection::Raster;
@@ -29,8 +29,8 @@ use crate::geo::MapPlane;
 use crate::pipeline::{NamedComparison, Products, Report};
 use crate::survey::Survey;
 
-/// What the page tells of. Everything but the survey and its products may be missing: the page then says so.
-pub struct Handover<'a> {
+/// What the report shows. Everything but the survey and its results may be missing; the report then says so.
+pub struct ReportData<'a> {
     /// The log.
     pub survey: &'a Survey,
     /// What the pipeline made of it.
@@ -45,7 +45,7 @@ pub struct Handover<'a> {
     pub comparisons: &'a [NamedComparison],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
     pub objects: Option<Objects<'a>>,
-    /// Files written beside the page, and what they are in a few words.
+    /// Files of the same run, and what they are in a few words.
     pub files: &'a [FileLine],
 }
 

@@ -15,7 +15,7 @@ use std::borrow::Cow;
 /// Packet type of a side-scan ping.
 const PING: u8 = 0;
 
-/// Gives pings their meaning.
+/// Decodes pings.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     channels: Vec<XtfChannel>,

@@ -1,6 +1,6 @@
 //! Tables: how far to trust the depths, how they were made, from what, and what else was written.
 
-use super::Handover;
+use super::ReportData;
 use crate::calibration::ScaleMode;
 use crate::pipeline::{CalibrationReport, Preset, Settings};
 use crate::presentation::text::{bytes, typeset_count as count};
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 type Written = Result<(), std::fmt::Error>;
 
 /// Warnings in a box; nothing without any.
-pub fn warnings(from: &Handover<'_>) -> String {
+pub fn warnings(from: &ReportData<'_>) -> String {
     let items: String = from
         .report
         .warnings
@@ -24,14 +24,14 @@ pub fn warnings(from: &Handover<'_>) -> String {
 }
 
 /// Agreement of depths, and what it does not say.
-pub fn trust(from: &Handover<'_>) -> String {
+pub fn trust(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How far to trust it</h2>\n");
     // Writing to a string cannot fail.
     agreement(from, &mut html).ok();
     html + &format!("<p>{}</p>\n", xml(&from.report.statement))
 }
 
-fn agreement(from: &Handover<'_>, html: &mut String) -> Written {
+fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
     if from.comparisons.is_empty() {
         return writeln!(
             html,
@@ -77,7 +77,7 @@ fn agreement(from: &Handover<'_>, html: &mut String) -> Written {
 }
 
 /// Scale, method and settings.
-pub fn method(from: &Handover<'_>) -> String {
+pub fn method(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How it was made</h2>\n");
     html += &scale(from);
     let changed = changes(&from.products.settings);
@@ -95,7 +95,7 @@ pub fn method(from: &Handover<'_>) -> String {
     )
 }
 
-fn scale(from: &Handover<'_>) -> String {
+fn scale(from: &ReportData<'_>) -> String {
     let scale = &from.report.calibration;
     let flat_spot = match (scale.ppd_px_per_m, scale.ppd_spread_px_per_m) {
         (Some(ppd), Some(spread)) => Some(format!(
@@ -111,7 +111,7 @@ fn scale(from: &Handover<'_>) -> String {
     let header = scale
         .header_px_per_m
         .map(|header| format!("{header:.2} samples a metre"));
-    let told = match (scale.mode, flat_spot, header) {
+    let text = match (scale.mode, flat_spot, header) {
         (ScaleMode::FlatSpot, Some(flat_spot), Some(header)) => {
             format!("at a flat stretch of the bottom: {flat_spot}. The log itself states {header}")
         }
@@ -124,7 +124,7 @@ fn scale(from: &Handover<'_>) -> String {
         (_, _, Some(header)) => format!("as the log states it, {header}"),
         _ => "as the log states it".to_owned(),
     };
-    format!("<p>Slant ranges are scaled {told}.{}</p>\n", offset(scale))
+    format!("<p>Slant ranges are scaled {text}.{}</p>\n", offset(scale))
 }
 
 /// What is taken off the ranges, or why nothing is.
@@ -172,7 +172,7 @@ fn flatten(prefix: &str, table: &toml::Table, lines: &mut Vec<String>) {
 }
 
 /// Inputs with their fingerprints, and what was written.
-pub fn files(from: &Handover<'_>) -> String {
+pub fn files(from: &ReportData<'_>) -> String {
     let mut html = String::from(
         "<h2>Files</h2>\n<table><tr><th class=\"text\">read</th><th>size</th><th class=\"text\">SHA-256</th></tr>\n",
     );
@@ -187,7 +187,7 @@ pub fn files(from: &Handover<'_>) -> String {
         )
         .ok();
     }
-    html += "</table>\n<table><tr><th class=\"text\">written beside this page</th><th class=\"text\">what it is</th></tr>\n";
+    html += "</table>\n<table><tr><th class=\"text\">written with this report</th><th class=\"text\">what it is</th></tr>\n";
     for (name, what) in from.files {
         writeln!(
             html,

@@ -1,7 +1,7 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
 use super::frame::Frame;
-use super::{Handover, raster};
+use super::{ReportData, raster};
 use crate::detection::review::State;
 use crate::export::{ObjectRow, chip};
 use crate::presentation::text::{decimal, position};
@@ -10,10 +10,10 @@ use crate::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Longest table; the files beside the page list all.
+/// Longest table; the files of the run list all.
 const MOST_ROWS: usize = 60;
 
-fn rows<'a>(from: &'a Handover<'_>) -> &'a [ObjectRow<'a>] {
+fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
     let objects = from.objects.as_ref();
     objects.map_or(&[][..], |objects| objects.rows)
 }
@@ -23,13 +23,13 @@ fn is_undecided(row: &ObjectRow<'_>) -> bool {
 }
 
 /// Whether somebody has decided about boxes; otherwise all of them are the detector's proposals.
-pub fn is_reviewed(from: &Handover<'_>) -> bool {
+pub fn is_reviewed(from: &ReportData<'_>) -> bool {
     !rows(from).iter().all(is_undecided)
 }
 
 /// The boxes that are drawn and listed: of a review those that were accepted or added, for a proposal beside them would pass
 /// for an object that somebody has seen; without a review the proposals.
-fn shown<'a>(from: &'a Handover<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> {
+fn shown<'a>(from: &'a ReportData<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> {
     let objects = [State::Accepted, State::Added].map(State::name);
     let is_reviewed = is_reviewed(from);
     rows(from)
@@ -38,13 +38,13 @@ fn shown<'a>(from: &'a Handover<'_>) -> impl Iterator<Item = &'a ObjectRow<'a>> 
 }
 
 /// Objects that are listed; boxes where none has a number.
-pub fn count(from: &Handover<'_>) -> usize {
+pub fn count(from: &ReportData<'_>) -> usize {
     let distinct = shown(from).filter_map(|row| row.object).max();
     distinct.unwrap_or_else(|| shown(from).count())
 }
 
 /// A ring with its number at each object, in the middle of its sightings.
-pub fn marks(from: &Handover<'_>, frame: &Frame) -> String {
+pub fn marks(from: &ReportData<'_>, frame: &Frame) -> String {
     let mut drawn = String::from(
         "<g font-size=\"11\" fill=\"#111111\" paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\">\n",
     );
@@ -74,7 +74,7 @@ pub fn marks(from: &Handover<'_>, frame: &Frame) -> String {
 }
 
 /// The section; empty where nobody searched.
-pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cancelled> {
+pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let Some(objects) = &from.objects else {
         return Ok(String::new());
     };
@@ -106,7 +106,7 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
         None => format!("{count} boxes."),
     };
     let listed = match count > MOST_ROWS {
-        true => format!(" The first {MOST_ROWS} are listed; the files beside this page hold all."),
+        true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
         false => String::new(),
     };
     // Writing to a string cannot fail.
@@ -123,7 +123,7 @@ pub fn section(from: &Handover<'_>, progress: &Progress) -> Result<String, Cance
 }
 
 /// What a review leaves undecided, in a sentence; empty where that is nothing, or everything.
-fn left_out(from: &Handover<'_>) -> String {
+fn left_out(from: &ReportData<'_>) -> String {
     match rows(from).iter().filter(|row| is_undecided(row)).count() {
         1 if is_reviewed(from) => "One proposal is undecided and not listed. ".to_owned(),
         undecided if undecided > 1 && is_reviewed(from) => {
@@ -133,7 +133,7 @@ fn left_out(from: &Handover<'_>) -> String {
     }
 }
 
-fn line(from: &Handover<'_>, row: &ObjectRow<'_>) -> String {
+fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     let picture = from.objects.as_ref().map_or(String::new(), |objects| {
         let chip = chip(from.survey, objects.raster, row.mark);
         format!(

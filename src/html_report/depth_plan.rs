@@ -1,7 +1,7 @@
 //! The map of depths: colours, isobaths with their depths, track and objects.
 
 use super::frame::{Bounds, Frame};
-use super::{Handover, raster};
+use super::{ReportData, raster};
 use crate::bathymetry::isobaths::{Isobath, isobaths};
 use crate::bathymetry::{Light, Surface, hill_shade};
 use crate::presentation::colours::{depth_colour, depth_share};
@@ -17,7 +17,7 @@ const LEAST_LABELLED_PX: f64 = 90.0;
 const APART_PX: f64 = 46.0;
 
 /// The map; `None` where the depths span no surface.
-pub fn depth_plan(from: &Handover<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
+pub fn depth_plan(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
     let Some(surface) = from.surface else {
         return Ok(None);
     };

@@ -20,8 +20,11 @@ const COME_AND_GO: [&str; 11] = [
 const BROUGHT: &str = "fuse";
 
 /// Takes the bytes of a mapped survey into memory where its log lies on a medium that comes and goes. A log that is too large
-/// for that stays where it is, with a warning. Only Linux tells what a path lies on; elsewhere nothing changes.
-pub fn hold(survey: &mut Survey, progress: &Progress) -> Result<(), Cancelled> {
+/// for that stays where it is, with a warning. Only Linux reports what a path lies on; elsewhere nothing changes.
+pub fn load_removable_into_memory(
+    survey: &mut Survey,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
     let log = survey.source.files.first();
     let comes_and_goes = log.is_some_and(|log| {
         let mounts = std::fs::read_to_string("/proc/self/mounts").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Formats that Bathyscope knows by sight but does not read: the user is told what to do instead.
+//! Formats that Bathyscope recognises but does not read, each with advice.
 
 /// The first bytes of a format, its name, and what to do with it.
 const KNOWN: &[(&[u8], &str)] = &[

@@ -1,4 +1,4 @@
-//! Where a log and the files beside it come from: the disk, or memory (tests, the demo survey).
+//! Where a log and its sidecar files come from: the disk, or memory (tests, the demo survey).
 
 use super::map;
 use crate::survey::Bytes;
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads files and lists folders.
-pub(super) enum Shelf {
+pub(super) enum FileSource {
     /// The file system; files are mapped.
     Disk,
     /// Files in memory, under the paths given.
     Held(Vec<(PathBuf, Bytes)>),
 }
 
-impl Shelf {
+impl FileSource {
     /// Files in memory.
     pub(super) fn held(files: Vec<(PathBuf, Vec<u8>)>) -> Self {
         let hold = |(path, bytes): (PathBuf, Vec<u8>)| (path, Bytes::Held(Arc::from(bytes)));
@@ -24,8 +24,8 @@ impl Shelf {
     /// The bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {
-            Shelf::Disk => map::map(path),
-            Shelf::Held(files) => files
+            FileSource::Disk => map::map(path),
+            FileSource::Held(files) => files
                 .iter()
                 .find(|(name, _)| name == path)
                 .map(|(_, bytes)| bytes.clone())
@@ -36,8 +36,8 @@ impl Shelf {
     /// Whether the path is a folder.
     pub(super) fn is_folder(&self, path: &Path) -> bool {
         match self {
-            Shelf::Disk => path.is_dir(),
-            Shelf::Held(files) => files
+            FileSource::Disk => path.is_dir(),
+            FileSource::Held(files) => files
                 .iter()
                 .any(|(name, _)| name != path && name.starts_with(path)),
         }
@@ -46,10 +46,10 @@ impl Shelf {
     /// The files and folders in a folder, by name; none when it cannot be read.
     pub(super) fn children(&self, folder: &Path) -> Vec<PathBuf> {
         let mut children: Vec<PathBuf> = match self {
-            Shelf::Disk => std::fs::read_dir(folder_or_here(folder))
+            FileSource::Disk => std::fs::read_dir(folder_or_here(folder))
                 .map(|entries| entries.flatten().map(|entry| entry.path()).collect())
                 .unwrap_or_default(),
-            Shelf::Held(files) => files
+            FileSource::Held(files) => files
                 .iter()
                 .filter_map(|(name, _)| {
                     let below = name.strip_prefix(folder).ok()?;

@@ -14,7 +14,7 @@ use std::path::Path;
 const PROGRAM: &str = "bathyscope review";
 
 /// The decided boxes of a log with what is needed to draw them.
-pub struct Lessons<'a> {
+pub struct TrainingTiles<'a> {
     pub survey: &'a Survey,
     pub review: &'a Review,
     pub raster: &'a Raster,
@@ -37,27 +37,31 @@ struct Manifest<'a> {
     parts: [PartSummary; 3],
 }
 
-/// What tells an earlier export of a log from other people's pictures.
+/// Identifies an earlier export of a log among other people's pictures.
 #[derive(Deserialize)]
 struct Earlier {
     program: String,
     survey: Identity,
 }
 
-impl Lessons<'_> {
+impl TrainingTiles<'_> {
     /// Writes the pictures with their labels; returns how many are hard negatives.
     pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, String> {
         self.clear(root)?;
-        let told = |error: ExportError| error.to_string();
+        let export_error = |error: ExportError| error.to_string();
         let (classes, places) = self.review.training_classes();
-        let folder = DatasetFolder::new(root, &classes).map_err(told)?;
+        let folder = DatasetFolder::new(root, &classes).map_err(export_error)?;
         let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
         for (number, tile) in self.tiles.iter().enumerate() {
             progress.check().map_err(|error| error.to_string())?;
             let chip = self.chip(tile, &places);
             hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
-            folder.chip(self.part, number, &chip).map_err(told)?;
-            folder.voc(self.part, number, &chip.boxes).map_err(told)?;
+            folder
+                .chip(self.part, number, &chip)
+                .map_err(export_error)?;
+            folder
+                .voc(self.part, number, &chip.boxes)
+                .map_err(export_error)?;
             all.push(chip.boxes);
             progress.advance(1);
         }
@@ -75,12 +79,12 @@ impl Lessons<'_> {
             classes: &classes,
             hard_negatives,
             parts: [
-                train.map_err(told)?,
-                val.map_err(told)?,
-                test.map_err(told)?,
+                train.map_err(export_error)?,
+                val.map_err(export_error)?,
+                test.map_err(export_error)?,
             ],
         };
-        folder.manifest(&manifest).map_err(told)?;
+        folder.manifest(&manifest).map_err(export_error)?;
         Ok(hard_negatives)
     }
 

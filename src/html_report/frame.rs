@@ -42,9 +42,9 @@ impl Frame {
             return None;
         }
         let free_m = FREE * longest_m;
-        let wanted_m = [width_m + 2.0 * free_m, height_m + 2.0 * free_m];
-        let px_per_m = (MOST_PX[0] / wanted_m[0]).min(MOST_PX[1] / wanted_m[1]);
-        let [width_px, height_px] = wanted_m.map(|metres| (metres * px_per_m).max(LEAST_PX));
+        let needed_m = [width_m + 2.0 * free_m, height_m + 2.0 * free_m];
+        let px_per_m = (MOST_PX[0] / needed_m[0]).min(MOST_PX[1] / needed_m[1]);
+        let [width_px, height_px] = needed_m.map(|metres| (metres * px_per_m).max(LEAST_PX));
         Some(Self {
             map: map.clone(),
             west_m: 0.5 * (west + east) - 0.5 * width_px / px_per_m,

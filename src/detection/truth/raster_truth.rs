@@ -8,26 +8,26 @@ use std::sync::Arc;
 
 /// The objects of a truth as boxes in the pixels of a raster.
 #[derive(Clone, Debug)]
-pub struct LaidTruth {
+pub struct RasterTruth {
     pub(super) truth: Arc<Truth>,
     /// Boxes to the two sides, and which object each is.
     pub(super) sides: [Vec<(metrics::Truth, usize)>; 2],
 }
 
-impl LaidTruth {
+impl RasterTruth {
     /// Lays the objects out. Those that nobody could be asked for, by the rule by which a detector is taught
     /// ([`Known::is_plain`]), are marked to be ignored unless somebody saw them.
     pub fn new(raster: &Raster, truth: Arc<Truth>) -> Self {
-        let lay = |known: &Known| metrics::Truth {
+        let rasterise = |known: &Known| metrics::Truth {
             class: known.class,
             rect: raster.rect_of(&known.whole),
             ignored: !truth.was_seen && !known.is_plain(raster),
         };
-        let laid: Vec<metrics::Truth> = truth.objects.iter().map(lay).collect();
+        let on_raster: Vec<metrics::Truth> = truth.objects.iter().map(rasterise).collect();
         let on = |side: Side| {
-            let all = laid.iter().zip(&truth.objects).enumerate();
+            let all = on_raster.iter().zip(&truth.objects).enumerate();
             all.filter(|(_, (_, known))| known.whole.side == side)
-                .map(|(object, (laid, _))| (*laid, object))
+                .map(|(object, (on_raster, _))| (*on_raster, object))
                 .collect()
         };
         Self {
@@ -39,9 +39,9 @@ impl LaidTruth {
     /// Leaves out some of the objects that count, by their boxes; how many.
     pub(super) fn ignore(&mut self, is_out: impl Fn(&Mark) -> bool) -> usize {
         let mut count = 0;
-        for (laid, object) in self.sides.iter_mut().flatten() {
-            if !laid.ignored && is_out(&self.truth.objects[*object].whole) {
-                laid.ignored = true;
+        for (on_raster, object) in self.sides.iter_mut().flatten() {
+            if !on_raster.ignored && is_out(&self.truth.objects[*object].whole) {
+                on_raster.ignored = true;
                 count += 1;
             }
         }
@@ -67,7 +67,7 @@ impl LaidTruth {
         })
     }
 
-    /// What was laid out.
+    /// The truth.
     pub fn truth(&self) -> &Arc<Truth> {
         &self.truth
     }

@@ -1,6 +1,6 @@
-//! Code that panics, made to fail instead. Leans on nothing; any room may use it.
+//! Panics turned into errors. It depends on no other module; any may use it.
 //!
-//! A library sets no hook for the whole process: what a panic prints is the program's business, which asks [`is_told_of`] from the hook
+//! A library sets no hook for the whole process: what a panic prints is the program's business, which asks [`is_to_be_printed`] from the hook
 //! that it sets.
 
 use std::any::Any;
@@ -9,7 +9,7 @@ use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::{Mutex, PoisonError};
 
 thread_local! {
-    static CONTAINED: Cell<bool> = const { Cell::new(false) };
+    static CATCHING: Cell<bool> = const { Cell::new(false) };
 }
 
 /// The work whose panics become one error.
@@ -26,16 +26,16 @@ static REPORTING: Mutex<Reporting> = Mutex::new(Reporting::Not);
 
 /// Runs `work`; `None` when it panicked. For work that leaves nothing behind when it stops half way: what it borrowed mutably may be
 /// half changed.
-pub fn contained<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let outer = CONTAINED.replace(true);
+pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
+    let outer = CATCHING.replace(true);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
-    CONTAINED.set(outer);
+    CATCHING.set(outer);
     outcome.ok()
 }
 
 /// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
-/// asked [`is_told_of`].
-pub fn reported<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+/// asked [`is_to_be_printed`].
+pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     *reporting() = Reporting::Under(None);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));
     let first = match std::mem::take(&mut *reporting()) {
@@ -45,10 +45,10 @@ pub fn reported<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     outcome.map_err(|payload| first.unwrap_or_else(|| cause(payload.as_ref()).to_owned()))
 }
 
-/// Whether a panic is to be printed, asked by the hook of a program: not where foreign code panicked on damaged bytes, which is an
+/// Whether a panic is to be printed, asked by the hook of a program: not where other people's code panicked on damaged bytes, which is an
 /// error like any other, and not where it becomes the error of the whole work, unless `RUST_BACKTRACE` asks for it.
-pub fn is_told_of(fault: &PanicHookInfo<'_>) -> bool {
-    if CONTAINED.get() {
+pub fn is_to_be_printed(fault: &PanicHookInfo<'_>) -> bool {
+    if CATCHING.get() {
         return false;
     }
     let Reporting::Under(first) = &mut *reporting() else {
@@ -78,15 +78,15 @@ mod tests {
 
     #[test]
     fn a_panic_becomes_nothing() {
-        assert_eq!(contained(|| 7), Some(7));
-        let none: Option<u8> = contained(|| panic!("foreign"));
+        assert_eq!(catch_panic(|| 7), Some(7));
+        let none: Option<u8> = catch_panic(|| panic!("a fault"));
         assert_eq!(none, None);
     }
 
     #[test]
     fn a_panic_of_all_the_work_becomes_an_error_with_its_cause() {
-        assert_eq!(reported(|| 7), Ok(7));
-        let error = reported::<()>(|| panic!("no more {}", "ink")).unwrap_err();
+        assert_eq!(panic_as_error(|| 7), Ok(7));
+        let error = panic_as_error::<()>(|| panic!("no more {}", "ink")).unwrap_err();
         assert!(error.starts_with("no more ink"), "{error}");
     }
 }
