@@ -59,7 +59,7 @@ pub fn blocks(text: &str) -> Vec<Block> {
             found.push(Block::Code(code.join("\n")));
         } else if line.starts_with('#') {
             let level = line.chars().take_while(|sign| *sign == '#').count();
-            found.push(Block::Heading(level, line[level..].trim().to_owned()));
+            found.push(Block::Heading(level, line[level..].trim().replace('`', "")));
         } else if line.starts_with('|') {
             let mut rows = vec![cells(line)];
             while let Some(next) = lines.next_if(|next| next.starts_with('|')) {
@@ -113,7 +113,12 @@ fn is_rule(line: &str) -> bool {
 
 fn cells(line: &str) -> Vec<Vec<Span>> {
     let inner = line.trim().trim_start_matches('|').trim_end_matches('|');
-    inner.split('|').map(|cell| spans(cell.trim())).collect()
+    // A bar that stands in a cell is escaped.
+    let inner = inner.replace("\\|", "\u{0}");
+    let cells = inner
+        .split('|')
+        .map(|cell| cell.trim().replace('\u{0}', "|"));
+    cells.map(|cell| spans(&cell)).collect()
 }
 
 /// Text between backticks is code.
@@ -134,7 +139,7 @@ mod tests {
     #[test]
     fn a_page_becomes_blocks() {
         let found = blocks(
-            "# Title\n\nOne line\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2 |\n",
+            "# Title\n\nOne line\nand `code`.\n\n- an entry\n  goes on\n- another\n\n```sh\na  b\n```\n| x | `y` |\n|---|---|\n| 1 | 2\\|3 |\n",
         );
         let code = |text: &str| Span {
             text: text.to_owned(),
@@ -154,7 +159,7 @@ mod tests {
                 Block::Code("a  b".to_owned()),
                 Block::Table(vec![
                     vec![vec![text("x")], vec![code("y")]],
-                    vec![vec![text("1")], vec![text("2")]],
+                    vec![vec![text("1")], vec![text("2|3")]],
                 ]),
             ]
         );

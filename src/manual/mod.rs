@@ -11,6 +11,8 @@ pub enum Topic {
     Window,
     /// Many logs in one survey
     Survey,
+    /// The project file
+    Project,
     /// Layers, coordinates, measuring, printing
     Map,
     /// First return, bottom edits, calibration, presets
@@ -37,9 +39,10 @@ pub enum Topic {
 
 impl Topic {
     /// All pages, in the order of the manual.
-    pub const ALL: [Topic; 13] = [
+    pub const ALL: [Topic; 14] = [
         Topic::Window,
         Topic::Survey,
+        Topic::Project,
         Topic::Map,
         Topic::Bottom,
         Topic::Depth,
@@ -57,6 +60,7 @@ impl Topic {
         match self {
             Topic::Window => include_str!("../../assets/manual/window.md"),
             Topic::Survey => include_str!("../../assets/manual/survey.md"),
+            Topic::Project => include_str!("../../assets/manual/project.md"),
             Topic::Map => include_str!("../../assets/manual/map.md"),
             Topic::Bottom => include_str!("../../assets/manual/bottom.md"),
             Topic::Depth => include_str!("../../assets/manual/depth.md"),
