@@ -53,12 +53,14 @@ impl App {
         let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
             return;
         };
+        let shown = self.shown_logs();
+        if shown.len() > 1 {
+            return self.export_survey(shown.into_iter().map(|shown| shown.log).collect(), folder);
+        }
         let (survey, mut products) = (survey.clone(), products.clone());
         // No stage depends on it: the results are as good for any system.
         products.settings.crs = self.log.settings.crs;
-        let left_out = &self.options.left_out;
-        let requested = Product::ALL.into_iter();
-        let requested: Vec<Product> = requested.filter(|one| !left_out.contains(one)).collect();
+        let requested = self.requested();
         let against = self.comparing.against(&products);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
@@ -79,6 +81,36 @@ impl App {
             Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
         });
         self.exporting = Some(Exporting { run, ..exporting });
+    }
+
+    /// The products that are ticked.
+    fn requested(&self) -> Vec<Product> {
+        let left_out = &self.options.left_out;
+        let all = Product::ALL.into_iter();
+        all.filter(|one| !left_out.contains(one)).collect()
+    }
+
+    /// Writes one set of products of several logs, as `process` does.
+    fn export_survey(&mut self, mut logs: Vec<ProcessedLog>, folder: PathBuf) {
+        for log in &mut logs {
+            log.products.settings.crs = self.log.settings.crs;
+        }
+        let requested = self.requested();
+        self.write(move |progress| {
+            let Some(first) = logs.first() else {
+                return Err("there is no log to write products of".to_owned());
+            };
+            let run = outputs::begin(&folder, &first.survey, None)?;
+            let order = Order {
+                logs: &logs,
+                requested: &requested,
+                reference: None,
+                search: None,
+                review: None,
+            };
+            let written = outputs::write(&order, run, progress, |_| ())?;
+            Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
+        });
     }
 
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.

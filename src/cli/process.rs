@@ -6,13 +6,14 @@ use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
 use super::status_line::StatusLine;
 use super::{detect, found, many, output};
-use crate::app::PIXEL_M;
+use crate::app::{PIXEL_M, is_project};
 use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
 use crate::outputs::{self, Order, Product};
 use crate::pipeline::{self, ProcessedLog, Reference, Settings};
 use crate::progress::Progress;
+use crate::project;
 use crate::survey::{Identity, Survey};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ use std::sync::Arc;
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct ProcessArgs {
-    /// The logs, or folders of logs; several are one survey, with one set of products
+    /// The logs, or folders of logs; several are one survey, with one set of products. Or a project, NAME.bathyscope, with its settings
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
     /// Folder for the products; made when missing
@@ -56,6 +57,17 @@ pub struct ProcessArgs {
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
+    match args.surveys.as_slice() {
+        [path] if is_project(path) => return run_project(path, &args),
+        paths => {
+            if let Some(path) = paths.iter().find(|path| is_project(path)) {
+                let path = path.display();
+                return Err(format!(
+                    "a project is processed by itself; name it alone: {path}"
+                ));
+            }
+        }
+    }
     let mut settings = args.settings.resolve()?;
     if args.track.is_some() {
         settings.track.file = args.track;
@@ -77,14 +89,47 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         reference: args.reference.as_deref(),
         review: args.review.as_deref(),
     };
-    match many::logs(&args.surveys).as_slice() {
-        [survey] => how.process(&logs, survey, |_| args.output.clone()),
-        surveys if args.each => each(surveys, &logs, &how, &args.output),
-        surveys => survey::process(surveys, &logs, &how, args.adjust, &args.output),
+    let paths = many::logs(&args.surveys);
+    let surveys: Vec<(PathBuf, &Logs)> = paths.into_iter().map(|path| (path, &logs)).collect();
+    how.process_all(&surveys, (args.each, args.adjust), &args.output)
+}
+
+/// Processes the visible logs of a project, each with the settings that it has there.
+fn run_project(path: &Path, args: &ProcessArgs) -> Result<(), String> {
+    if args.settings.are_given() || args.track.is_some() {
+        return Err(format!(
+            "a project brings its settings; change them in it, or name its logs: {}",
+            path.display()
+        ));
     }
+    let inputs = project::inputs(path, &Progress::new())?;
+    let logs = inputs.iter().map(|input| Logs::new(input.settings.clone()));
+    let logs: Vec<Logs> = logs.collect::<Result<_, String>>()?;
+    let Some(first) = logs.first() else {
+        return Ok(());
+    };
+    let model = match args.no_objects {
+        true => None,
+        false => Some(detect::load(first.settings.detector.model.as_deref())?),
+    };
+    let requested = match args.products.as_slice() {
+        [] => &Product::ALL,
+        named => named,
+    };
+    let how = How {
+        settings: &first.settings,
+        model: model.as_ref(),
+        requested,
+        reference: args.reference.as_deref(),
+        review: args.review.as_deref(),
+    };
+    let paths = inputs.iter().map(|input| input.log.file.path.clone());
+    let surveys: Vec<(PathBuf, &Logs)> = paths.zip(&logs).collect();
+    how.process_all(&surveys, (args.each, args.adjust), &args.output)
 }
 
 /// What is done to every log.
+#[derive(Clone, Copy)]
 pub struct How<'a> {
     /// All settings.
     pub settings: &'a Settings,
@@ -99,6 +144,20 @@ pub struct How<'a> {
 }
 
 impl How<'_> {
+    /// Processes logs, each opened by settings of its own: one alone, several as one survey or each for itself.
+    fn process_all(
+        &self,
+        surveys: &[(PathBuf, &Logs)],
+        (each_alone, adjust): (bool, bool),
+        output: &Path,
+    ) -> Result<(), String> {
+        match surveys {
+            [(path, logs)] => self.process(logs, path, |_| output.to_owned()),
+            surveys if each_alone => each(surveys, self, output),
+            surveys => survey::process(surveys, self, adjust, output),
+        }
+    }
+
     /// Opens and processes a log into the folder for it.
     fn process(
         &self,
@@ -108,14 +167,18 @@ impl How<'_> {
     ) -> Result<(), String> {
         let survey = logs.open(path, &Progress::new())?;
         let folder = folder(&survey);
-        process_into(Arc::new(survey), self, &folder)
+        let how = How {
+            settings: &logs.settings,
+            ..*self
+        };
+        process_into(Arc::new(survey), &how, &folder)
     }
 }
 
-fn each(surveys: &[PathBuf], logs: &Logs, how: &How<'_>, output: &Path) -> Result<(), String> {
+fn each(surveys: &[(PathBuf, &Logs)], how: &How<'_>, output: &Path) -> Result<(), String> {
     let mut folders = Folders::in_folder(output);
     let mut failed = 0;
-    for path in surveys {
+    for (path, logs) in surveys {
         if let Err(sentence) = how.process(logs, path, |survey| folders.next(&survey.name())) {
             failed += 1;
             output::notify(format_args!("bathyscope: {sentence}"));

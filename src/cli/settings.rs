@@ -26,6 +26,13 @@ pub struct SettingsArgs {
 }
 
 impl SettingsArgs {
+    /// Whether any of them was given: a project brings its own.
+    pub fn are_given(&self) -> bool {
+        self.preset != Preset::default()
+            || !self.settings.is_empty()
+            || !self.assignments.is_empty()
+    }
+
     /// The settings that the arguments describe.
     pub fn resolve(&self) -> Result<Settings, String> {
         let mut settings = Settings::preset(self.preset);

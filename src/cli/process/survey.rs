@@ -20,8 +20,7 @@ use std::sync::Arc;
 /// # Errors
 /// A sentence: nothing could be processed, or some of the logs could not.
 pub fn process(
-    paths: &[PathBuf],
-    logs: &Logs,
+    surveys: &[(PathBuf, &Logs)],
     how: &How<'_>,
     adjust: bool,
     folder: &Path,
@@ -37,7 +36,7 @@ pub fn process(
     let mut taken: Vec<ProcessedLog> = Vec::new();
     let mut frame: Option<LocalFrame> = None;
     let mut failed = 0;
-    for path in paths {
+    for (path, logs) in surveys {
         let opened = logs.open(path, &progress).and_then(|survey| {
             if let Some(same) = taken.iter().find(|log| is_same(&log.survey, &survey)) {
                 output::notify(format_args!(
@@ -49,7 +48,7 @@ pub fn process(
             }
             let frame = frame.get_or_insert_with(|| survey.track.frame.clone());
             let survey = Arc::new(survey.in_frame(frame));
-            run(survey, how.settings, None, &status, &progress).map(Some)
+            run(survey, &logs.settings, None, &status, &progress).map(Some)
         });
         match opened {
             Ok(log) => taken.extend(log),
@@ -80,7 +79,7 @@ pub fn process(
         output::results(written.report.summary())?;
         output::results(written.summary(folder))?;
     }
-    all_or(failed, paths.len())
+    all_or(failed, surveys.len())
 }
 
 fn run(
