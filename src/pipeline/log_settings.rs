@@ -85,9 +85,20 @@ fn flatten(prefix: &str, table: Table, values: &mut SettingValues) {
                 flatten(&key, inner, values);
             }
             value => {
-                values.insert(key, value);
+                values.insert(key, shortest(value));
             }
         }
+    }
+}
+
+/// A number as it was given: one that a setting keeps in 32 bits is `0.41`, not what these are in 64.
+fn shortest(value: Value) -> Value {
+    match value {
+        Value::Float(number) if number.is_finite() && f64::from(number as f32) == number => {
+            let text = (number as f32).to_string();
+            Value::Float(text.parse().unwrap_or(number))
+        }
+        other => other,
     }
 }
 

@@ -283,8 +283,14 @@ mod tests {
         let logs = [in_log(0, first.clone()), in_log(1, second)];
         assert_eq!(members(&logs), [vec![0, 1]]);
         // Four logs see it; what one of them saw apart stays apart.
-        let others = [(1, 0.6), (2, -0.5), (3, 0.9), (0, 1.3)];
-        let others = others.map(|(log, east_m)| in_log(log, seen(east_m, 10.0, 0.3)));
+        // At one ping and range they would be two boxes over one echo.
+        let others = [
+            (1, 0.6, 10.0),
+            (2, -0.5, 10.0),
+            (3, 0.9, 10.0),
+            (0, 1.3, 11.0),
+        ];
+        let others = others.map(|(log, east_m, sailed_m)| in_log(log, seen(east_m, sailed_m, 0.3)));
         let all = [vec![in_log(0, first)], others.to_vec()].concat();
         let found = members(&all);
         assert_eq!(found.len(), 2, "{found:?}");
