@@ -18,7 +18,7 @@ struct Record<'a> {
     comparisons: &'a [NamedComparison],
     side_scan: Option<ResidualTables>,
     choices: Vec<Choice>,
-    crossings: Option<&'a OwnCrosslines>,
+    crossline_analysis: Option<&'a OwnCrosslines>,
     settings: &'a Settings,
 }
 
@@ -40,7 +40,7 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
         comparisons,
         side_scan: side_scan.map(|found| found.tables),
         choices: choices(results.survey, products, progress).map_err(cancelled)?,
-        crossings: results.crossings()?,
+        crossline_analysis: results.crossings()?,
         settings: &products.settings,
     };
     write_json(path, &record)?;

@@ -14,7 +14,7 @@ use std::path::Path;
 pub fn settle(window: &mut Window) {
     for _ in 0..40 {
         window.run();
-        let all_done = app(window).logs().all(|log| !log.is_behind());
+        let all_done = app(window).visible_logs().all(|log| !log.is_behind());
         if app(window).is_idle() && all_done {
             return;
         }
@@ -176,7 +176,7 @@ fn a_recording_is_opened_once_and_closed_again() {
     let said = window.query_by_label_contains("open already, as lake-1");
     assert!(said.is_some());
 
-    window.get_by_label("Close lake-0").click();
+    window.get_by_label("Close lake-0").click_accesskit();
     settle(&mut window);
     assert_eq!(names(&window), ["lake-1"]);
     assert_eq!(app(&window).log.name(), "lake-1");

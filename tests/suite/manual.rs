@@ -94,7 +94,10 @@ fn every_setting_is_in_it_and_every_setting_that_it_names_exists() {
     let is_file = |name: &str| {
         let ending = name.rsplit('.').next();
         ending.is_some_and(|ending| {
-            ["laz", "ply", "xyz", "csv", "tif", "json", "geojson"].contains(&ending)
+            [
+                "laz", "ply", "xyz", "csv", "tif", "json", "geojson", "kmz", "shp", "gpx", "*",
+            ]
+            .contains(&ending)
         })
     };
     let keys: BTreeSet<String> = named(&text)

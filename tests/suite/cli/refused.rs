@@ -331,6 +331,7 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
     let process = [
         "process",
         "trip",
+        "--each",
         "--no-objects",
         "--products",
         "track",
