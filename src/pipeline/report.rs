@@ -165,7 +165,7 @@ impl Report {
         let min_confidence = settings.first_return.min_confidence;
         let outliers = cloud.outliers(kept, min_confidence);
         let points = cloud.points.iter();
-        let without_canopy = points.filter(|point| settings.surface.leaves_out(point));
+        let above_bottom = points.filter(|point| settings.surface.leaves_out(point));
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             run: String::new(),
@@ -181,7 +181,7 @@ impl Report {
                 port_first_returns: found(Side::Port),
                 starboard_first_returns: found(Side::Starboard),
                 above_bottom: flagged(Side::Port) + flagged(Side::Starboard),
-                above_bottom_left_out: without_canopy.count(),
+                above_bottom_left_out: above_bottom.count(),
                 low_confidence: cloud.unsure(min_confidence),
                 moving: navigation.moving,
                 zero_heading: navigation.zero_heading,

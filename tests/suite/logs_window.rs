@@ -1,8 +1,7 @@
 //! Several logs in one window: one map, one cloud, one history.
 
 use crate::many_logs::{HIGHER_M, write_logs};
-use crate::support::snapshot_options;
-use crate::window::{Window, app, drop_file, empty_window, press};
+use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle as drawn};
 use bathyscope::app::{CloudColour, Command, LogId, Mark};
 use bathyscope::pipeline::Settings;
 use egui::accesskit::Role;
@@ -24,8 +23,11 @@ pub fn settle(window: &mut Window) {
 
 /// A window on a folder of logs.
 pub fn opened(folder: &Path, count: usize) -> Window {
+    opened_in(empty_window(), folder, count)
+}
+
+fn opened_in(mut window: Window, folder: &Path, count: usize) -> Window {
     write_logs(folder, count);
-    let mut window = empty_window();
     drop_file(&mut window, folder.to_owned());
     settle(&mut window);
     window
@@ -65,7 +67,8 @@ pub fn change(window: &mut Window, assignment: &str) {
 #[test]
 fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut window = opened(folder.path(), 3);
+    let window = drawn_window([1400.0, 1000.0]);
+    let mut window = opened_in(window, folder.path(), 3);
     assert_eq!(names(&window), ["lake-0", "lake-1", "lake-2"]);
     assert_eq!(app(&window).log.name(), "lake-0", "the first one is shown");
     let all = pings(&window);
@@ -95,8 +98,8 @@ fn a_folder_of_logs_is_one_survey_on_map_and_in_cloud() {
 
     window.state_mut().app.options.cloud.colour = CloudColour::Log;
     window.state_mut().app.options.map.track_by_log = true;
-    settle(&mut window);
-    window.snapshot_options("window_logs", &snapshot_options());
+    drawn(&mut window);
+    window.snapshot("window_logs");
 }
 
 #[test]

@@ -351,7 +351,7 @@ fn the_pointer_on_the_map_finds_the_nearest_ping() {
     let ping = nearest_ping(20.0, 24.0);
     assert_eq!(window.state().app.hover, Some(Mark::ping(ping)));
     assert_eq!(window.state().app.selection, Some(Mark::ping(ping)));
-    let reveals = |command: &Command| *command == Command::Reveal(Mark::ping(ping));
+    let reveals = |command: &Command| matches!(command, Command::RevealIn(_, mark) if *mark == Mark::ping(ping));
     assert!(window.state().pushed.iter().any(reveals));
     window.remove_cursor();
     window.run();

@@ -230,7 +230,7 @@ fn outliers_are_shown_before_they_go() {
     let mut window = demo_window();
     window
         .get_by_role_and_label(Role::CheckBox, "Outlier preview")
-        .click();
+        .click_accesskit();
     window.run();
     assert!(app(&window).options.cloud.outlier_preview);
     press(&mut window, Modifiers::NONE, Key::O);

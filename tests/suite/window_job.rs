@@ -119,7 +119,7 @@ fn each_drag_of_a_slider_is_one_step_back() {
         for name in [
             "Threshold",
             "Dead zone",
-            "Above-bottom margin",
+            "Above bottom",
             "Radius",
             "Neighbours",
         ] {

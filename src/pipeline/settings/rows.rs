@@ -116,7 +116,7 @@ rows! {
         "Slant range around the transducer that is ignored: its ring-down.",
         number!(first_return.dead_zone_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
     // On a slope of 45 degrees in 30 m of water the first return comes 9 m early.
-    CANOPY_MARGIN: "first_return.above_bottom_margin_m", "Above-bottom margin", "above-bottom margin",
+    ABOVE_BOTTOM_MARGIN: "first_return.above_bottom_margin_m", "Above bottom", "above-bottom margin",
         "A return nearer than the recorded depth by more than this is flagged as an above-bottom return (weed, fish or another obstacle).",
         number!(first_return.above_bottom_margin_m, "m", [0.0, 10.0], 0.05, 2, LogSlider);
     MIN_CONFIDENCE: "first_return.min_confidence", "Least conf.", "least confidence",
@@ -264,13 +264,13 @@ rows! {
     SIDE_SCAN_WEIGHT: "surface.side_scan_weight", "Side-scan", "weight of side-scan points",
         "What a side-scan point counts where it meets a sounding, which counts 1; 0 leaves side-scan points out.",
         number!(surface.side_scan_weight, "", [0.0, 1.0], 0.05, 2, Slider);
-    SURFACE_CANOPY: "surface.above_bottom", "Canopy", "canopy in the depth map",
+    SURFACE_ABOVE_BOTTOM: "surface.above_bottom", "Above bottom", "above-bottom returns in the depth map",
         "Whether all side-scan points above the recorded depth count: their depth may be that of weed or fish.",
         choice!(surface.above_bottom, [
             "false", "left out", "Only those of long stretches count: a field of boulders, no clump of weed, fish or object.";
             "true", "counts", "All of them count.";
         ]);
-    LONGEST_CANOPY: "surface.longest_above_bottom_m", "Longest", "longest canopy",
+    LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Longest", "longest above-bottom stretch",
         "Side-scan points above the recorded depth count where most first returns of both sides lie above it for longer than this along the track.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
     // Finer than a millimetre no depth is known.

@@ -120,7 +120,7 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
         &rows::SAMPLES,
         &rows::THRESHOLD,
         &rows::DEAD_ZONE,
-        &rows::CANOPY_MARGIN,
+        &rows::ABOVE_BOTTOM_MARGIN,
         &rows::MIN_CONFIDENCE,
     ] {
         setting(ui, context, row);

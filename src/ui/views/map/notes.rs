@@ -56,7 +56,8 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
 /// Why some of the track is grey.
 fn grey_track(scene: &Scene<'_>) -> Option<&'static str> {
     match scene.track.range_m {
-        _ if !scene.shows(MapLayer::Track) => None,
+        // Its colours say which log it is.
+        _ if !scene.shows(MapLayer::Track) || !scene.track.logs.is_empty() => None,
         None => Some("grey track:\nno depth"),
         Some(_) if scene.track.side_scan_only => Some("grey dashes: depth\nby side-scan only"),
         Some(_) if scene.lost_soundings > 0 => Some("grey track:\nbottom lost"),
