@@ -30,6 +30,7 @@ fn named(text: &str) -> BTreeSet<String> {
 /// Lines of fenced code that run the program, without their comments.
 fn examples(text: &str) -> Vec<String> {
     let fenced = text.split("```").skip(1).step_by(2);
+    let fenced = fenced.filter(|code| code.starts_with("sh\n"));
     let lines = fenced.flat_map(str::lines);
     let program = lines.filter(|line| line.starts_with("bathyscope "));
     program
@@ -91,19 +92,10 @@ fn every_setting_is_in_it_and_every_setting_that_it_names_exists() {
     let group = |key: &String| key.split_once('.').map(|(group, _)| group.to_owned());
     let groups: BTreeSet<String> = all.iter().filter_map(group).collect();
     let text = whole() + &readme();
-    let is_file = |name: &str| {
-        let ending = name.rsplit('.').next();
-        ending.is_some_and(|ending| {
-            [
-                "laz", "ply", "xyz", "csv", "tif", "json", "geojson", "kmz", "shp", "gpx", "*",
-            ]
-            .contains(&ending)
-        })
-    };
     let keys: BTreeSet<String> = named(&text)
         .into_iter()
         .filter(|name| group(name).is_some_and(|group| groups.contains(&group)))
-        .filter(|name| !is_file(name) && !name.ends_with(".*"))
+        .filter(|name| row_of(name).is_none() && !name.ends_with(".*"))
         .collect();
     let unknown: Vec<&String> = keys.difference(&all).collect();
     assert!(unknown.is_empty(), "no settings: {unknown:?}");
