@@ -93,6 +93,20 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
     let drawn = app(&again).logs().last().expect("three logs");
     assert_eq!(drawn.settings.bottom.ping_count(), 31);
     assert_eq!(hashes(folder.path()), before, "no log is written");
+    drop(again);
+    // Without a window it is the same survey: the logs that are ticked, each with its settings.
+    let out = folder.path().join("out");
+    let program = std::process::Command::new(env!("CARGO_BIN_EXE_bathyscope"))
+        .args(["process", "--no-objects", "--products", "track", "-o"])
+        .args([&out, &path])
+        .output()
+        .expect("the program");
+    assert!(program.status.success(), "{program:?}");
+    let table = std::fs::read_to_string(out.join("first_returns.csv")).expect("a table");
+    let logs: std::collections::BTreeSet<_> = (table.lines().skip(1))
+        .filter_map(|line| line.split(',').next())
+        .collect();
+    assert_eq!(logs.into_iter().collect::<Vec<_>>(), ["lake-0", "lake-2"]);
     let beside = folder.path().join("lake-0.bottom.toml");
     assert!(!beside.exists(), "the project keeps it");
 }
