@@ -5,16 +5,13 @@ use super::{App, Mark};
 use crate::export;
 use crate::first_return::{BottomEdit, BottomSettings};
 use crate::pipeline::Settings;
-use crate::regular_file;
 use crate::survey::{Side, Survey};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A longer file was not written by this program.
-const LONGEST: u64 = 64 << 20;
 /// Undo's name for all of it.
 const LABEL: &str = "bottom";
 
@@ -41,7 +38,7 @@ pub struct BottomStroke {
 }
 
 /// The file: settings, so that `bathyscope process --settings` takes it as it is.
-#[derive(Default, Serialize, Deserialize)]
+#[derive(Serialize)]
 struct Kept {
     bottom: BottomSettings,
 }
@@ -224,23 +221,6 @@ fn half_a_sample_m(survey: &Survey, side: Side, path: &[[f64; 2]]) -> f64 {
 
 /// The bottom edits of a sidecar file, or why they cannot be used.
 pub(super) type ReadBottom = Result<BottomSettings, String>;
-
-/// Reads what was drawn on a log of so many pings, if anything was.
-pub(super) fn read(log: &Path, survey: &Survey) -> Option<ReadBottom> {
-    let path = log.with_extension(BottomSettings::SIDECAR);
-    if !path.is_file() {
-        return None;
-    }
-    let parsed = || -> Result<BottomSettings, String> {
-        let text = regular_file::read_text(&path, LONGEST).map_err(|error| error.to_string())?;
-        let kept: Kept = toml::from_str(&text).map_err(|error| error.message().to_owned())?;
-        kept.bottom.check().map_err(str::to_owned)?;
-        kept.bottom.adopted(survey)
-    };
-    Some(
-        parsed().map_err(|what| format!("cannot use the bottom edits: {what}: {}", path.display())),
-    )
-}
 
 fn write(path: &Path, bottom: &BottomSettings) -> Result<(), String> {
     if bottom.is_empty() {

@@ -1,11 +1,11 @@
 //! Opening a log off the window's thread.
 
 use super::Jobs;
-use super::bottom::{self, ReadBottom};
+use super::bottom::ReadBottom;
 use super::task::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
-use crate::project::LogFile;
+use crate::project::{LogFile, read_bottom};
 use crate::survey::{Identity, Survey};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -107,7 +107,7 @@ impl Loading {
                 .map_err(|error| error.to_string())?;
             let log = survey.source.files.first();
             let drawn = match &requested {
-                Origin::Path(_) => log.and_then(|log| bottom::read(log, &survey)),
+                Origin::Path(_) => log.and_then(|log| read_bottom(log, &survey)),
                 Origin::Demo => None,
             };
             let is_file = matches!(requested, Origin::Path(_));

@@ -5,8 +5,9 @@
 
 use super::open_log::log_colour;
 use super::reviewing::Parked;
-use super::{App, History, LogId, Mark, OpenLog};
+use super::{App, LogId, Mark, OpenLog};
 use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
+use crate::project::History;
 use crate::survey::Survey;
 use std::sync::Arc;
 

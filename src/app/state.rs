@@ -11,12 +11,12 @@ use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::Step;
 use super::tabulating::Tabulating;
-use super::{Action, History, LoadStatus, LogId, OpenLog, ViewOptions};
+use super::{Action, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::geo::LocalFrame;
 use crate::pipeline::{Engine, EngineStatus, Settings, Stage};
-use crate::project::LogKey;
+use crate::project::{History, LogKey};
 use crate::survey::{Side, Survey, Track};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -194,12 +194,12 @@ impl App {
     }
 
     /// Name of the change that undo would take back.
-    pub fn undo_label(&self) -> Option<&'static str> {
+    pub fn undo_label(&self) -> Option<&str> {
         self.history.undo_label()
     }
 
     /// Name of the change that redo would do again.
-    pub fn redo_label(&self) -> Option<&'static str> {
+    pub fn redo_label(&self) -> Option<&str> {
         self.history.redo_label()
     }
 

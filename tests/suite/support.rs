@@ -26,3 +26,17 @@ pub fn snapshot_options() -> egui_kittest::SnapshotOptions {
         .threshold(1.0)
         .max_failed_pixels(20usize)
 }
+
+/// Numbers that look random and are the same in every run.
+pub struct Moments(pub u64);
+
+impl Moments {
+    /// The next one, 0 to 1.
+    pub fn share(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 33) as f64 / (1_u64 << 31) as f64
+    }
+}

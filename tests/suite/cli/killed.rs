@@ -1,6 +1,7 @@
 //! `bathyscope process` killed at any moment: the folder holds the files of one run, and the next run leaves nothing over.
 
 use super::{run, simulated};
+use crate::support::Moments;
 use bathyscope::outputs::RunFolder;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
@@ -78,19 +79,6 @@ fn draft_of_whole_run(out: &Path) -> f64 {
     there.remove(SIDE);
     assert_eq!(there, expected);
     draft_m
-}
-
-/// Numbers that look random and are the same in every run.
-struct Moments(u64);
-
-impl Moments {
-    fn share(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (self.0 >> 33) as f64 / (1_u64 << 31) as f64
-    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! The program is this test itself: with [`FOLDER`] in its environment it edits until it is killed.
 
 use super::{path, renamed, saved};
+use crate::support::Moments;
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::{BoxId, Edit};
 use bathyscope::project::{Change, Project, Store};
@@ -70,19 +71,6 @@ fn edit(folder: &Path) {
         if number % SAVE_EVERY == 0 {
             opened.store.save(&opened.project).expect("a save");
         }
-    }
-}
-
-/// Numbers that look random and are the same in every run.
-struct Moments(u64);
-
-impl Moments {
-    fn share(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (self.0 >> 33) as f64 / (1_u64 << 31) as f64
     }
 }
 
