@@ -2,7 +2,7 @@
 
 use super::Jobs;
 use super::bottom::ReadBottom;
-use super::task::{Outcome, Task};
+use super::{Outcome, Task};
 use crate::formats;
 use crate::progress::Progress;
 use crate::project::{LogFile, read_bottom};

@@ -28,7 +28,6 @@ mod saving_figure;
 mod state;
 mod swipe;
 mod tabulating;
-mod task;
 mod work;
 
 pub use action::{Action, Keys};
@@ -49,6 +48,7 @@ pub use options::{
 pub use print::{Paper, PrintOptions, Sheet};
 pub use project::is_project;
 pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
-pub use state::{App, Jobs, Mark, Notice, Reveal};
+pub use state::{App, Mark, Notice, Reveal};
 pub use swipe::{Swipe, SwipeSide};
-pub use task::{Outcome, Task};
+
+pub use crate::pipeline::{Jobs, Outcome, Task};

@@ -11,7 +11,7 @@ use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::Step;
 use super::tabulating::Tabulating;
-use super::{Action, LoadStatus, LogId, OpenLog, ViewOptions};
+use super::{Action, Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::geo::LocalFrame;
@@ -69,15 +69,6 @@ pub struct Notice {
     pub is_error: bool,
     /// What can be done about it.
     pub offer: Option<Action>,
-}
-
-/// How work off the window's thread is run.
-#[derive(Clone)]
-pub enum Jobs {
-    /// On worker threads, which call this when there is something to show.
-    Threads(Arc<dyn Fn() + Send + Sync>),
-    /// Inside the call: tests and headless pictures.
-    Inline,
 }
 
 /// Everything that the window shows.
@@ -138,10 +129,6 @@ pub struct App {
 impl App {
     /// An empty window.
     pub fn new(jobs: Jobs) -> Self {
-        let engine = match &jobs {
-            Jobs::Threads(waker) => Engine::new(waker.clone()),
-            Jobs::Inline => Engine::inline(),
-        };
         Self {
             log: OpenLog::default(),
             logs: Logs::default(),
@@ -161,7 +148,7 @@ impl App {
             measuring: Measuring::default(),
             is_picture: false,
             history: History::default(),
-            engine,
+            engine: Engine::new(jobs.clone()),
             processing: None,
             is_waiting: false,
             previewer: Previewer::default(),

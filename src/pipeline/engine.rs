@@ -1,9 +1,8 @@
-//! The pipeline behind the window: one worker, the newest request wins, the last result stays on screen.
+//! The stages of one log behind the window: one worker, the newest request wins, the last result stays on screen.
 
-use super::{Products, Settings, Stage, run};
-use crate::progress::Progress;
+use super::{Jobs, Outcome, Products, Settings, Stage, Task, run};
 use crate::survey::Survey;
-use std::sync::{Arc, Mutex, mpsc};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What the engine is doing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,101 +19,67 @@ pub enum EngineStatus {
     },
 }
 
-type Waker = Arc<dyn Fn() + Send + Sync>;
-
-/// Runs [`run`] on a worker thread. A new request cancels the one under way.
+/// Runs [`run`] off the window's thread. A new request cancels the one under way.
 pub struct Engine {
-    waker: Waker,
-    inline: bool,
-    job: Option<Job>,
+    jobs: Jobs,
+    running: Option<Running>,
 }
 
-struct Job {
-    progress: Progress,
+struct Running {
     stage: Arc<Mutex<Stage>>,
-    result: mpsc::Receiver<Option<Products>>,
+    task: Task<Option<Products>>,
 }
 
 impl Engine {
-    /// `waker` is called from the worker whenever there is something new to show.
-    pub fn new(waker: Waker) -> Self {
+    /// Works as `jobs` says.
+    pub fn new(jobs: Jobs) -> Self {
         Self {
-            waker,
-            inline: false,
-            job: None,
-        }
-    }
-
-    /// An engine that works inside [`Engine::request`], for tests and headless pictures.
-    pub fn inline() -> Self {
-        Self {
-            waker: Arc::new(|| ()),
-            inline: true,
-            job: None,
+            jobs,
+            running: None,
         }
     }
 
     /// Starts over with these inputs; stages whose settings equal those of `previous` are not run again.
     pub fn request(&mut self, survey: Arc<Survey>, settings: Settings, previous: Option<Products>) {
         self.cancel();
-        let progress = Progress::new();
         let stage = Arc::new(Mutex::new(Stage::Navigation));
-        let (sender, result) = mpsc::channel();
-        self.job = Some(Job {
-            progress: progress.clone(),
-            stage: stage.clone(),
-            result,
+        let (now, jobs) = (stage.clone(), self.jobs.clone());
+        let task = Task::start(&self.jobs, move |progress| {
+            let on_stage = |stage| {
+                *now.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+                jobs.wake();
+            };
+            run(&survey, &settings, previous.as_ref(), progress, on_stage).ok()
         });
-        let waker = self.waker.clone();
-        let work = move || {
-            let products = run(&survey, &settings, previous.as_ref(), &progress, |now| {
-                *stage
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner) = now;
-                waker();
-            });
-            // A dropped receiver means that the request was replaced: nobody waits for this result.
-            sender.send(products.ok()).ok();
-            waker();
-        };
-        if self.inline {
-            work();
-        } else {
-            std::thread::spawn(work);
-        }
+        self.running = Some(Running { stage, task });
     }
 
-    /// Stops the job under way; its result is dropped.
+    /// Stops the work under way; its result is dropped.
     pub fn cancel(&mut self) {
-        if let Some(job) = self.job.take() {
-            job.progress.cancel();
-        }
+        self.running = None;
     }
 
     /// The result of the last request, once, when it is there. `Err` when its worker died.
     pub fn poll(&mut self) -> Option<Result<Products, String>> {
-        let outcome = match self.job.as_ref()?.result.try_recv() {
-            Err(mpsc::TryRecvError::Empty) => return None,
-            Ok(Some(products)) => Some(Ok(products)),
-            Ok(None) => None,
-            Err(mpsc::TryRecvError::Disconnected) => Some(Err(
+        let outcome = match self.running.as_ref()?.task.poll() {
+            Outcome::Pending => return None,
+            Outcome::Done(products) => products.map(Ok),
+            Outcome::Failed => Some(Err(
                 "a processing step failed unexpectedly; the last result stays".to_owned(),
             )),
         };
-        self.job = None;
+        self.running = None;
         outcome
     }
 
     /// What is going on.
     pub fn status(&self) -> EngineStatus {
-        self.job
-            .as_ref()
-            .map_or(EngineStatus::Idle, |job| EngineStatus::Running {
-                stage: *job
-                    .stage
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner),
-                fraction: job.progress.fraction(),
-            })
+        let running = self.running.as_ref();
+        running.map_or(EngineStatus::Idle, |Running { stage, task }| {
+            EngineStatus::Running {
+                stage: *stage.lock().unwrap_or_else(PoisonError::into_inner),
+                fraction: task.fraction(),
+            }
+        })
     }
 }

@@ -6,6 +6,7 @@
 //! up, `fingerprint` tells versions of files apart, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
+mod background;
 mod depth;
 mod engine;
 mod fingerprint;
@@ -17,8 +18,10 @@ mod processed_log;
 mod products;
 mod report;
 pub mod settings;
+mod task;
 
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
+pub use background::{Background, Same};
 pub use depth::{
     Choice, Contours, DepthChart, NamedComparison, OwnCrosslines, Plane, choices, comparisons,
     depth_surface, joint_depth_surface, own_crosslines,
@@ -34,6 +37,7 @@ pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, run};
 pub use report::{CalibrationReport, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
+pub use task::{Jobs, Outcome, Task};
 
 use crate::geo::MapPlane;
 use crate::survey::Survey;

@@ -1,6 +1,5 @@
 //! One file a view.
 
-pub(super) mod background;
 mod cloud;
 mod empty;
 mod legend;

@@ -9,7 +9,7 @@ mod selected;
 use super::parts::{Section, remark, section, warning};
 use crate::app::{Action, Command};
 use crate::detection::review::BoxId;
-use crate::ui::views::background::Background;
+use crate::pipeline::Background;
 use crate::ui::{ViewContext, text, theme};
 use chip::Chip;
 use egui::{Button, ProgressBar, RichText, Ui};

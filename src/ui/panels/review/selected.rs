@@ -6,7 +6,7 @@ use super::{ReviewPanel, button, chip, size};
 use crate::app::{Action, Command, Tool};
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{Button, RichText, TextEdit, Ui};
 

@@ -8,7 +8,7 @@ use crate::app::Command;
 use crate::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::survey::{Navigation, Survey};
-use crate::ui::views::background::{Background, Same};
+use crate::pipeline::{Background, Same};
 use crate::ui::{ViewContext, theme};
 use drawing::Frame;
 use egui::{Sense, Ui};

@@ -7,7 +7,7 @@ mod picture;
 mod pointer;
 mod scene;
 
-use super::background::Background;
+use crate::pipeline::Background;
 use super::empty;
 use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
 use crate::pipeline::Products;

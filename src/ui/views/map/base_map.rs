@@ -6,7 +6,7 @@ use super::warp::Warp;
 use crate::base_map::BaseMap;
 use crate::progress::Progress;
 use crate::survey::{Navigation, Survey};
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use egui::Color32;
 use std::sync::Arc;
 

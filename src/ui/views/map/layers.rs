@@ -11,7 +11,7 @@ use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
 use crate::survey::{Navigation, PingNav, Sounding, Survey};
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.

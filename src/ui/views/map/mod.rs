@@ -27,7 +27,7 @@ mod track_picture;
 mod transform;
 mod warp;
 
-use super::background::Background;
+use crate::pipeline::Background;
 use super::empty;
 use crate::app::{App, Command, MapLayer, Reviewing};
 use crate::pipeline::Products;

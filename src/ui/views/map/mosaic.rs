@@ -11,7 +11,7 @@ use crate::pipeline::joint::mosaic_logs_by;
 use crate::pipeline::{ProcessedLog, mosaic_layout_by};
 use crate::progress::Progress;
 use crate::survey::{LeftOut, Navigation, Survey};
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use egui::Color32;
 use std::sync::{Arc, OnceLock};
 

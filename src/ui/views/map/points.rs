@@ -7,7 +7,7 @@ use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::progress::Progress;
 use crate::survey::Side;
 use crate::ui::theme;
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use std::sync::Arc;
 
 /// Points between two looks at whether the work was cancelled.

@@ -10,7 +10,7 @@ use crate::geo::CrsChoice;
 use crate::pipeline::{DepthChart, ProcessedLog};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Sounding, Survey};
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use std::sync::Arc;
 
 /// What a depth map is made of; equal keys give equal maps.

@@ -17,7 +17,7 @@ use crate::pipeline::{Agreement, Products};
 use crate::render::Uploader;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use crate::ui::views::background::{Background, Same};
+use crate::pipeline::{Background, Same};
 use egui::Painter;
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use crate::first_return::{ImageSettings, Normalisation, SampleMode};
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use crate::ui::views::background::Background;
+use crate::pipeline::Background;
 use std::sync::Arc;
 
 /// What a measurement is valid for.

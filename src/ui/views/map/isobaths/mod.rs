@@ -11,7 +11,7 @@ use crate::app::ThemeChoice;
 use crate::bathymetry::isobaths::{IsobathSettings, isobaths, smoothed};
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
-use crate::ui::views::background::Same;
+use crate::pipeline::Same;
 use crate::ui::views::{legend, ticks};
 use eframe::egui_wgpu::RenderState;
 use egui::epaint::TextShape;

@@ -1,8 +1,26 @@
 //! One piece of work off the window's thread.
 
-use super::Jobs;
 use crate::progress::Progress;
 use std::sync::{Arc, mpsc};
+
+/// How work off the window's thread is run.
+#[derive(Clone)]
+pub enum Jobs {
+    /// On worker threads, which call this when there is something to show.
+    Threads(Arc<dyn Fn() + Send + Sync>),
+    /// Inside the call: tests and headless pictures.
+    Inline,
+}
+
+impl Jobs {
+    /// Says that there is something to show.
+    pub fn wake(&self) {
+        match self {
+            Self::Threads(waker) => waker(),
+            Self::Inline => {}
+        }
+    }
+}
 
 /// What became of a task.
 pub enum Outcome<T> {

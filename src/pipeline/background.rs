@@ -1,6 +1,6 @@
-//! Work that a view has done off the window's thread: the newest request wins, the last result stays on screen.
+//! Work off the window's thread for what is on the screen: the newest request wins, the last result stays.
 
-use crate::app::{Jobs, Outcome, Task};
+use super::{Jobs, Outcome, Task};
 use crate::progress::Progress;
 
 /// One kind of work. `K` says what a result was made of; the same key is not worked on twice.
