@@ -66,12 +66,14 @@ impl App {
         let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
         let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
         let run = Some((self.log.id, folder.clone()));
+        let derived = self.deriving.results.clone();
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let run = outputs::begin(&folder, &survey, reference)?;
             let logs = [ProcessedLog { survey, products }];
             let order = Order {
                 logs: &logs,
+                derived: &derived,
                 requested: &requested,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,
@@ -95,7 +97,7 @@ impl App {
         for log in &mut logs {
             log.products.settings.crs = self.log.settings.crs;
         }
-        let requested = self.requested();
+        let (requested, derived) = (self.requested(), self.deriving.results.clone());
         self.write(move |progress| {
             let Some(first) = logs.first() else {
                 return Err("there is no log to write products of".to_owned());
@@ -103,6 +105,7 @@ impl App {
             let run = outputs::begin(&folder, &first.survey, None)?;
             let order = Order {
                 logs: &logs,
+                derived: &derived,
                 requested: &requested,
                 reference: None,
                 search: None,

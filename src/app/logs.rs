@@ -44,6 +44,16 @@ impl Logs {
         LogId(self.last)
     }
 
+    /// What views show of them.
+    pub fn for_picture(&self) -> Self {
+        Self {
+            others: self.others.iter().map(OpenLog::for_picture).collect(),
+            order: self.order.clone(),
+            shown: self.shown,
+            ..Self::default()
+        }
+    }
+
     /// Keeps what was decided about the boxes of a log that is being closed.
     fn park(&mut self, log: &mut OpenLog) {
         self.parked.extend(log.reviewing.park());

@@ -1,7 +1,7 @@
 //! What the analyst draws on the map to measure: a line, an area, or the line of a depth profile.
 
-use super::App;
 use super::reviewing::{Step, Tool};
+use super::{App, ProfileLine};
 use crate::bathymetry::Station;
 use crate::export;
 use crate::geo::{LonLat, area_m2, distance_m};
@@ -84,8 +84,8 @@ impl Figure {
 pub enum Measure {
     /// One more corner here.
     Corner(LonLat),
-    /// The depths along the line, as the map has them.
-    Sampled(Arc<Vec<Station>>),
+    /// Where the next corner would be, under the pointer.
+    Next(Option<LonLat>),
 }
 
 /// The figure and the tool that draws it.
@@ -95,8 +95,12 @@ pub struct Measuring {
     pub tool: Option<FigureKind>,
     /// What was drawn last.
     pub figure: Option<Arc<Figure>>,
-    /// Depths along the figure, if it is the line of a profile.
-    pub stations: Arc<Vec<Station>>,
+    /// Where the next corner would be.
+    pub(super) next: Option<LonLat>,
+    /// Depths along the figure, if it is the line of a profile,
+    pub(super) set: Option<Arc<ProfileLine>>,
+    /// and on to the next corner while it is drawn.
+    pub(super) drawn: Option<Arc<ProfileLine>>,
 }
 
 impl Measuring {
@@ -105,8 +109,18 @@ impl Measuring {
         Self {
             tool: None,
             figure: self.figure.clone(),
-            stations: self.stations.clone(),
+            ..Self::default()
         }
+    }
+
+    /// Depths along the figure; none where it is not the line of a profile.
+    pub fn stations(&self) -> &[Station] {
+        self.set.as_ref().map_or(&[], |set| &set.stations)
+    }
+
+    /// The line of the profile with its depths, on to the next corner while it is drawn.
+    pub fn profile(&self) -> Option<&ProfileLine> {
+        self.drawn.as_deref()
     }
 
     /// Whether the plot of a depth profile is requested.
@@ -168,7 +182,7 @@ impl App {
                 let figure = open.map_or_else(none, |figure| (**figure).clone());
                 self.draw(Some(figure.with(at)));
             }
-            Measure::Sampled(stations) => self.measuring.stations = stations,
+            Measure::Next(place) => self.measuring.next = place,
         }
     }
 
@@ -214,7 +228,7 @@ impl App {
     /// The depth profile as a table; `None` while there is none.
     pub fn profile_csv(&self) -> Option<String> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
-        let stations = &self.measuring.stations;
+        let stations = self.measuring.stations();
         let drawn = self.measuring.shows_profile() && !stations.is_empty();
         drawn.then(|| export::profile_csv(survey, &products.navigation, stations))
     }

@@ -117,6 +117,8 @@ impl App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.is_picture = true;
         copy.log = self.log.for_picture();
+        copy.logs = self.logs.for_picture();
+        copy.deriving = self.deriving.for_picture();
         copy.survey_serial = self.survey_serial;
         copy.plane_serial = self.plane_serial;
         copy.options = self.options.clone();

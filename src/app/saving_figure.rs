@@ -15,7 +15,7 @@ impl App {
         let (kind, area_m2, stations) = match figure.kind {
             FigureKind::Distance => ("distance", None, &[][..]),
             FigureKind::Area => ("area", Some(figure.area_m2()), &[][..]),
-            FigureKind::Profile => ("profile", None, &self.measuring.stations[..]),
+            FigureKind::Profile => ("profile", None, self.measuring.stations()),
         };
         let stations = stations.iter().map(|station| {
             let [east_m, north_m] = station.place;

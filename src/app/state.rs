@@ -2,6 +2,7 @@
 
 use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
+use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
 use super::heights::Heights;
 use super::loader::{Loading, Request};
@@ -117,6 +118,7 @@ pub struct App {
     pub(super) to_load: VecDeque<Request>,
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
+    pub(super) deriving: Deriving,
     pub(super) keeping: Keeping,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
@@ -156,6 +158,7 @@ impl App {
             to_load: VecDeque::new(),
             tabulating: Tabulating::default(),
             heights: Heights::default(),
+            deriving: Deriving::default(),
             keeping: Keeping::default(),
             missing: Vec::new(),
             exporting: None,
@@ -217,6 +220,7 @@ impl App {
             && !self.previewer.is_busy()
             && !self.tabulating.is_busy()
             && !self.heights.is_busy()
+            && !self.deriving.is_busy()
             && !self.keeping.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()

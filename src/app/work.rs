@@ -36,6 +36,8 @@ impl App {
         self.poll_export();
         self.each_log(App::poll_log);
         self.poll_base_map();
+        self.derive();
+        self.follow_profile();
     }
 
     /// Collects what was done about one log.

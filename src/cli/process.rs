@@ -11,7 +11,7 @@ use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
 use crate::outputs::{self, Order, Product};
-use crate::pipeline::{self, ProcessedLog, Reference, Settings};
+use crate::pipeline::{self, Derived, ProcessedLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::project;
 use crate::survey::{Identity, Survey};
@@ -225,6 +225,7 @@ pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result
     let log = ProcessedLog { survey, products };
     let order = Order {
         logs: slice::from_ref(&log),
+        derived: &Derived::default(),
         requested,
         reference: (reference.as_ref())
             .map(|reference| (reference, Matching::Surface { max_gap_m })),

@@ -9,7 +9,7 @@ const LEAST_STRETCH: f64 = 0.02;
 /// A coordinate reference system as a plane in metres. One in degrees, or a Mercator that stretches the ground, is scaled to
 /// metres on the ground at the survey's origin, so that cells and gaps mean the same in every system; a grid of square cells is
 /// then one of oblong cells in degrees.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapPlane {
     /// The system.
     pub crs: Crs,

@@ -2,8 +2,8 @@
 
 use super::frame::{Bounds, Frame};
 use super::{ReportData, raster};
-use crate::bathymetry::isobaths::{Isobath, isobaths};
-use crate::bathymetry::{Light, Surface, hill_shade};
+use crate::bathymetry::Surface;
+use crate::bathymetry::isobaths::Isobath;
 use crate::presentation::colours::{depth_colour, depth_share};
 use crate::presentation::ticks::ticks;
 use crate::progress::{Cancelled, Progress};
@@ -18,26 +18,22 @@ const APART_PX: f64 = 46.0;
 
 /// The map; `None` where the depths span no surface.
 pub fn depth_plan(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
-    let Some(surface) = from.surface else {
+    let Some(depth_map) = from.depth_map else {
         return Ok(None);
     };
+    let surface = &depth_map.surface;
     let Some(frame) = Frame::around(bounds(surface), from.map) else {
         return Ok(None);
     };
     let range_m = surface.range_m().map(|depth_m| depth_m as f32);
-    let settings = &from.products.settings.isobaths;
-    // Too many levels were refused with a warning when the isobaths were written.
-    let levels_m = settings.levels_m(surface.range_m()).unwrap_or_default();
-    let lines = isobaths(surface, &levels_m, progress)?;
-    let light = Light::suited(surface);
     let lit = Lit {
         surface,
         range_m,
-        level_ground: f32::from(light.level_ground()),
-        shade: hill_shade(surface, &light, progress)?,
+        level_ground: f32::from(depth_map.light.level_ground()),
+        shade: depth_map.shade(progress)?,
     };
     let under = lit.picture(&frame);
-    let over = isobath_lines(&lines, &frame) + &super::objects::marks(from, &frame);
+    let over = isobath_lines(&from.isobaths.lines, &frame) + &super::objects::marks(from, &frame);
     let name = "Depth map with isobaths, track and objects";
     let under = under + &super::mosaic_plan::track(from, &frame, "#000000", 0.35);
     Ok(Some(frame.svg(
@@ -63,7 +59,7 @@ struct Lit<'a> {
     surface: &'a Surface,
     range_m: [f32; 2],
     /// Brightness of every cell, 0 where it is not known.
-    shade: Vec<u8>,
+    shade: &'a [u8],
     level_ground: f32,
 }
 

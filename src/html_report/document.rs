@@ -4,7 +4,6 @@ use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
 use super::{ReportData, chart, objects, summary, tables};
-use crate::bathymetry::Light;
 use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 
@@ -56,17 +55,17 @@ fn figure(title: &str, drawn: Option<String>, caption: &str) -> String {
 }
 
 fn depth_caption(from: &ReportData<'_>) -> String {
-    let Some(surface) = from.surface else {
+    let Some(depth_map) = from.depth_map else {
         return String::new();
     };
     let settings = &from.products.settings;
     format!(
         "Cells of {:.2} m, {}, graticule in WGS84. No cell is farther than {} m from a depth, none outside \
          their hull. The relief is lit from the north-west, {} times as high as it is. {}",
-        surface.grid.cell_m,
+        depth_map.surface.grid.cell_m,
         xml(&from.map.crs.to_string()),
         settings.surface.max_gap_m,
-        Light::suited(surface).exaggeration,
+        depth_map.light.exaggeration,
         xml(&from.products.correction.statement())
     )
 }

@@ -22,11 +22,10 @@ mod tables;
 
 pub use document::document;
 
-use crate::bathymetry::Surface;
 use crate::detection::Raster;
 use crate::export::ObjectRow;
 use crate::geo::MapPlane;
-use crate::pipeline::{NamedComparison, Products, Report};
+use crate::pipeline::{DepthMap, Isobaths, Mosaic, NamedComparison, Products, Report};
 use crate::survey::Survey;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
@@ -37,10 +36,14 @@ pub struct ReportData<'a> {
     pub products: &'a Products,
     /// The record, with the warnings of every product.
     pub report: &'a Report,
-    /// The plane of `surface`.
+    /// The plane of depth map and mosaic.
     pub map: &'a MapPlane,
     /// The depth map; `None` where the depths span none.
-    pub surface: Option<&'a Surface>,
+    pub depth_map: Option<&'a DepthMap>,
+    /// Its isobaths.
+    pub isobaths: &'a Isobaths,
+    /// The mosaic; `None` where nothing is shown.
+    pub mosaic: Option<&'a Mosaic>,
     /// How measured depths agree.
     pub comparisons: &'a [NamedComparison],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.

@@ -3,13 +3,15 @@
 use super::frame::Frame;
 use super::{ReportData, objects, raster};
 use crate::bathymetry::Grid;
-use crate::mosaic::{GainTable, Layout, TILE_CELLS, TileIndex, gain_table, tile};
-use crate::pipeline::mosaic_layout;
+use crate::mosaic::joint_grid;
+use crate::pipeline::Mosaic;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// Cells along the longer side: what a screen shows, and little to send.
 const MOST_CELLS: f64 = 1500.0;
+/// Rows that are drawn together.
+const BAND_ROWS: usize = 128;
 /// What shows where nothing was insonified.
 const PAPER: u8 = 0xf7;
 
@@ -18,31 +20,19 @@ pub fn mosaic_plan(
     from: &ReportData<'_>,
     progress: &Progress,
 ) -> Result<Option<String>, Cancelled> {
-    let (survey, products) = (from.survey, from.products);
-    if !survey.has_side_scan() {
-        return Ok(None);
-    }
-    let layout = mosaic_layout(survey, products, from.map);
-    // Where the ground lies is known from a coarse grid already.
-    let Some(coarse) = layout.grid(10.0) else {
+    let Some(mosaic) = from.mosaic else {
         return Ok(None);
     };
-    let extent_m = coarse.cell_m * coarse.columns.max(coarse.rows) as f64;
-    let Some(grid) = layout.grid((extent_m / MOST_CELLS).max(products.settings.mosaic.cell_m))
-    else {
+    let [west, south, east, north] = mosaic.bounds;
+    let extent_m = (east - west).max(north - south);
+    let cell_m = (extent_m / MOST_CELLS).max(from.products.settings.mosaic.cell_m);
+    let Some(grid) = joint_grid(&mosaic.logs, cell_m) else {
         return Ok(None);
     };
     let Some(frame) = Frame::around(bounds(&grid), from.map) else {
         return Ok(None);
     };
-    let drawing = Drawing {
-        from,
-        layout: &layout,
-        grid: &grid,
-        gain: gain_table(survey, &layout, progress)?,
-        index: layout.index(&grid),
-    };
-    let pixels = drawing.pixels(progress)?;
+    let pixels = pixels(mosaic, &grid, progress)?;
     let [x, y] = frame.place([grid.west_m, grid.north_m]);
     let scale = grid.cell_m * frame.px_per_m();
     let picture = format!(
@@ -70,53 +60,25 @@ fn bounds(grid: &Grid) -> [f64; 4] {
     ]
 }
 
-struct Drawing<'a> {
-    from: &'a ReportData<'a>,
-    layout: &'a Layout,
-    grid: &'a Grid,
-    gain: GainTable,
-    index: TileIndex,
-}
-
-impl Drawing<'_> {
-    /// Levels of all cells, row by row.
-    fn pixels(&self, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
-        let Grid { columns, rows, .. } = *self.grid;
-        let places: Vec<(usize, usize)> = self.index.tiles().collect();
-        progress.start(places.len() as u64);
-        let settings = &self.from.products.settings.mosaic;
-        let drawn = places.par_iter().map(|&(down, across)| {
-            progress.check()?;
-            let place = [down, across];
-            let made = tile(
-                self.from.survey,
-                self.layout,
-                self.grid,
-                &self.index,
-                &self.gain,
-                settings,
-                place,
-            );
-            progress.advance(1);
-            Ok((place, made))
-        });
-        let drawn = drawn.collect::<Result<Vec<_>, Cancelled>>()?;
-        let mut pixels = vec![PAPER; columns * rows];
-        for ([down, across], tile) in drawn {
-            let (top, left) = (down * TILE_CELLS, across * TILE_CELLS);
-            let width = TILE_CELLS.min(columns.saturating_sub(left));
-            let lines = tile.levels.chunks_exact(TILE_CELLS);
-            for (row, levels) in (top..rows).zip(lines) {
-                let to = &mut pixels[row * columns + left..][..width];
-                for (pixel, level) in to.iter_mut().zip(levels) {
-                    if *level > 0 {
-                        *pixel = *level;
-                    }
-                }
-            }
+/// Levels of all cells, row by row.
+fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
+    let tops: Vec<usize> = (0..grid.rows).step_by(BAND_ROWS).collect();
+    progress.start(tops.len() as u64);
+    let bands = tops.into_par_iter().map(|top| {
+        let band = Grid {
+            north_m: grid.north_m - top as f64 * grid.cell_m,
+            rows: BAND_ROWS.min(grid.rows - top),
+            ..*grid
+        };
+        let mut levels = mosaic.levels(&band, progress)?;
+        for level in levels.iter_mut().filter(|level| **level == 0) {
+            *level = PAPER;
         }
-        Ok(pixels)
-    }
+        progress.advance(1);
+        Ok(levels)
+    });
+    let bands = bands.collect::<Result<Vec<_>, Cancelled>>()?;
+    Ok(bands.concat())
 }
 
 /// The way of the boat.

@@ -129,7 +129,7 @@ fn above_bottom(from: &ReportData<'_>) -> String {
 /// A value with its unit, and what it is.
 fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
     let mut figures = Vec::new();
-    if let Some(surface) = from.surface {
+    if let Some(surface) = from.depth_map.map(|depth_map| &depth_map.surface) {
         let [least_m, most_m] = surface.range_m();
         let known: Vec<f64> = surface
             .depth_m

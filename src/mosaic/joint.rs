@@ -3,7 +3,7 @@
 //! Each log is normalised by itself, to its own mean level. Where one went over gravel and another over mud, the same ground would be
 //! darker in the one than in the other, and the edge of a swath a step. What both show of the same cells tells by how much.
 
-use super::layout::{bounds_of, grid_over};
+use super::layout::{Bounds, bounds_of, grid_over};
 use super::{Gain, MosaicLog, MosaicSettings, Overlap, window};
 use crate::bathymetry::Grid;
 use crate::bathymetry::height_offsets::{Datum, Meeting, MeetingKind, adjust};
@@ -19,10 +19,14 @@ const LEAST_CELLS: usize = 10;
 /// Bounds of the factor that makes logs alike: beyond them they show different things.
 const FACTORS: [f64; 2] = [0.25, 4.0];
 
+/// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
+pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
+    bounds_of(logs.iter().map(|log| &log.layout))
+}
+
 /// The grid that holds what all logs show, its edges at whole cells; `None` when nothing is shown.
 pub fn joint_grid(logs: &[MosaicLog], cell_m: f64) -> Option<Grid> {
-    let bounds = bounds_of(logs.iter().map(|log| &log.layout));
-    bounds.map(|bounds| grid_over(bounds, cell_m))
+    joint_bounds(logs).map(|bounds| grid_over(bounds, cell_m))
 }
 
 /// Brings the levels of the logs to each other where they show the same ground, each by one factor: those whose logarithms fit the

@@ -25,7 +25,7 @@ mod scan;
 
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
-pub use joint::{joint_grid, match_levels};
+pub use joint::{joint_bounds, joint_grid, match_levels};
 pub use layout::{Bounds, Layout, TileIndex};
 pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};
 

@@ -11,7 +11,7 @@ use crate::detection::{
     review::State,
 };
 use crate::export::{self, ExportError, ObjectRow, Summary};
-use crate::pipeline::{Placing, ProcessedLog, Products};
+use crate::pipeline::{Derived, Placing, ProcessedLog, Products};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::Path;
@@ -54,6 +54,7 @@ pub fn write_detected(
 ) -> Result<Proposed, String> {
     let order = Order {
         logs: std::slice::from_ref(log),
+        derived: &Derived::default(),
         requested: &[],
         reference: None,
         search: Some(model),

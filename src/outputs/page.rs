@@ -40,13 +40,18 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
     if let Some(agreement) = results.agreement()? {
         comparisons.extend(agreement.by_source(products));
     }
+    // Too many levels were refused with a warning when the isobaths were written.
+    let isobaths = results.isobaths()?.unwrap_or_default();
+    let mosaic = results.mosaic()?;
     let files: Vec<FileLine> = run.listed().map(|row| (row.name, row.brief)).collect();
     let from = ReportData {
         survey,
         products,
         report: &run.report,
         map: &results.plane.map,
-        surface: results.surface()?,
+        depth_map: results.depth_map()?.map(AsRef::as_ref),
+        isobaths: &isobaths,
+        mosaic: mosaic.as_deref(),
         comparisons: &comparisons,
         objects,
         files: &files,

@@ -1,7 +1,7 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
 use super::detections::is_left_out;
-use super::mosaic::Placed;
+use super::mosaic::grid;
 use super::track::Ground;
 use super::write::Order;
 use crate::bathymetry::Surface;
@@ -10,12 +10,12 @@ use crate::export::{self, LogPoints, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
 use crate::pipeline::{
-    Agreement, Contours, Input, NamedComparison, OwnCrosslines, Plane, ProcessedLog, Products,
-    comparisons, joint_depth_surface, mosaic_layout, own_crosslines,
+    Agreement, Contours, DepthMap, Input, Isobaths, Mosaic, MosaicPlane, NamedComparison,
+    OwnCrosslines, Plane, ProcessedLog, Products, comparisons, mosaic_layout, own_crosslines,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// What a file cannot be made without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,11 +58,10 @@ pub(super) struct Results<'a> {
     pub progress: &'a Progress,
     track: OnceLock<Vec<TrackPiece>>,
     ground: OnceLock<Ground>,
-    surface: OnceLock<Option<Surface>>,
+    depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, String>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
     crossings: OnceLock<Option<OwnCrosslines>>,
-    mosaic: OnceLock<Result<Placed, String>>,
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
     found: OnceLock<Vec<Detection>>,
@@ -99,11 +98,10 @@ impl<'a> Results<'a> {
             progress,
             track: OnceLock::new(),
             ground: OnceLock::new(),
-            surface: OnceLock::new(),
+            depth_map: OnceLock::new(),
             contours: OnceLock::new(),
             comparisons: OnceLock::new(),
             crossings: OnceLock::new(),
-            mosaic: OnceLock::new(),
             agreement: OnceLock::new(),
             reference_inputs: OnceLock::new(),
             found: OnceLock::new(),
@@ -115,7 +113,6 @@ impl<'a> Results<'a> {
         self.track.take();
         self.ground.take();
         self.contours.take();
-        self.mosaic.take();
     }
 
     /// Whether something is missing, and why.
@@ -140,7 +137,7 @@ impl<'a> Results<'a> {
                 Ok(_) => None,
             },
             Need::Isobaths => match self.contours()? {
-                Ok(contours) if !contours.lines.is_empty() => None,
+                Ok(contours) if !contours.isobaths.lines.is_empty() => None,
                 _ => silent(),
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
@@ -149,8 +146,8 @@ impl<'a> Results<'a> {
                 )
             }
             Need::SideScan if !self.has_side_scan() => silent(),
-            Need::Mosaic => match self.mosaic()? {
-                Err(why) => told(why),
+            Need::Mosaic => match grid(self)? {
+                Err(why) => told(&why),
                 Ok(_) => None,
             },
             Need::Reference if self.order.reference.is_none() => silent(),
@@ -244,27 +241,39 @@ impl<'a> Results<'a> {
     }
 
     /// The depth map; `None` where the depths span none.
-    pub fn surface(&self) -> Result<Option<&Surface>, String> {
-        let surface = once(&self.surface, || {
-            let made = joint_depth_surface(self.order.logs, &self.plane.map, self.progress);
+    pub fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, String> {
+        let made = once(&self.depth_map, || {
+            let made = self.order.derived.depth_map(self.order.logs, self.progress);
             made.map_err(in_words)
         });
-        surface.map(Option::as_ref)
+        made.map(Option::as_ref)
+    }
+
+    /// Its depths.
+    pub fn surface(&self) -> Result<Option<&Surface>, String> {
+        Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
+    }
+
+    /// The isobaths; why there are none.
+    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, String>, String> {
+        let Some(depth_map) = self.depth_map()? else {
+            return Ok(Err("there is no depth map".to_owned()));
+        };
+        let settings = &self.products.settings.isobaths;
+        let made = (self.order.derived).isobaths(depth_map, settings, self.progress);
+        Ok(made.map_err(in_words)?.map_err(|error| error.to_string()))
     }
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
     pub fn contours(&self) -> Result<&Result<Contours, String>, String> {
-        let surface = self.surface()?;
         once(&self.contours, || {
-            let Some(surface) = surface else {
-                return Ok(Err("there is no depth map".to_owned()));
-            };
-            let settings = &self.products.settings.isobaths;
-            match settings.levels_m(surface.range_m()) {
-                Err(error) => Ok(Err(error.to_string())),
-                Ok(levels_m) => Contours::new(surface, &levels_m, self.progress)
+            let (surface, isobaths) = (self.surface()?, self.isobaths()?);
+            match (surface, isobaths) {
+                (Some(surface), Ok(isobaths)) => Contours::new(surface, isobaths, self.progress)
                     .map(Ok)
                     .map_err(in_words),
+                (_, Err(why)) => Ok(Err(why)),
+                (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
             }
         })
     }
@@ -285,9 +294,11 @@ impl<'a> Results<'a> {
         made.map(Option::as_ref)
     }
 
-    /// Where the echoes lie; why they cannot be drawn.
-    pub fn mosaic(&self) -> Result<&Result<Placed, String>, String> {
-        once(&self.mosaic, || Placed::new(self).map_err(in_words))
+    /// The mosaic in the plane of the map; `None` where nothing is shown.
+    pub fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, String> {
+        let plane = MosaicPlane::Map(self.plane.map.clone());
+        let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
+        made.map_err(in_words)
     }
 
     /// The survey against the reference; `None` without one.

@@ -11,7 +11,7 @@ use crate::bathymetry::compare::Matching;
 use crate::detection::review::Review;
 use crate::detection::{Model, Raster};
 use crate::pipeline::joint::joint_report;
-use crate::pipeline::{ProcessedLog, Reference, Report};
+use crate::pipeline::{Derived, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use std::path::Path;
 use std::sync::Arc;
@@ -20,6 +20,8 @@ use std::sync::Arc;
 pub struct Order<'a> {
     /// The logs that the files are of, with what the pipeline made of them: one, or all of a survey, in the frame of the first.
     pub logs: &'a [ProcessedLog],
+    /// What is made of all logs together, each once.
+    pub derived: &'a Derived,
     /// What is written beside `first_returns.csv`, `cloud.csv` and `report.json`.
     pub requested: &'a [Product],
     /// What the depths are compared with besides, and how a point finds its reference.

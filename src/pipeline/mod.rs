@@ -1,13 +1,15 @@
 //! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
-//! stages and what they made, `engine` runs them on a worker for the window. `depth` makes the depth map and what follows from it,
+//! stages and what they made, `engine` runs them on a worker for the window,
+//! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
 //! `agreement` compares points with a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
 //! up, `fingerprint` tells versions of files apart, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
 
 mod agreement;
 mod background;
 mod depth;
+mod derived;
 mod engine;
 mod fingerprint;
 pub mod joint;
@@ -23,8 +25,11 @@ mod task;
 pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
 pub use background::{Background, Same};
 pub use depth::{
-    Choice, Contours, DepthChart, NamedComparison, OwnCrosslines, Plane, choices, comparisons,
-    depth_surface, joint_depth_surface, own_crosslines,
+    Choice, Contours, NamedComparison, OwnCrosslines, Plane, choices, comparisons,
+    joint_depth_surface, own_crosslines,
+};
+pub use derived::{
+    DepthMap, DepthMapKey, Derived, FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};
@@ -34,7 +39,7 @@ pub use log_settings::{
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
 pub use placing::Placing;
 pub use processed_log::ProcessedLog;
-pub use products::{Products, Stage, run};
+pub use products::{Products, Stage, colour_range_m, run};
 pub use report::{CalibrationReport, Report, warnings};
 pub use settings::{Preset, Settings, SettingsError};
 pub use task::{Jobs, Outcome, Task};

@@ -1,11 +1,12 @@
 //! The results of the stages, each tagged with the settings that made it.
 
 use super::Settings;
+use crate::bathymetry;
 use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Survey, navigate};
+use crate::survey::{LeftOut, Navigation, Sounding, Survey, navigate};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -91,6 +92,10 @@ pub struct Products {
     pub kept: Arc<Vec<bool>>,
     /// The depth under the boat at every side-scan ping.
     pub depths: Arc<Vec<PingDepth>>,
+    /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
+    /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives;
+    /// `None` where no depth is known.
+    pub depth_range_m: Option<[f32; 2]>,
 }
 
 impl Products {
@@ -98,6 +103,27 @@ impl Products {
     pub fn reduction(&self) -> Reduction<'_> {
         Reduction::new(&self.calibration, &self.correction)
     }
+}
+
+/// Ends of the colour scale of depth over some results, metres: from the least to the greatest that one of them needs. `None` where no
+/// depth is known.
+pub fn colour_range_m<'a>(all: impl Iterator<Item = &'a Products>) -> Option<[f32; 2]> {
+    let each = all.filter_map(|products| products.depth_range_m);
+    each.reduce(|[shallow, deep], [s, d]| [shallow.min(s), deep.max(d)])
+}
+
+/// The percentiles of [`Products::depth_range_m`].
+fn depth_range_m(
+    survey: &Survey,
+    correction: &Correction,
+    depths: &[PingDepth],
+) -> Option<[f32; 2]> {
+    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let depth_m = |sounding: &Sounding| {
+        correction.depth_m(sounding.time_s, f64::from(sounding.depth_m)) as f32
+    };
+    let of_pings = || bathymetry::depth_range(depths.iter().map(|depth| depth.depth_m));
+    bathymetry::depth_range(locked.map(depth_m)).or_else(of_pings)
 }
 
 /// How many flat stretches are ranked.
@@ -197,15 +223,16 @@ pub fn run(
             Arc::new(made.without(&left_out))
         }
     };
-    let (kept, depths) = match reuse(Stage::Outliers) {
-        Some(old) => (old.kept.clone(), old.depths.clone()),
+    let (kept, depths, depth_range_m) = match reuse(Stage::Outliers) {
+        Some(old) => (old.kept.clone(), old.depths.clone(), old.depth_range_m),
         None => {
             begin(Stage::Outliers)?;
             let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
             let kept = cloud::keep_points(&cloud, least, how, progress)?;
             let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
             let depths = cloud::without_left_out(depths, &left_out);
-            (Arc::new(kept), Arc::new(depths))
+            let range_m = depth_range_m(survey, &correction, &depths);
+            (Arc::new(kept), Arc::new(depths), range_m)
         }
     };
     Ok(Products {
@@ -220,6 +247,7 @@ pub fn run(
         cloud,
         kept,
         depths,
+        depth_range_m,
     })
 }
 

@@ -174,6 +174,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         cloud: Arc::new(cloud),
         kept: Arc::new(Vec::new()),
         depths: Arc::new(depths),
+        depth_range_m: Some([2.0, 4.0]),
     }
 }
 
@@ -207,6 +208,7 @@ impl Window {
             ..Default::default()
         };
         let started = Instant::now();
+        self.app.poll();
         let output = self.context.run_ui(input, |ui| {
             let mut context = ViewContext {
                 app: &self.app,

@@ -4,7 +4,7 @@ use crate::lines::ten_lines;
 use crate::resources::{peak_from_here_mb, peak_mb, processor_s};
 use bathyscope::first_return;
 use bathyscope::outputs::{self, Order, Product, RunFolder};
-use bathyscope::pipeline::{self, ProcessedLog, Products, Settings};
+use bathyscope::pipeline::{self, Derived, ProcessedLog, Products, Settings};
 use bathyscope::progress::Progress;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -37,6 +37,7 @@ pub fn run() {
         };
         let order = Order {
             logs: std::slice::from_ref(&log),
+            derived: &Derived::default(),
             requested,
             reference: None,
             search: None,

@@ -246,6 +246,93 @@ fn the_pipeline_computes_and_writes_nothing() {
     assert!(offences.is_empty(), "{offences:#?}");
 }
 
+/// What makes results: the window asks the state for them.
+const MAKES_RESULTS: [&str; 7] = [
+    "bathymetry",
+    "calibration",
+    "cloud",
+    "first_return",
+    "mosaic",
+    "pipeline",
+    "statistics",
+];
+
+/// The table of settings makes nothing.
+const SETTINGS_TABLE: [&str; 2] = ["rows", "settings"];
+
+/// Makers of results that are types.
+const MAKERS: [&str; 7] = [
+    "DepthMap::new",
+    "Derived::",
+    "Engine::",
+    "Isobaths::new",
+    "Light::suited",
+    "Mosaic::new",
+    "Surface::",
+];
+
+/// Names that the code takes out of a module: `{a, b::C}` after `crate::module::` gives `a` and `C`.
+fn names_of(code: &str, module: &str) -> Vec<String> {
+    let within = |text: &str| -> Vec<String> {
+        let in_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+        let (path, rest) = text.split_at(text.find(|c| !in_path(c)).unwrap_or(text.len()));
+        let listed = rest
+            .strip_prefix('{')
+            .filter(|_| path.is_empty() || path.ends_with("::"));
+        let names = listed.map_or(path, |rest| rest.split('}').next().unwrap_or(rest));
+        let last = |name: &str| name.trim().rsplit("::").next().map(str::to_owned);
+        names
+            .split(',')
+            .filter_map(last)
+            .filter(|name| !name.is_empty())
+            .collect()
+    };
+    let path = format!("crate::{module}::");
+    let mut found: Vec<String> = (code.split(&path).skip(1)).flat_map(within).collect();
+    let whole = format!("use crate::{module};");
+    if code.contains(&whole) {
+        let inline = format!("{module}::");
+        found.extend(code.split(&inline).skip(1).flat_map(within));
+    }
+    found
+}
+
+#[test]
+fn ui_computes_no_result() {
+    let is_function = |name: &String| {
+        let is_module = name == "self" || SETTINGS_TABLE.contains(&name.as_str());
+        name.starts_with(|first: char| first.is_lowercase()) && !is_module
+    };
+    let mut offences = Vec::new();
+    for path in rust_files(&source().join("ui")) {
+        let code = code(&path);
+        // Tests hold what is drawn against results.
+        let code = code.split("#[cfg(test)]").next().unwrap_or_default();
+        for module in MAKES_RESULTS {
+            for name in names_of(code, module)
+                .iter()
+                .filter(|name| is_function(name))
+            {
+                offences.push(format!("{} takes {module}::{name}", path.display()));
+            }
+        }
+        for maker in MAKERS.iter().filter(|maker| code.contains(**maker)) {
+            offences.push(format!("{} names {maker}", path.display()));
+        }
+    }
+    assert!(offences.is_empty(), "{offences:#?}");
+    // The check itself: it sees functions however they are named.
+    let seen = |code: &str| names_of(code, "bathymetry").iter().any(is_function);
+    assert!(seen("use crate::bathymetry::{Grid, hill_shade};"));
+    assert!(seen(
+        "use crate::bathymetry;\nlet x = bathymetry::depth_range(y);"
+    ));
+    assert!(seen(
+        "let x = crate::bathymetry::isobaths::smoothed(line, 2);"
+    ));
+    assert!(!seen("use crate::bathymetry::isobaths::IsobathSettings;"));
+}
+
 #[test]
 fn files_stay_small_enough_to_read() {
     let long: Vec<String> = rust_files(&source())

@@ -10,7 +10,7 @@ use bathyscope::formats::{
     points::{self, PointFormat},
 };
 use bathyscope::outputs::{self, Order, Product, RunFolder};
-use bathyscope::pipeline::{self, Preset, ProcessedLog, Settings};
+use bathyscope::pipeline::{self, Derived, Preset, ProcessedLog, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{HeadingSource, Projection, Survey};
 use proptest::prelude::*;
@@ -204,6 +204,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     let (survey, products) = (&log.survey, &log.products);
     let order = Order {
         logs: std::slice::from_ref(&log),
+        derived: &Derived::default(),
         requested: &[Product::Cloud],
         reference: None,
         search: None,

@@ -10,9 +10,9 @@ use bathyscope::geo::{Crs, MapPlane};
 use bathyscope::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
-use bathyscope::pipeline::joint::{crossline_analysis, height_offsets, mosaic_logs};
+use bathyscope::pipeline::joint::{crossline_analysis, height_offsets};
 use bathyscope::pipeline::{
-    self, Placing, ProcessedLog, Settings, joint_depth_surface, mosaic_layout,
+    self, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface, mosaic_layout,
 };
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{
@@ -431,7 +431,8 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let logs = &lake.logs[..3];
     let origin = logs[0].survey.track.frame.origin();
     let map = MapPlane::new(Crs::utm(origin), origin);
-    let mut made = mosaic_logs(logs, &map, &settings, &progress).expect("nobody cancels");
+    let mosaic = Mosaic::new(logs, &MosaicPlane::Map(map), &progress).expect("nobody cancels");
+    let mut made = mosaic.expect("ground").logs;
     let grid = joint_grid(&made, settings.cell_m).expect("ground");
     let ratio = |made: &[MosaicLog], a: usize, b: usize| {
         let drawn = [a, b].map(|log| {

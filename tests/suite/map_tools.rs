@@ -213,7 +213,7 @@ fn a_depth_profile_is_plotted_marked_and_saved() {
     settle(&mut window);
     window.snapshot("map_profile");
 
-    let stations = app(&window).measuring.stations.clone();
+    let stations = app(&window).measuring.stations().to_vec();
     let figure = app(&window).measuring.figure.clone().unwrap();
     let text = app(&window).profile_csv().expect("a profile");
     let mut lines = text.lines();

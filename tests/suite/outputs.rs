@@ -6,7 +6,7 @@ use bathyscope::app::{App, Command, Jobs};
 use bathyscope::outputs::{
     self, EarlierRun, OUTPUT_FILES, Order, OutputFile, Product, RunFolder, When, row_of,
 };
-use bathyscope::pipeline::{self, ProcessedLog, Settings};
+use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
 use bathyscope::survey::Survey;
@@ -134,6 +134,7 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
     let log = ProcessedLog { survey, products };
     let order = Order {
         logs: std::slice::from_ref(&log),
+        derived: &Derived::default(),
         requested: &Product::ALL,
         reference: None,
         search: None,

@@ -2,7 +2,7 @@
 
 use crate::support;
 use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
-use bathyscope::bathymetry::{SurfaceSettings, depth_points, surface};
+use bathyscope::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
 use bathyscope::cloud::{
     CloudPoint, Correction, PointCloud, PointSource, SoundingIndex, ping_depths,
@@ -142,6 +142,8 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         ppd: None,
         factor: None,
     };
+    let locked = survey.soundings.iter().filter(|sounding| sounding.locked);
+    let depth_range_m = depth_range(locked.map(|sounding| sounding.depth_m));
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
     Products {
@@ -172,6 +174,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         cloud: Arc::new(cloud),
         kept: Arc::new(kept),
         depths: Arc::new(depths),
+        depth_range_m,
     }
 }
 
@@ -209,6 +212,7 @@ impl Room {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, render_state: Option<&RenderState>) {
+        self.app.poll();
         let mut commands = Vec::new();
         let mut context = ViewContext {
             app: &self.app,

@@ -8,7 +8,7 @@ use crate::cli::status_line::StatusLine;
 use crate::geo::LocalFrame;
 use crate::outputs::{self, Order};
 use crate::pipeline::joint::height_offsets;
-use crate::pipeline::{self, ProcessedLog, Settings};
+use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
@@ -66,6 +66,7 @@ pub fn process(
         let run = outputs::begin(folder, &first.survey, None)?;
         let order = Order {
             logs: &taken,
+            derived: &Derived::default(),
             requested: how.requested,
             reference: None,
             search: how.model.filter(|_| taken.len() == 1),

@@ -43,7 +43,8 @@ fn content(
 pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
-    let written = export::isobaths_geojson(path, &drawn.contours.lines, drawn.smooth, place);
+    let written =
+        export::isobaths_geojson(path, &drawn.contours.isobaths.lines, drawn.smooth, place);
     content(Coordinates::Degrees, written)
 }
 
@@ -79,7 +80,7 @@ pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, String
 
 /// The lines with their depth beside them, the deeper the darker.
 fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
-    let (lines, ground) = (&drawn.contours.lines, drawn.ground.sqrt());
+    let (lines, ground) = (&drawn.contours.isobaths.lines, drawn.ground.sqrt());
     let depths = lines.iter().map(|line| line.depth_m);
     let [least_m, most_m] = depths.fold([f64::MAX, f64::MIN], |[least, most], depth| {
         [least.min(depth), most.max(depth)]

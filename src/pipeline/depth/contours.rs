@@ -1,17 +1,16 @@
 //! What is drawn of a depth map: lines of equal depth, the areas between them and what lies below each.
 
 use crate::bathymetry::Surface;
-use crate::bathymetry::isobaths::{DepthArea, Isobath, Storage, depth_areas, isobaths, storage};
+use crate::bathymetry::isobaths::{DepthArea, Storage, depth_areas, storage};
+use crate::pipeline::Isobaths;
 use crate::progress::{Cancelled, Progress};
-
-/// Lines shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
-const LEAST_LENGTH_M: f64 = 0.01;
+use std::sync::Arc;
 
 /// What is drawn of a depth map.
 #[derive(Clone, Debug)]
 pub struct Contours {
     /// Lines of equal depth.
-    pub lines: Vec<Isobath>,
+    pub isobaths: Arc<Isobaths>,
     /// The areas between them.
     pub areas: Vec<DepthArea>,
     /// Area and volume below each level.
@@ -19,20 +18,18 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// Of levels, metres, from shallow to deep.
+    /// Between and below the lines of a surface.
     ///
     /// # Errors
     /// When the work was cancelled.
     pub fn new(
         surface: &Surface,
-        levels_m: &[f64],
+        isobaths: Arc<Isobaths>,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let with_ends = with_ends(levels_m, surface.range_m());
-        let mut lines = isobaths(surface, levels_m, progress)?;
-        lines.retain(|line| line.length_m() > LEAST_LENGTH_M);
+        let with_ends = with_ends(&isobaths.levels_m, surface.range_m());
         Ok(Self {
-            lines,
+            isobaths,
             areas: depth_areas(surface, &with_ends, progress)?,
             table: storage(surface, &with_ends),
         })

@@ -1,16 +1,16 @@
 //! What the depths give: the surface, isobaths, the agreement of side-scan with soundings, the crossline analysis. All in the system
 //! that `crs` names.
 
-mod chart;
 mod choices;
 mod contours;
 mod crosslines;
 mod plane;
 mod residuals;
+mod surface;
 
-pub use chart::{DepthChart, depth_surface, joint_depth_surface};
 pub use choices::{Choice, choices};
 pub use contours::Contours;
 pub use crosslines::{OwnCrosslines, own_crosslines};
 pub use plane::Plane;
 pub use residuals::{NamedComparison, comparisons};
+pub use surface::joint_depth_surface;

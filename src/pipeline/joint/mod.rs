@@ -3,14 +3,12 @@
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
 //! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` holds logs against each other where
 //! their tracks meet, and finds their height offsets, `comparison` holds them against each
-//! other by their points, `mosaic` makes their side-scan one, `report` sums them up.
+//! other by their points, `report` sums them up.
 
 mod comparison;
 mod crossline;
-mod mosaic;
 mod report;
 
 pub use comparison::compare_logs;
 pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
-pub use mosaic::{mosaic_logs, mosaic_logs_by};
 pub use report::{LogReport, LogsReport, joint_report};

@@ -98,7 +98,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
         .app
         .returns()
         .and_then(|returns| returns.side(side).get(ping).copied())
-        .filter(crate::first_return::Pick::is_some);
+        .filter(|pick| pick.is_some());
     let value = match pick {
         None => "no return".to_owned(),
         Some(pick) => {

@@ -3,8 +3,8 @@
 use crate::app::{ColourMap, PIXEL_M};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, Raster, TILE_PX, level};
-use crate::survey::{Navigation, Survey};
 use crate::pipeline::Same;
+use crate::survey::{Navigation, Survey};
 use crate::ui::views::waterfall::{outline, palette};
 use egui::{ColorImage, Rect, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
 

@@ -7,9 +7,9 @@ mod picture;
 mod pointer;
 mod scene;
 
-use crate::pipeline::Background;
 use super::empty;
 use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
+use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
@@ -22,7 +22,11 @@ use std::sync::Arc;
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
 
-type Key = (Vec<LogPoints>, (CloudColour, ThemeChoice, SideColours));
+type Key = (
+    Vec<LogPoints>,
+    Option<[f32; 2]>,
+    (CloudColour, ThemeChoice, SideColours),
+);
 
 /// State of the cloud view: where it looks, and what was made for it.
 #[derive(Default)]
@@ -150,9 +154,10 @@ impl CloudView {
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
-        let key = (logs.clone(), colours);
+        let range_m = context.app.depth_range_m();
+        let key = (logs.clone(), range_m, colours);
         self.scene.ask(key, context.app.jobs(), move |progress| {
-            let scene = CloudScene::new(logs, &options, uploader.as_ref(), progress);
+            let scene = CloudScene::new(logs, range_m, &options, uploader.as_ref(), progress);
             scene.map(Arc::new)
         });
     }

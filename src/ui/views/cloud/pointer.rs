@@ -253,7 +253,7 @@ mod tests {
             colour: [0; 3],
         };
         let options = ViewOptions::default();
-        let made = CloudScene::new(vec![log], &options, None, &Progress::new());
+        let made = CloudScene::new(vec![log], None, &options, None, &Progress::new());
         made.expect("a scene")
     }
 

@@ -1,7 +1,6 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
-use crate::bathymetry;
 use crate::cloud::{CloudPoint, Outliers, PointCloud, PointSource};
 use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
@@ -126,9 +125,10 @@ pub struct CloudScene {
 }
 
 impl CloudScene {
-    /// `None` when there is no point, or cancelled.
+    /// In colours between two depths, metres; `None` when there is no point, or cancelled.
     pub fn new(
         logs: Vec<LogPoints>,
+        range_m: Option<[f32; 2]>,
         options: &ViewOptions,
         uploader: Option<&Uploader>,
         progress: &Progress,
@@ -136,8 +136,6 @@ impl CloudScene {
         let counts = counts(&logs);
         let in_box = counts.kept() > 0;
         let first = logs.iter().find_map(|log| log.points(in_box).next())?.1;
-        let depths = logs.iter().flat_map(|log| log.points(true));
-        let range_m = bathymetry::depth_range(depths.map(|(_, point)| -point.z_m as f32));
         let starts = logs.iter().scan(0, |sum, log| {
             let start = *sum;
             *sum += log.cloud.points.len();
@@ -376,7 +374,14 @@ mod tests {
             colour: [7, 8, 9],
             ..first.clone()
         };
-        let both = CloudScene::new(vec![first.clone(), second], &options, None, &progress).unwrap();
+        let both = CloudScene::new(
+            vec![first.clone(), second],
+            Some([1.0, 9.0]),
+            &options,
+            None,
+            &progress,
+        )
+        .unwrap();
         let numbers = both.places(true).map(|(number, _)| number);
         assert_eq!(
             numbers.collect::<Vec<_>>(),
@@ -401,7 +406,7 @@ mod tests {
             .vertices(&by_log, &progress)
             .map(|vertex| vertex.colour[0]);
         assert_eq!(colours.collect::<Vec<_>>()[..3], [1, 1, 7]);
-        let scene = CloudScene::new(vec![first], &options, None, &progress).unwrap();
+        let scene = CloudScene::new(vec![first], None, &options, None, &progress).unwrap();
         let order = |preview| scene.places(preview).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);

@@ -4,9 +4,9 @@ use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::base_map::BaseMap;
+use crate::pipeline::Same;
 use crate::progress::Progress;
 use crate::survey::{Navigation, Survey};
-use crate::pipeline::Same;
 use egui::Color32;
 use std::sync::Arc;
 

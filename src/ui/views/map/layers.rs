@@ -2,16 +2,15 @@
 
 use super::lines::Line;
 use super::ping_boxes::PingBoxes;
-use super::relief::colour_range_m;
 use super::transform::GroundBounds;
 use crate::app::{LogId, ShownLog};
 use crate::cloud::{Correction, DepthSource, PingDepth};
 use crate::pipeline::ProcessedLog;
+use crate::pipeline::Same;
 use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
 use crate::survey::{Navigation, PingNav, Sounding, Survey};
-use crate::pipeline::Same;
 use std::sync::Arc;
 
 /// Seconds without a record after which the track is broken instead of bridged.
@@ -23,6 +22,7 @@ const DASH_M: [f64; 2] = [5.0, 2.5];
 #[derive(PartialEq)]
 pub struct TrackKey {
     logs: Vec<LogKey>,
+    range_m: Option<[f32; 2]>,
     by_log: bool,
 }
 
@@ -37,8 +37,8 @@ struct LogKey {
 }
 
 impl TrackKey {
-    /// Of these logs; `by_log` colours by log instead of depth.
-    pub fn of(logs: &[ShownLog], by_log: bool) -> Self {
+    /// Of these logs in colours between two depths, metres; `by_log` colours by log instead of depth.
+    pub fn of(logs: &[ShownLog], range_m: Option<[f32; 2]>, by_log: bool) -> Self {
         let key = |shown: &ShownLog| LogKey {
             id: shown.id,
             colour: shown.colour,
@@ -49,6 +49,7 @@ impl TrackKey {
         };
         Self {
             logs: logs.iter().map(key).collect(),
+            range_m,
             by_log,
         }
     }
@@ -73,11 +74,11 @@ impl TrackLayer {
     /// Depths are corrected as those of the depth map are. `None` when nothing has a position, or cancelled.
     pub fn new(
         logs: &[ShownLog],
+        range_m: Option<[f32; 2]>,
         by_log: bool,
         uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
-        let range_m = colour_range_m(logs);
         let each = || logs.iter().map(|shown| (shown, records(&shown.log)));
         let places = each().filter_map(|(_, records)| bounds(records.iter().map(|one| one.place)));
         let bounds = places.reduce(joined)?;

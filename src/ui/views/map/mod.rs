@@ -1,6 +1,7 @@
 //! The map view: the survey from above, in layers.
 
 mod base_map;
+mod depth_tiles;
 mod dots;
 mod flat_spots;
 mod graticule;
@@ -8,7 +9,7 @@ mod isobaths;
 mod layers;
 mod lines;
 mod measure;
-mod mosaic;
+mod mosaic_tiles;
 mod notes;
 mod objects;
 mod overlay;
@@ -16,8 +17,6 @@ mod ping_boxes;
 mod pointer;
 mod points;
 mod recorded_track;
-mod relief;
-mod relief_tiles;
 mod residuals;
 mod stack;
 mod swipe;
@@ -27,9 +26,9 @@ mod track_picture;
 mod transform;
 mod warp;
 
-use crate::pipeline::Background;
 use super::empty;
 use crate::app::{App, Command, MapLayer, Reviewing};
+use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::Survey;
@@ -183,7 +182,7 @@ impl MapView {
             survey: &survey,
             products: &products,
             track: &track,
-            depth: self.layers.relief(),
+            depth_map: (context.app.depth_map()).filter(|_| context.app.needs_depth_map()),
             isobaths: self.layers.isobaths(&context.app.options.map.layers),
             residuals: self.layers.residuals(&context.app.options.map.layers),
             lost_soundings: context.app.log.lost_soundings,
@@ -210,10 +209,11 @@ impl MapView {
             .map(|state| Uploader::new(&state.device, &state.queue));
         let by_log = context.app.options.map.track_by_log;
         let logs = context.app.shown_logs();
-        let key = TrackKey::of(&logs, by_log);
+        let range_m = context.app.depth_range_m();
+        let key = TrackKey::of(&logs, range_m, by_log);
         let tracked = logs.clone();
         self.track.ask(key, context.app.jobs(), move |progress| {
-            let track = TrackLayer::new(&tracked, by_log, uploader.as_ref(), progress);
+            let track = TrackLayer::new(&tracked, range_m, by_log, uploader.as_ref(), progress);
             track.map(Arc::new)
         });
         self.layers.ask(context, survey, products, &logs);

@@ -1,7 +1,7 @@
 //! What the colour scale does not say by itself: a few short lines for each layer that is drawn.
 
 use super::overlay::Scene;
-use super::{mosaic, points};
+use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
 use crate::ui::views::legend;
 use egui::Painter;
@@ -23,10 +23,9 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     let explained = legend::has_room(scene.rect);
     let shows = |layer| scene.shows(layer) && explained;
     let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
-    let depth = scene.depth.as_deref();
-    if let Some(depth) = depth.filter(|_| shows(MapLayer::DepthMap)) {
-        notes.push(match depth.made {
-            Some(_) => format!("faded: between\ndepths, to {} m", depth.gap_m),
+    if let Some(depth_map) = scene.depth_map.filter(|_| shows(MapLayer::DepthMap)) {
+        notes.push(match depth_map {
+            Some(made) => format!("faded: between\ndepths, to {} m", made.gap_m),
             None => "no depth map:\nall on one line".to_owned(),
         });
     }
@@ -34,7 +33,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
         notes.push(isobaths.note.clone());
     }
     if shows(MapLayer::Mosaic) {
-        notes.push(mosaic::note(&scene.products.settings.mosaic).to_owned());
+        notes.push(mosaic_tiles::note(&scene.products.settings.mosaic).to_owned());
     }
     if shows(MapLayer::Points) {
         notes.push(points::note(scene.options.side_colours).to_owned());
@@ -42,7 +41,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     if let Some(residuals) = scene.residuals.as_deref().filter(|_| explained) {
         notes.push(residuals.note());
     }
-    let made = depth.and_then(|depth| depth.made.as_deref());
+    let made = scene.depth_map.flatten();
     if let Some(made) = made.filter(|_| shows(MapLayer::HillShade)) {
         let light = &made.light;
         notes.push(format!(

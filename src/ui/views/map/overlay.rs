@@ -3,12 +3,11 @@
 use super::isobaths::IsobathLayer;
 use super::layers::TrackLayer;
 use super::notes;
-use super::relief::Relief;
 use super::residuals::ResidualLayer;
 use super::transform::MapTransform;
 use crate::app::{App, MapLayer, Mark, ViewOptions};
 use crate::geo::LonLat;
-use crate::pipeline::Products;
+use crate::pipeline::{DepthMap, Products};
 use crate::survey::Survey;
 use crate::ui::views::legend::{self, Scale};
 use crate::ui::views::ticks;
@@ -26,8 +25,8 @@ pub struct Scene<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub track: &'a Arc<TrackLayer>,
-    /// The depth map, while it is shown and once it is made.
-    pub depth: Option<Arc<Relief>>,
+    /// The depth map, while something of it is shown and once it is made; inner `None` where the depths span none.
+    pub depth_map: Option<Option<&'a Arc<DepthMap>>>,
     /// The isobaths, while they are shown and once they are drawn.
     pub isobaths: Option<Arc<IsobathLayer>>,
     /// The residuals, while they are shown and once they are placed.
@@ -52,7 +51,7 @@ impl Scene<'_> {
 
     /// Ends of the colour scale of depth, metres.
     pub fn range_m(&self) -> Option<[f32; 2]> {
-        let of_surface = || Some(self.depth.as_ref()?.made.as_ref()?.range_m);
+        let of_surface = || Some(self.depth_map.flatten()?.colour_range_m);
         self.track.range_m.or_else(of_surface)
     }
 

@@ -288,8 +288,8 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
         text += gap(TWO_PLACES);
         text += &format!("E {east_m:.1} m  N {north_m:.1} m");
     }
-    let depth = scene.depth.as_ref();
-    if let Some((depth_m, distance_m)) = depth.and_then(|depth| depth.at([east_m, north_m])) {
+    let depth_map = scene.depth_map.flatten();
+    if let Some((depth_m, distance_m)) = depth_map.and_then(|map| map.at([east_m, north_m])) {
         text += gap(ONE_LINE);
         text += &format!(
             "depth {depth_m:.2} m {} (interpolated, nearest {distance_m:.1} m away)",

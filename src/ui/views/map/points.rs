@@ -4,10 +4,10 @@ use super::dots::{Dot, Dots};
 use super::tiles::TileSource;
 use crate::app::{ShownLog, SideColours, ThemeChoice, ViewOptions};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
+use crate::pipeline::Same;
 use crate::progress::Progress;
 use crate::survey::Side;
 use crate::ui::theme;
-use crate::pipeline::Same;
 use std::sync::Arc;
 
 /// Points between two looks at whether the work was cancelled.

@@ -1,47 +1,50 @@
 //! The layers of the map: made off the window's thread when they are shown, and drawn in the order of the stack.
 
 use super::base_map::BaseMapKey;
-use super::isobaths::{self, IsobathKey, IsobathLayer, Labels};
+use super::depth_tiles::{DepthTiles, ShadeTiles};
+use super::isobaths::{self, IsobathLayer, Labels};
 use super::layers::TrackLayer;
 use super::lines::LinePicture;
-use super::mosaic::{self, MosaicKey};
+use super::mosaic_tiles::MosaicTiles;
 use super::overlay::Scene;
 use super::points::{self, PointKey};
-use super::relief::{Relief, ReliefKey};
 use super::residuals::ResidualLayer;
 use super::tiles::{TileLayer, TileSource};
 use super::transform::GroundBounds;
 use super::{objects, track_picture};
-use crate::app::{LayerStack, MapLayer, ShownLog};
-use crate::pipeline::{Agreement, Products};
+use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
+use crate::mosaic::{Colours, MosaicSettings};
+use crate::pipeline::{Agreement, DepthMap, Mosaic, Products};
+use crate::pipeline::{Background, Same};
 use crate::render::Uploader;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use crate::pipeline::{Background, Same};
 use egui::Painter;
 use std::sync::Arc;
 
-/// Layers that are drawn from the depth map.
-const FROM_RELIEF: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
 /// Work that takes longer than this is announced.
 const PATIENCE_S: f64 = 0.5;
 
-/// What the tiles of a layer are painted by; `None` where there is nothing to paint.
-type Source = Option<Arc<dyn TileSource>>;
+/// What the tiles of a layer are painted by,
+type PaintedBy = Arc<dyn TileSource>;
+/// and `None` where there is nothing to paint.
+type Source = Option<PaintedBy>;
 
 /// What the layers of one map are drawn from.
 pub struct Layers {
     base_map: Background<BaseMapKey, Arc<dyn TileSource>>,
-    relief: Background<ReliefKey, Arc<Relief>>,
-    /// Whether something on the map is drawn or measured from `relief`; otherwise it may be older than its settings.
-    relief_shown: bool,
-    mosaic: Background<MosaicKey, Source>,
+    /// Tiles of depths and of hill-shade, with the depth map that they are painted from.
+    depths: Option<(Arc<DepthMap>, [PaintedBy; 2])>,
+    /// Tiles of the mosaic, with what they are painted from.
+    mosaic: Option<(Arc<Mosaic>, Colours, PaintedBy)>,
     points: Background<PointKey, Source>,
     residuals: Background<Same<Agreement>, Option<Arc<ResidualLayer>>>,
     /// Whether residuals are shown and points are still being compared for them.
     comparing: bool,
     tiles: [(MapLayer, TileLayer); 6],
-    isobaths: Background<IsobathKey, Arc<IsobathLayer>>,
+    isobaths: Background<Same<DrawnIsobaths>, Arc<IsobathLayer>>,
+    /// What is made of all logs, in words.
+    deriving: Vec<&'static str>,
     labels: Background<(Same<IsobathLayer>, i32), Labels>,
     isobath_picture: LinePicture<IsobathLayer>,
     track: LinePicture<TrackLayer>,
@@ -61,14 +64,14 @@ impl Default for Layers {
         ];
         Self {
             base_map: Background::default(),
-            relief: Background::default(),
-            relief_shown: false,
-            mosaic: Background::default(),
+            depths: None,
+            mosaic: None,
             points: Background::default(),
             residuals: Background::default(),
             comparing: false,
             tiles: tiles.map(|layer| (layer, TileLayer::new(layer.name()))),
             isobaths: Background::default(),
+            deriving: Vec::new(),
             labels: Background::default(),
             isobath_picture: LinePicture::default(),
             track: LinePicture::default(),
@@ -87,24 +90,12 @@ impl Layers {
         logs: &[ShownLog],
     ) {
         let stack = &context.app.options.map.layers;
-        self.relief_shown = FROM_RELIEF.iter().any(|layer| stack.is_visible(*layer))
-            || context.app.measuring.shows_profile();
-        if self.relief_shown {
-            let key = ReliefKey::of(logs);
-            let logs = logs.to_vec();
-            self.relief.ask(key, context.app.jobs(), move |progress| {
-                Relief::new(&logs, progress).map(Arc::new)
-            });
-        }
+        self.deriving = context.app.deriving().collect();
+        self.take_depths(context.app.depth_map().flatten());
+        let settings = logs.first().map(|one| &one.log.products.settings.mosaic);
+        self.take_mosaic(context.app.mosaic().flatten().zip(settings));
         if stack.is_visible(MapLayer::Isobaths) {
             self.ask_for_isobaths(context, products);
-        }
-        if stack.is_visible(MapLayer::Mosaic) {
-            let key = MosaicKey::of(logs);
-            let logs = logs.to_vec();
-            self.mosaic.ask(key, context.app.jobs(), move |progress| {
-                mosaic::source(&logs, progress)
-            });
         }
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.app.options.clone());
@@ -152,10 +143,40 @@ impl Layers {
         self.base_map.ask(key, jobs, |_| Some(asked.source()));
     }
 
+    /// Paints depths and hill-shade from a depth map.
+    fn take_depths(&mut self, depth_map: Option<&Arc<DepthMap>>) {
+        let same = |(of, _): &(Arc<DepthMap>, _)| depth_map.is_some_and(|now| Arc::ptr_eq(of, now));
+        if !self.depths.as_ref().is_some_and(same) {
+            self.depths = depth_map.map(|depth_map| {
+                let depths: PaintedBy = Arc::new(DepthTiles(depth_map.clone()));
+                let shade: PaintedBy = Arc::new(ShadeTiles(depth_map.clone()));
+                (depth_map.clone(), [depths, shade])
+            });
+        }
+    }
+
+    /// Paints a mosaic in the colours of its settings.
+    fn take_mosaic(&mut self, mosaic: Option<(&Arc<Mosaic>, &MosaicSettings)>) {
+        let same = |(of, colours, _): &(Arc<Mosaic>, Colours, _)| {
+            mosaic
+                .is_some_and(|(now, settings)| Arc::ptr_eq(of, now) && *colours == settings.colours)
+        };
+        if !self.mosaic.as_ref().is_some_and(same) {
+            self.mosaic = mosaic.map(|(mosaic, settings)| {
+                let tiles = Arc::new(MosaicTiles::new(mosaic.clone(), settings));
+                (
+                    mosaic.clone(),
+                    settings.colours,
+                    tiles as Arc<dyn TileSource>,
+                )
+            });
+        }
+    }
+
     /// Hands what was made to the tiles that are painted from it; layers that are not shown stop painting.
     fn give_sources(&mut self, stack: &LayerStack) {
-        let [depth, shade] = match self.relief.result() {
-            Some(relief) => relief.tiles(),
+        let [depth, shade] = match &self.depths {
+            Some((_, tiles)) => tiles.clone().map(Some),
             None => [None, None],
         };
         for (layer, tiles) in &mut self.tiles {
@@ -163,7 +184,7 @@ impl Layers {
                 MapLayer::BaseMap => self.base_map.result().cloned(),
                 MapLayer::DepthMap => depth.clone(),
                 MapLayer::HillShade => shade.clone(),
-                MapLayer::Mosaic => self.mosaic.result().cloned().flatten(),
+                MapLayer::Mosaic => self.mosaic.as_ref().map(|(.., tiles)| tiles.clone()),
                 MapLayer::Residuals => {
                     let layer = self.residuals.result().cloned().flatten();
                     layer.map(|layer| layer.tiles())
@@ -177,27 +198,18 @@ impl Layers {
     }
 
     fn ask_for_isobaths(&mut self, context: &ViewContext<'_>, products: &Products) {
-        let made = self.relief.result().and_then(|relief| relief.made.clone());
-        let Some(made) = made else {
+        let Some(drawn) = context.app.isobaths().cloned() else {
             self.isobaths = Background::default();
             return;
         };
         let settings = products.settings.isobaths.clone();
-        let key = IsobathKey {
-            relief: Same(made.clone()),
-            settings: settings.clone(),
-        };
+        let key = Same(drawn.clone());
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
         self.isobaths.ask(key, context.app.jobs(), move |progress| {
-            IsobathLayer::new(&made, &settings, uploader.as_ref(), progress).map(Arc::new)
+            IsobathLayer::new(&drawn, &settings, uploader.as_ref(), progress).map(Arc::new)
         });
-    }
-
-    /// The depth map, once it is made, while something of it is shown.
-    pub fn relief(&self) -> Option<Arc<Relief>> {
-        self.relief.result().filter(|_| self.relief_shown).cloned()
     }
 
     /// The isobaths, once they are drawn, while they are shown.
@@ -297,15 +309,14 @@ impl Layers {
     fn making(&self) -> Vec<&'static str> {
         let jobs = [
             (self.base_map.is_running(), "placing the base map"),
-            (self.relief.is_running(), "making the depth map"),
             (self.isobaths.is_running(), "drawing isobaths"),
-            (self.mosaic.is_running(), "normalising the mosaic's gain"),
             (self.points.is_running(), "sorting points"),
             (self.comparing, "comparing points"),
             (self.residuals.is_running(), "placing residuals"),
         ];
         let running = jobs.into_iter().filter(|(is_running, _)| *is_running);
-        running.map(|(_, what)| what).collect()
+        let derived = self.deriving.iter().copied();
+        derived.chain(running.map(|(_, what)| what)).collect()
     }
 
     /// What is under way, in words, once it has taken longer than a moment.

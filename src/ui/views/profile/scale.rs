@@ -1,9 +1,9 @@
 //! The normalisation of the whole picture, measured once off the window's thread.
 
 use crate::first_return::{ImageSettings, Normalisation, SampleMode};
+use crate::pipeline::Background;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
-use crate::pipeline::Background;
 use std::sync::Arc;
 
 /// What a measurement is valid for.

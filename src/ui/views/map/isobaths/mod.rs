@@ -6,17 +6,15 @@ pub use labels::{Labels, octave};
 
 use super::lines::{Line, LinePicture, Pen};
 use super::overlay::Scene;
-use super::relief::Made;
-use crate::app::ThemeChoice;
-use crate::bathymetry::isobaths::{IsobathSettings, isobaths, smoothed};
+use crate::app::{DrawnIsobaths, ThemeChoice};
+use crate::bathymetry::isobaths::IsobathSettings;
+use crate::pipeline::Isobaths;
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
-use crate::pipeline::Same;
 use crate::ui::views::{legend, ticks};
 use eframe::egui_wgpu::RenderState;
 use egui::epaint::TextShape;
 use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Every so many isobaths one is thick, counted from depth 0.
@@ -27,12 +25,11 @@ const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
 /// Vertices from which on rings too small to be seen are left out of the coarser levels.
 const MANY: usize = 20_000;
 
-/// What isobaths are made of.
-#[derive(Clone, PartialEq)]
-pub struct IsobathKey {
-    pub relief: Same<Made>,
-    pub settings: IsobathSettings,
-}
+/// What is drawn where the settings give no depths.
+static NONE: Isobaths = Isobaths {
+    levels_m: Vec::new(),
+    lines: Vec::new(),
+};
 
 /// A line of equal depth in the plane of the survey.
 pub struct GroundLine {
@@ -57,44 +54,31 @@ pub struct IsobathLayer {
 }
 
 impl IsobathLayer {
-    /// Draws them through a depth map; `None` when cancelled.
+    /// Makes them ready to draw; `None` when cancelled.
     pub fn new(
-        made: &Made,
+        drawn: &DrawnIsobaths,
         settings: &IsobathSettings,
         uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
-        let surface = &made.chart.surface;
-        let origin_m = made.chart.to_survey(
-            surface
-                .grid
-                .centre(surface.grid.rows / 2, surface.grid.columns / 2),
-        );
-        let (levels_m, note) = match settings.levels_m(surface.range_m()) {
-            Ok(levels_m) => {
-                let note = note(settings, &levels_m);
-                (levels_m, note)
-            }
-            Err(_) => (Vec::new(), "no isobaths:\ntoo small a step".to_owned()),
+        let grid = &drawn.depth_map.surface.grid;
+        let middle = grid.centre(grid.rows / 2, grid.columns / 2);
+        let origin_m = drawn.depth_map.to_survey(middle);
+        let isobaths = drawn.isobaths.as_deref().unwrap_or(&NONE);
+        let levels_m = &isobaths.levels_m;
+        let note = match &drawn.isobaths {
+            Ok(_) => note(settings, levels_m),
+            Err(_) => "no isobaths:\ntoo small a step".to_owned(),
         };
-        let drawn = isobaths(surface, &levels_m, progress).ok()?;
-        let step_m = step_m(settings, &levels_m);
-        let decimals = decimals(&levels_m);
-        let lines: Vec<GroundLine> = drawn
-            .par_iter()
-            .map(|line| GroundLine {
+        let step_m = step_m(settings, levels_m);
+        let decimals = decimals(levels_m);
+        let from_origin =
+            |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] - origin_m[axis]) as f32);
+        let lines: Vec<GroundLine> = (isobaths.lines.iter().zip(&drawn.on_ground))
+            .map(|(line, places)| GroundLine {
                 text: format!("{:.decimals$}", line.depth_m + 0.0),
                 is_index: step_m.is_some_and(|step_m| is_index(line.depth_m, step_m)),
-                points: smoothed(&line.points, settings.smooth)
-                    .into_iter()
-                    .map(|place| {
-                        let [east_m, north_m] = made.chart.to_survey(place);
-                        [
-                            (east_m - origin_m[0]) as f32,
-                            (north_m - origin_m[1]) as f32,
-                        ]
-                    })
-                    .collect(),
+                points: places.iter().map(from_origin).collect(),
             })
             .collect();
         progress.check().ok()?;

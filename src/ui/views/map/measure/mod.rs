@@ -7,22 +7,18 @@ mod frame;
 mod profile;
 
 use super::overlay::Scene;
-use super::relief::Made;
-use crate::app::{Action, App, Command, Figure, FigureKind, Measure};
-use crate::bathymetry::{Corner, Station, transect};
+use crate::app::{Action, App, Command, Figure, Measure};
+use crate::bathymetry::Station;
 use crate::geo::LonLat;
 use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use egui::{FocusDirection, Key, Modifiers, Pos2, Rect, Response, RichText, Ui, UiBuilder};
 use egui::{pos2, vec2};
-use std::sync::Arc;
 
 pub use profile::split;
 
 /// Points that the cross moves at a key, and with Shift.
 const STEPS: [f64; 2] = [10.0, 1.0];
-/// Most places that a line is looked at at.
-const MOST_STATIONS: usize = 2000;
 
 /// What the view keeps between frames for measuring.
 #[derive(Default)]
@@ -31,10 +27,8 @@ pub struct MeasureTool {
     cross: Option<[f64; 2]>,
     /// A corner was asked for by key.
     wants_corner: bool,
-    /// Depths along the line between the corners that are set,
-    set: Option<Sampled>,
-    /// and up to the pointer while it is drawn.
-    shown: Option<Sampled>,
+    /// Where the state knows the next corner of a profile to be.
+    next: Option<LonLat>,
     /// What the pointer is at along the line, metres from its start.
     hovered_m: Option<f64>,
 }
@@ -57,18 +51,18 @@ impl MeasureTool {
         self.act(context, scene, response, next);
         let next = next.map(|place| scene.position(scene.at(place)));
         let shown = shown(context.app, next);
-        self.sample(context, scene, shown.as_ref());
+        self.tell_next(ui, context, next);
         let painter = ui.painter_at(scene.rect);
         if let Some(cross) = self.cross {
             figure::cross(&painter, scene, cross);
         }
         if let Some(shown) = &shown {
             figure::paint(&painter, scene, shown);
-            self.follow_on_map(ui, scene, response);
+            self.follow_on_map(ui, context.app, scene, response);
         }
         let hovered = self
             .hovered_m
-            .and_then(|at_m| profile::nearest(self.stations(), at_m));
+            .and_then(|at_m| profile::nearest(stations(context.app), at_m));
         if let Some(station) = hovered {
             figure::station(&painter, scene, station);
         }
@@ -77,13 +71,8 @@ impl MeasureTool {
 
     /// Draws the plot of the depth profile into its part of the view.
     pub fn plot(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
-        let drawn = profile::Drawn {
-            stations: self.stations(),
-            corners_m: self.shown.as_ref().map_or(&[], |shown| &shown.corners_m),
-            lacks_map: self.shown.as_ref().is_some_and(|shown| shown.map.is_none()),
-        };
         let mut hovered_m = self.hovered_m;
-        profile::ui(ui, context, rect, &drawn, &mut hovered_m);
+        profile::ui(ui, context, rect, &mut hovered_m);
         if self.hovered_m != hovered_m {
             self.hovered_m = hovered_m;
             // The map above has been drawn already.
@@ -141,36 +130,29 @@ impl MeasureTool {
         }
     }
 
-    /// Looks at the depths along the line, and hands those of the corners that are set to the state.
-    fn sample(&mut self, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: Option<&Figure>) {
-        let measuring = &context.app.measuring;
-        let requested = |figure: &&Figure| figure.kind == FigureKind::Profile;
-        let set = measuring.figure.as_deref().filter(requested);
-        keep(&mut self.set, scene, set);
-        let set = self.set.as_ref().map_or(&[][..], |set| &set.stations);
-        if set != &measuring.stations[..] {
-            let stations = Arc::new(set.to_vec());
-            context.push(Command::Measure(Measure::Sampled(stations)));
+    /// Tells the state where the next corner of a profile would be: it looks at the depths up to there.
+    fn tell_next(&mut self, ui: &Ui, context: &mut ViewContext<'_>, next: Option<LonLat>) {
+        let is_drawing =
+            context.app.measuring.is_drawing() && context.app.measuring.shows_profile();
+        let next = next.filter(|_| is_drawing);
+        if self.next != next {
+            self.next = next;
+            context.push(Command::Measure(Measure::Next(next)));
+            ui.ctx().request_repaint();
         }
-        keep(&mut self.shown, scene, shown.filter(requested));
-        if self.shown.is_none() {
+        if context.app.measuring.profile().is_none() {
             self.hovered_m = None;
         }
     }
 
-    fn stations(&self) -> &[Station] {
-        self.shown.as_ref().map_or(&[], |shown| &shown.stations)
-    }
-
     /// The pointer on the line marks its place in the plot.
-    fn follow_on_map(&mut self, ui: &Ui, scene: &Scene<'_>, response: &Response) {
+    fn follow_on_map(&mut self, ui: &Ui, app: &App, scene: &Scene<'_>, response: &Response) {
         const REACH: f32 = 12.0;
         let Some(at) = response.hover_pos() else {
             return;
         };
         let off = |station: &Station| scene.at(station.place).distance(at);
-        let nearest = self
-            .stations()
+        let nearest = stations(app)
             .iter()
             .min_by(|a, b| off(a).total_cmp(&off(b)));
         let hovered_m = nearest
@@ -221,48 +203,9 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Figure> {
     })
 }
 
-/// The depths along a line, and what they were taken from.
-struct Sampled {
-    figure: Figure,
-    map: Option<Arc<Made>>,
-    stations: Vec<Station>,
-    /// Metres from the start to each corner.
-    corners_m: Vec<f64>,
-}
-
-/// Looks at the depths again where the line or the map is another one.
-fn keep(kept: &mut Option<Sampled>, scene: &Scene<'_>, figure: Option<&Figure>) {
-    let map = scene.depth.as_ref().and_then(|depth| depth.made.as_ref());
-    let is_same = |kept: &Sampled, figure: &Figure| {
-        kept.figure == *figure && kept.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
-    };
-    match figure {
-        None => *kept = None,
-        Some(figure) if kept.as_ref().is_some_and(|kept| is_same(kept, figure)) => {}
-        Some(figure) => *kept = Some(Sampled::new(scene, figure, map.cloned())),
-    }
-}
-
-impl Sampled {
-    fn new(scene: &Scene<'_>, figure: &Figure, map: Option<Arc<Made>>) -> Self {
-        let corners_m = figure.distances_m();
-        let navigation = &scene.products.navigation;
-        let corner = |(at, distance_m): (&LonLat, &f64)| Corner {
-            place: navigation.to_plane(&scene.survey.track, *at),
-            distance_m: *distance_m,
-        };
-        let corners: Vec<Corner> = figure.corners.iter().zip(&corners_m).map(corner).collect();
-        let chart = map.as_ref().map(|map| &map.chart);
-        // Two looks at every cell miss nothing that is drawn.
-        let step_m = chart.map_or(f64::INFINITY, |chart| 0.5 * chart.surface.grid.cell_m);
-        let depth_at = |place| chart?.surface.depth_at(chart?.to_map(place));
-        Self {
-            stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
-            figure: figure.clone(),
-            map,
-            corners_m,
-        }
-    }
+/// The depths along the line of the profile.
+fn stations(app: &App) -> &[Station] {
+    app.measuring.profile().map_or(&[], |line| &line.stations)
 }
 
 /// What is measured or how to, and what can be done with it.

@@ -1,7 +1,7 @@
 //! The plot of a depth profile below the map.
 
 use super::frame::Frame;
-use crate::app::{Action, App, Command};
+use crate::app::{Action, App, Command, ProfileLine};
 use crate::bathymetry::Station;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{
@@ -11,15 +11,6 @@ use egui::{
 
 /// Height of the line of words and buttons, points.
 const HEAD: f32 = 24.0;
-
-/// What there is to plot.
-pub struct Drawn<'a> {
-    pub stations: &'a [Station],
-    /// Metres from the start to each corner of the line.
-    pub corners_m: &'a [f64],
-    /// There is no depth map to look at.
-    pub lacks_map: bool,
-}
 
 /// The part of the view that is the map, and the one that the plot takes while it is shown.
 pub fn split(whole: Rect, app: &App) -> (Rect, Option<Rect>) {
@@ -50,13 +41,12 @@ pub fn nearest(stations: &[Station], at_m: f64) -> Option<&Station> {
 }
 
 /// Words, buttons and the curve.
-pub fn ui(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    rect: Rect,
-    drawn: &Drawn<'_>,
-    hovered_m: &mut Option<f64>,
-) {
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mut Option<f64>) {
+    let app = context.app;
+    let line = app.measuring.profile();
+    let (stations, corners_m) = line.map_or((&[][..], &[][..]), |line| {
+        (&line.stations[..], &line.corners_m[..])
+    });
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
     painter.hline(
@@ -65,17 +55,11 @@ pub fn ui(
         ui.visuals().widgets.noninteractive.bg_stroke,
     );
     let (head, body) = rect.split_top_bottom_at_y(rect.top() + HEAD);
-    let frame = Frame::new(body, drawn.stations);
-    head_line(
-        ui,
-        context,
-        head.shrink2(vec2(8.0, 2.0)),
-        frame.as_ref(),
-        drawn,
-    );
+    let frame = Frame::new(body, stations);
+    head_line(ui, context, head.shrink2(vec2(8.0, 2.0)), frame.as_ref());
     let response = ui.interact(body, ui.scope_id().with("depth profile"), Sense::hover());
     let Some(frame) = frame else {
-        let words = lack(drawn);
+        let words = lack(line);
         let colour = ui.visuals().weak_text_color();
         painter.text(
             body.center(),
@@ -92,26 +76,21 @@ pub fn ui(
     if let Some(at) = response.hover_pos() {
         *hovered_m = Some(frame.distance_m(at.x));
     }
-    frame.axes(&painter, &context.app.options, drawn.corners_m);
-    curve(&painter, &frame, drawn.stations, context);
-    let pointed = hovered_m.and_then(|at_m| nearest(drawn.stations, at_m));
+    frame.axes(&painter, &context.app.options, corners_m);
+    curve(&painter, &frame, stations, context);
+    let pointed = hovered_m.and_then(|at_m| nearest(stations, at_m));
     if let Some(station) = pointed {
         mark(&painter, &frame, station, context);
     }
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name(drawn.stations, pointed)));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name(stations, pointed)));
 }
 
-fn head_line(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    rect: Rect,
-    frame: Option<&Frame>,
-    drawn: &Drawn<'_>,
-) {
+fn head_line(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, frame: Option<&Frame>) {
+    let line = context.app.measuring.profile();
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let ready = !context.app.measuring.stations.is_empty();
+            let ready = !context.app.measuring.stations().is_empty();
             for (action, label) in [
                 (Action::RemoveFigure, "Close"),
                 (Action::SaveProfile, "Save CSV…"),
@@ -130,7 +109,7 @@ fn head_line(
                 if let Some(frame) = frame {
                     let figures = format!(
                         "{}, ×{:.0} vertical",
-                        figures(drawn.stations),
+                        figures(line.map_or(&[], |line| &line.stations)),
                         frame.exaggeration()
                     );
                     ui.add(Label::new(RichText::new(figures).small()).truncate());
@@ -141,11 +120,11 @@ fn head_line(
 }
 
 /// Why there is no curve.
-fn lack(drawn: &Drawn<'_>) -> &'static str {
-    match drawn.stations {
-        [] => "Click the corners of a line on the map.",
-        _ if drawn.lacks_map => "There is no depth map to look at yet.",
-        _ => "No depth is known along this line.",
+fn lack(line: Option<&ProfileLine>) -> &'static str {
+    match line {
+        None => "Click the corners of a line on the map.",
+        Some(line) if line.lacks_map() => "There is no depth map to look at yet.",
+        Some(_) => "No depth is known along this line.",
     }
 }
 

@@ -1,10 +1,10 @@
 //! The tiles of the depth map and of its hill-shade.
 
-use super::relief::Made;
 use super::tiles::{SIDE, TileKey, TileSource};
 use super::transform::GroundBounds;
 use super::warp::Warp;
 use crate::bathymetry::Grid;
+use crate::pipeline::DepthMap;
 use crate::presentation::colours::{depth_colour, depth_share};
 use crate::progress::Progress;
 use egui::Color32;
@@ -19,54 +19,52 @@ const MOST_LOOKS: usize = 4;
 /// Texels of a cell's side beyond which finer tiles show nothing more.
 const FINEST_SHARE: f64 = 16.0;
 
-impl Made {
-    /// Where the texels of a tile's picture lie on the grid.
-    fn warp(&self, key: TileKey) -> Warp {
-        let grid = &self.chart.surface.grid;
-        Warp::new(key, |place| {
-            let [easting_m, northing_m] = self.chart.to_map(place);
-            [
-                (easting_m - grid.west_m) / grid.cell_m - 0.5,
-                (grid.north_m - northing_m) / grid.cell_m - 0.5,
-            ]
-        })
-    }
+/// Where the texels of a tile's picture lie on the grid.
+fn warp(depth_map: &DepthMap, key: TileKey) -> Warp {
+    let grid = &depth_map.surface.grid;
+    Warp::new(key, |place| {
+        let [easting_m, northing_m] = depth_map.to_map(place);
+        [
+            (easting_m - grid.west_m) / grid.cell_m - 0.5,
+            (grid.north_m - northing_m) / grid.cell_m - 0.5,
+        ]
+    })
+}
 
-    /// Calls `colour` for every texel with the looks into it, row by row.
-    fn paint<const N: usize>(
-        &self,
-        key: TileKey,
-        progress: &Progress,
-        look: impl Fn([f64; 2]) -> Option<[f32; N]>,
-        colour: impl Fn([f32; N]) -> Color32,
-    ) -> Option<Vec<Color32>> {
-        let warp = self.warp(key);
-        let looks = (key.texel_m() / self.chart.surface.grid.cell_m).ceil() as usize;
-        let looks = looks.clamp(1, MOST_LOOKS);
-        let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
-        let mut is_empty = true;
-        for (row, texels) in colours.chunks_exact_mut(SIDE).enumerate() {
-            progress.check().ok()?;
-            for (column, texel) in texels.iter_mut().enumerate() {
-                let mut sums = [0.0; N];
-                let mut known = 0;
-                for place in warp.places(row, column, looks) {
-                    if let Some(values) = look(place) {
-                        for (sum, value) in sums.iter_mut().zip(values) {
-                            *sum += value;
-                        }
-                        known += 1;
+/// Calls `colour` for every texel with the looks into it, row by row.
+fn paint<const N: usize>(
+    depth_map: &DepthMap,
+    key: TileKey,
+    progress: &Progress,
+    look: impl Fn([f64; 2]) -> Option<[f32; N]>,
+    colour: impl Fn([f32; N]) -> Color32,
+) -> Option<Vec<Color32>> {
+    let warp = warp(depth_map, key);
+    let looks = (key.texel_m() / depth_map.surface.grid.cell_m).ceil() as usize;
+    let looks = looks.clamp(1, MOST_LOOKS);
+    let mut colours = vec![Color32::TRANSPARENT; SIDE * SIDE];
+    let mut is_empty = true;
+    for (row, texels) in colours.chunks_exact_mut(SIDE).enumerate() {
+        progress.check().ok()?;
+        for (column, texel) in texels.iter_mut().enumerate() {
+            let mut sums = [0.0; N];
+            let mut known = 0;
+            for place in warp.places(row, column, looks) {
+                if let Some(values) = look(place) {
+                    for (sum, value) in sums.iter_mut().zip(values) {
+                        *sum += value;
                     }
-                }
-                if known > 0 {
-                    let share = known as f32 / (looks * looks) as f32;
-                    *texel = colour(sums.map(|sum| sum / known as f32)).gamma_multiply(share);
-                    is_empty = false;
+                    known += 1;
                 }
             }
+            if known > 0 {
+                let share = known as f32 / (looks * looks) as f32;
+                *texel = colour(sums.map(|sum| sum / known as f32)).gamma_multiply(share);
+                is_empty = false;
+            }
         }
-        (!is_empty).then_some(colours)
     }
+    (!is_empty).then_some(colours)
 }
 
 /// A value between the centres of cells: linear where all four around it are known, else that of the nearest cell.
@@ -99,19 +97,19 @@ fn known(values: &[f32]) -> impl Fn(usize) -> Option<f32> {
 }
 
 /// The tiles of the depths' colours, fading with the distance to a sounding.
-pub struct DepthTiles(pub Arc<Made>);
+pub struct DepthTiles(pub Arc<DepthMap>);
 
 /// The tiles of the hill-shade: black and white, as strong as the shade.
-pub struct ShadeTiles(pub Arc<Made>);
+pub struct ShadeTiles(pub Arc<DepthMap>);
 
-fn finest(made: &Made) -> i8 {
-    let finest_m = made.chart.surface.grid.cell_m / FINEST_SHARE;
+fn finest(depth_map: &DepthMap) -> i8 {
+    let finest_m = depth_map.surface.grid.cell_m / FINEST_SHARE;
     finest_m.log2().floor().clamp(-128.0, 127.0) as i8
 }
 
 impl TileSource for DepthTiles {
     fn bounds(&self) -> GroundBounds {
-        self.0.bounds
+        self.0.bounds_m()
     }
 
     fn finest(&self) -> i8 {
@@ -119,17 +117,18 @@ impl TileSource for DepthTiles {
     }
 
     fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
-        let made = &self.0;
-        let surface = &made.chart.surface;
+        let depth_map = &self.0;
+        let surface = &depth_map.surface;
+        let gap_m = depth_map.gap_m as f32;
         let look = |place| {
             let depth_m = between(&surface.grid, place, known(&surface.depth_m))?;
             let distance_m = between(&surface.grid, place, known(&surface.distance_m))?;
             Some([depth_m, distance_m])
         };
-        made.paint(key, progress, look, |[depth_m, distance_m]| {
-            let [r, g, b] = depth_colour(depth_share(depth_m, made.range_m));
+        paint(depth_map, key, progress, look, |[depth_m, distance_m]| {
+            let [r, g, b] = depth_colour(depth_share(depth_m, depth_map.colour_range_m));
             // The root lets the first metres across-track already look less sure.
-            let unsure = (distance_m / made.gap_m).clamp(0.0, 1.0).sqrt();
+            let unsure = (distance_m / gap_m).clamp(0.0, 1.0).sqrt();
             let opacity = OPACITY[0] + (OPACITY[1] - OPACITY[0]) * unsure;
             Color32::from_rgba_unmultiplied(r, g, b, (255.0 * opacity) as u8)
         })
@@ -138,7 +137,7 @@ impl TileSource for DepthTiles {
 
 impl TileSource for ShadeTiles {
     fn bounds(&self) -> GroundBounds {
-        self.0.bounds
+        self.0.bounds_m()
     }
 
     fn finest(&self) -> i8 {
@@ -146,14 +145,15 @@ impl TileSource for ShadeTiles {
     }
 
     fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
-        let made = &self.0;
-        let level = f32::from(made.light.level_ground());
-        let shade = |cell: usize| match made.shade.get(cell) {
+        let depth_map = &self.0;
+        let level = f32::from(depth_map.light.level_ground());
+        let shades = depth_map.shade(progress).ok()?;
+        let shade = |cell: usize| match shades.get(cell) {
             Some(0) | None => None,
             Some(shade) => Some(f32::from(*shade)),
         };
-        let look = |place| Some([between(&made.chart.surface.grid, place, shade)?]);
-        made.paint(key, progress, look, |[shade]| {
+        let look = |place| Some([between(&depth_map.surface.grid, place, shade)?]);
+        paint(depth_map, key, progress, look, |[shade]| {
             // Level ground changes nothing under it.
             match shade < level {
                 true => Color32::from_black_alpha((255.0 * (1.0 - shade / level)) as u8),

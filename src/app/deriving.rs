@@ -1,0 +1,158 @@
+//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, made off the window's thread.
+
+use super::{App, MapLayer};
+use crate::bathymetry::isobaths::TooManyLevels;
+use crate::pipeline::{
+    Background, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
+    MosaicPlane, ProcessedLog, colour_range_m,
+};
+use std::sync::Arc;
+
+/// Layers that are drawn from the depth map.
+const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
+
+/// Isobaths as they are drawn.
+pub struct DrawnIsobaths {
+    /// What they run through.
+    pub depth_map: Arc<DepthMap>,
+    /// Lines and depths; why there are none.
+    pub isobaths: Result<Arc<Isobaths>, TooManyLevels>,
+    /// Every line smoothed, as places in the plane of the survey, metres.
+    pub on_ground: Vec<Vec<[f64; 2]>>,
+}
+
+/// What is asked for, and what came of it.
+#[derive(Default)]
+pub(super) struct Deriving {
+    /// Shared with what writes files, so that nothing is made twice.
+    pub results: Arc<Derived>,
+    depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: Background<IsobathKey, Arc<DrawnIsobaths>>,
+    mosaic: Background<MosaicKey, Option<Arc<Mosaic>>>,
+}
+
+impl Deriving {
+    pub fn is_busy(&self) -> bool {
+        self.depth_map.is_running() || self.isobaths.is_running() || self.mosaic.is_running()
+    }
+
+    /// The same results for a picture.
+    pub fn for_picture(&self) -> Self {
+        Self {
+            results: self.results.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+impl App {
+    /// Has made what is shown, and collects what is there. Costs next to nothing when nothing changed.
+    pub(super) fn derive(&mut self) {
+        let layers = &self.options.map.layers;
+        let [isobaths, mosaic] =
+            [MapLayer::Isobaths, MapLayer::Mosaic].map(|layer| layers.is_visible(layer));
+        let depths = self.needs_depth_map();
+        if !(depths || mosaic) {
+            return;
+        }
+        let logs: Vec<ProcessedLog> = self.shown_logs().into_iter().map(|one| one.log).collect();
+        if mosaic {
+            self.derive_mosaic(&logs);
+        }
+        if depths {
+            self.derive_depth_map(&logs);
+        }
+        if isobaths {
+            self.derive_isobaths(&logs);
+        }
+    }
+
+    fn derive_depth_map(&mut self, logs: &[ProcessedLog]) {
+        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
+        let key = DepthMapKey::of(logs);
+        self.deriving
+            .depth_map
+            .ask(key, &self.jobs, move |progress| {
+                let made = results.depth_map(&of, progress).ok()?;
+                if let Some(made) = &made {
+                    // Tiles are painted from it.
+                    made.shade(progress).ok()?;
+                }
+                Some(made)
+            });
+    }
+
+    fn derive_isobaths(&mut self, logs: &[ProcessedLog]) {
+        let depth_map = self.deriving.depth_map.result().cloned().flatten();
+        let Some((depth_map, first)) = depth_map.zip(logs.first()) else {
+            self.deriving.isobaths = Background::default();
+            return;
+        };
+        let settings = first.products.settings.isobaths.clone();
+        let results = self.deriving.results.clone();
+        let key = IsobathKey::of(&depth_map, &settings);
+        self.deriving
+            .isobaths
+            .ask(key, &self.jobs, move |progress| {
+                let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
+                let on_ground = match &isobaths {
+                    Ok(isobaths) => isobaths.on_ground(&depth_map, settings.smooth),
+                    Err(_) => Vec::new(),
+                };
+                Some(Arc::new(DrawnIsobaths {
+                    depth_map,
+                    isobaths,
+                    on_ground,
+                }))
+            });
+    }
+
+    fn derive_mosaic(&mut self, logs: &[ProcessedLog]) {
+        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
+        let key = MosaicKey::of(logs, MosaicPlane::Survey);
+        self.deriving.mosaic.ask(key, &self.jobs, move |progress| {
+            results.mosaic(&of, MosaicPlane::Survey, progress).ok()
+        });
+    }
+
+    /// The depth map of all visible logs as it was made last; outer `None` before that, inner where the depths span no surface.
+    pub fn depth_map(&self) -> Option<Option<&Arc<DepthMap>>> {
+        self.deriving.depth_map.result().map(Option::as_ref)
+    }
+
+    /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
+    pub fn depth_range_m(&self) -> Option<[f32; 2]> {
+        colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
+    }
+
+    /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.
+    pub fn needs_depth_map(&self) -> bool {
+        let layers = &self.options.map.layers;
+        let shows = |layer: &MapLayer| layers.is_visible(*layer);
+        FROM_DEPTH_MAP.iter().any(shows) || self.measuring.shows_profile()
+    }
+
+    /// The isobaths as they were made last.
+    pub fn isobaths(&self) -> Option<&Arc<DrawnIsobaths>> {
+        self.deriving.isobaths.result()
+    }
+
+    /// The mosaic as it was made last; inner `None` where nothing is shown.
+    pub fn mosaic(&self) -> Option<Option<&Arc<Mosaic>>> {
+        self.deriving.mosaic.result().map(Option::as_ref)
+    }
+
+    /// What is being made of all logs, in words.
+    pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
+        let jobs = [
+            (self.deriving.depth_map.is_running(), "making the depth map"),
+            (self.deriving.isobaths.is_running(), "drawing isobaths"),
+            (
+                self.deriving.mosaic.is_running(),
+                "normalising the mosaic's gain",
+            ),
+        ];
+        let running = jobs.into_iter().filter(|(is_running, _)| *is_running);
+        running.map(|(_, what)| what)
+    }
+}

@@ -1,0 +1,96 @@
+//! The depths along the line of a depth profile, taken from the depth map.
+
+use super::{App, Figure, FigureKind};
+use crate::bathymetry::{Corner, Station, transect};
+use crate::geo::LonLat;
+use crate::pipeline::DepthMap;
+use std::sync::Arc;
+
+/// Most places that a line is looked at at.
+const MOST_STATIONS: usize = 2000;
+
+/// The depths along a line, and what they were taken from.
+#[derive(Clone)]
+pub struct ProfileLine {
+    figure: Figure,
+    map: Option<Arc<DepthMap>>,
+    /// Places along the line with their depths.
+    pub stations: Vec<Station>,
+    /// Metres from the start of the line to each corner.
+    pub corners_m: Vec<f64>,
+}
+
+impl ProfileLine {
+    /// Whether there is no depth map to look at.
+    pub fn lacks_map(&self) -> bool {
+        self.map.is_none()
+    }
+
+    fn is_of(&self, figure: &Figure, map: Option<&Arc<DepthMap>>) -> bool {
+        self.figure == *figure && self.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
+    }
+
+    fn new(
+        figure: Figure,
+        map: Option<&Arc<DepthMap>>,
+        place: impl Fn(LonLat) -> [f64; 2],
+    ) -> Self {
+        let corners_m = figure.distances_m();
+        let corners: Vec<Corner> = (figure.corners.iter().zip(&corners_m))
+            .map(|(at, distance_m)| Corner {
+                place: place(*at),
+                distance_m: *distance_m,
+            })
+            .collect();
+        // Two looks at every cell miss nothing that is drawn.
+        let step_m = map.map_or(f64::INFINITY, |map| 0.5 * map.surface.grid.cell_m);
+        let depth_at = |place| map?.depth_at(place);
+        Self {
+            stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
+            figure,
+            map: map.cloned(),
+            corners_m,
+        }
+    }
+}
+
+impl App {
+    /// Looks at the depths along the line again where the line or the depth map is another one.
+    pub(super) fn follow_profile(&mut self) {
+        let is_profile = |figure: &Figure| figure.kind == FigureKind::Profile;
+        let set = self.measuring.figure.as_deref().cloned().filter(is_profile);
+        let next = self.measuring.next.filter(|_| self.measuring.is_drawing());
+        let drawn = set.clone().map(|figure| match next {
+            Some(next) => figure.with(next),
+            None => figure,
+        });
+        self.measuring.set = self.profile_line(set, self.measuring.set.as_ref());
+        self.measuring.drawn = match drawn {
+            // One line, once.
+            Some(drawn)
+                if self
+                    .measuring
+                    .set
+                    .as_ref()
+                    .is_some_and(|set| set.figure == drawn) =>
+            {
+                self.measuring.set.clone()
+            }
+            drawn => self.profile_line(drawn, self.measuring.drawn.as_ref()),
+        };
+    }
+
+    fn profile_line(
+        &self,
+        figure: Option<Figure>,
+        before: Option<&Arc<ProfileLine>>,
+    ) -> Option<Arc<ProfileLine>> {
+        let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
+        let (figure, map) = (figure?, self.depth_map().flatten());
+        if let Some(before) = before.filter(|before| before.is_of(&figure, map)) {
+            return Some(before.clone());
+        }
+        let place = |at| products.navigation.to_plane(&survey.track, at);
+        Some(Arc::new(ProfileLine::new(figure, map, place)))
+    }
+}

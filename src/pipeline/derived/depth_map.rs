@@ -1,0 +1,138 @@
+//! The depth map of a survey, as the files hold it and the window draws it.
+
+use crate::bathymetry::{self, Light, Surface, SurfaceSettings, hill_shade};
+use crate::cloud::PointCloud;
+use crate::geo::{CrsChoice, MapPlane};
+use crate::pipeline::{Plane, ProcessedLog, Same, colour_range_m, joint_depth_surface};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Navigation, Survey};
+use std::sync::{Arc, OnceLock};
+
+/// What a depth map is made of; equal keys give equal maps.
+#[derive(Clone, PartialEq)]
+pub struct DepthMapKey(Vec<LogKey>);
+
+#[derive(Clone, PartialEq)]
+struct LogKey {
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    cloud: Same<PointCloud>,
+    kept: Same<Vec<bool>>,
+    crs: CrsChoice,
+    surface: SurfaceSettings,
+}
+
+impl DepthMapKey {
+    /// Of the results of some logs.
+    pub fn of(logs: &[ProcessedLog]) -> Self {
+        let key = |ProcessedLog { survey, products }: &ProcessedLog| LogKey {
+            survey: Same(survey.clone()),
+            navigation: Same(products.navigation.clone()),
+            cloud: Same(products.cloud.clone()),
+            kept: Same(products.kept.clone()),
+            crs: products.settings.crs,
+            surface: products.settings.surface.clone(),
+        };
+        Self(logs.iter().map(key).collect())
+    }
+}
+
+/// The depth map of a survey.
+pub struct DepthMap {
+    /// The depths, in the metres of a plane.
+    pub surface: Surface,
+    /// The plane: of the system that `crs` names, or of the UTM zone where that does not fit the survey.
+    pub map: MapPlane,
+    /// Where the light of the hill-shade comes from.
+    pub light: Light,
+    /// Ends of the colour scale of depth on the screen, metres ([`crate::pipeline::Products::depth_range_m`]).
+    pub colour_range_m: [f32; 2],
+    /// Nothing is interpolated farther than this from a depth, metres.
+    pub gap_m: f64,
+    shade: OnceLock<Vec<u8>>,
+    survey: Arc<Survey>,
+    navigation: Arc<Navigation>,
+}
+
+impl DepthMap {
+    /// Of all logs of a survey ([`joint_depth_surface`]), which lie in the frame of the first; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(logs: &[ProcessedLog], progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        let Some(ProcessedLog { survey, products }) = logs.first() else {
+            return Ok(None);
+        };
+        let map = Plane::or_utm(survey, products).map;
+        let Some(surface) = joint_depth_surface(logs, &map, progress)? else {
+            return Ok(None);
+        };
+        let of_surface = || bathymetry::depth_range(surface.depth_m.iter().copied());
+        let range_m = colour_range_m(logs.iter().map(|log| &log.products)).or_else(of_surface);
+        Ok(range_m.map(|colour_range_m| Self {
+            light: Light::suited(&surface),
+            surface,
+            map,
+            colour_range_m,
+            gap_m: products.settings.surface.max_gap_m,
+            shade: OnceLock::new(),
+            survey: survey.clone(),
+            navigation: products.navigation.clone(),
+        }))
+    }
+
+    /// Brightness of every cell under [`DepthMap::light`], 0 where it is unknown; made when it is first asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn shade(&self, progress: &Progress) -> Result<&[u8], Cancelled> {
+        if let Some(shade) = self.shade.get() {
+            return Ok(shade);
+        }
+        let shade = hill_shade(&self.surface, &self.light, progress)?;
+        Ok(self.shade.get_or_init(|| shade))
+    }
+
+    /// The place in the plane of one that is given east and north of the survey's origin, metres.
+    pub fn to_map(&self, [east_m, north_m]: [f64; 2]) -> [f64; 2] {
+        let track = &self.survey.track;
+        self.map
+            .place(self.navigation.to_lon_lat(track, east_m, north_m))
+    }
+
+    /// Inverse of [`DepthMap::to_map`].
+    pub fn to_survey(&self, place: [f64; 2]) -> [f64; 2] {
+        let position = self.map.to_lon_lat(place);
+        self.navigation.to_plane(&self.survey.track, position)
+    }
+
+    /// Depth at a place east and north of the survey's origin and the distance from its cell to the nearest depth, metres;
+    /// `None` where nothing is known.
+    pub fn at(&self, place: [f64; 2]) -> Option<(f32, f32)> {
+        let [easting_m, northing_m] = self.to_map(place);
+        self.surface.at(easting_m, northing_m)
+    }
+
+    /// Depth between the cells at a place east and north of the survey's origin, metres.
+    pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
+        self.surface.depth_at(self.to_map(place))
+    }
+
+    /// West, south, east and north in the plane of the survey, metres.
+    pub fn bounds_m(&self) -> [f64; 4] {
+        let grid = &self.surface.grid;
+        let east_m = grid.west_m + grid.columns as f64 * grid.cell_m;
+        let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
+        let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+        // The edges of a zone are bent by centimetres in the plane of the survey: their middles count too.
+        let middle_east_m = 0.5 * (grid.west_m + east_m);
+        let middle_north_m = 0.5 * (grid.north_m + south_m);
+        let eastings_m = [grid.west_m, middle_east_m, east_m].into_iter();
+        let northings_m = [south_m, middle_north_m, grid.north_m];
+        let places = eastings_m.flat_map(|e| northings_m.map(|n| [e, n]));
+        places.fold(start, |[west, south, east, north], place| {
+            let [e, n] = self.to_survey(place);
+            [west.min(e), south.min(n), east.max(e), north.max(n)]
+        })
+    }
+}

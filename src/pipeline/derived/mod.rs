@@ -1,0 +1,95 @@
+//! Results over all logs of a survey that are made on demand.
+//!
+//! ```text
+//! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
+//!                     --layout, gain--> Mosaic
+//! ```
+//!
+//! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
+//! files or the report. Nobody else makes one.
+
+mod depth_map;
+mod isobaths;
+mod mosaic;
+mod node;
+
+pub use depth_map::{DepthMap, DepthMapKey};
+pub use isobaths::{IsobathKey, Isobaths};
+pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
+
+use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::pipeline::ProcessedLog;
+use crate::progress::{Cancelled, Progress};
+use node::Node;
+use std::sync::Arc;
+
+/// Depth map, isobaths and mosaic, each made when it is first asked for.
+pub struct Derived {
+    depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
+    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, TooManyLevels>>,
+    mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
+}
+
+impl Default for Derived {
+    fn default() -> Self {
+        Self {
+            depth_map: Node::keeping(1),
+            isobaths: Node::keeping(1),
+            // In the plane of the survey on the screen, in that of the map in files.
+            mosaic: Node::keeping(2),
+        }
+    }
+}
+
+impl Derived {
+    /// The depth map of some logs; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn depth_map(
+        &self,
+        logs: &[ProcessedLog],
+        progress: &Progress,
+    ) -> Result<Option<Arc<DepthMap>>, Cancelled> {
+        self.depth_map.get(DepthMapKey::of(logs), progress, || {
+            Ok(DepthMap::new(logs, progress)?.map(Arc::new))
+        })
+    }
+
+    /// The isobaths of a depth map; the inner error says why the settings give no depths to draw them at.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn isobaths(
+        &self,
+        depth_map: &Arc<DepthMap>,
+        settings: &IsobathSettings,
+        progress: &Progress,
+    ) -> Result<Result<Arc<Isobaths>, TooManyLevels>, Cancelled> {
+        let key = IsobathKey::of(depth_map, settings);
+        self.isobaths.get(key, progress, || {
+            let levels_m = match settings.levels_m(depth_map.surface.range_m()) {
+                Ok(levels_m) => levels_m,
+                Err(error) => return Ok(Err(error)),
+            };
+            let made = Isobaths::new(depth_map, levels_m, progress)?;
+            Ok(Ok(Arc::new(made)))
+        })
+    }
+
+    /// The mosaic of some logs in a plane; `None` where nothing is shown.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn mosaic(
+        &self,
+        logs: &[ProcessedLog],
+        plane: MosaicPlane,
+        progress: &Progress,
+    ) -> Result<Option<Arc<Mosaic>>, Cancelled> {
+        let key = MosaicKey::of(logs, plane.clone());
+        self.mosaic.get(key, progress, || {
+            Ok(Mosaic::new(logs, &plane, progress)?.map(Arc::new))
+        })
+    }
+}

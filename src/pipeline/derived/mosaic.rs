@@ -1,0 +1,162 @@
+//! The side-scan mosaic of a survey: every log laid out, its gain evened and brought to that of the others.
+
+use crate::bathymetry::Grid;
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use crate::geo::MapPlane;
+use crate::mosaic::{
+    Bounds, Layout, MosaicLog, MosaicSettings, gain_table, joint_bounds, joint_window, match_levels,
+};
+use crate::pipeline::{ProcessedLog, Same, mosaic_layout, mosaic_layout_by};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{LeftOut, Navigation, Survey};
+use std::sync::OnceLock;
+
+/// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
+pub const FINEST: i8 = -6;
+/// Levels of detail, each twice as coarse as the one before, from the finest to what shows a continent.
+const LEVELS: usize = 32;
+/// Pings are left out of a level where neither the boat nor the ends of its swath move farther than this share of a cell.
+const THINNED: f64 = 0.7;
+
+/// The plane that a mosaic is laid out in.
+#[derive(Clone, PartialEq)]
+pub enum MosaicPlane {
+    /// That of the survey, where the window draws.
+    Survey,
+    /// That of a map.
+    Map(MapPlane),
+}
+
+/// What a mosaic is made of; equal keys give equal mosaics.
+#[derive(Clone, PartialEq)]
+pub struct MosaicKey {
+    plane: MosaicPlane,
+    logs: Vec<LogKey>,
+}
+
+#[derive(Clone, PartialEq)]
+struct LogKey {
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    returns: Same<FirstReturns>,
+    calibration: Same<Calibration>,
+    left_out: Same<LeftOut>,
+    range_factor: f64,
+    settings: MosaicSettings,
+}
+
+impl MosaicKey {
+    /// Of the results of some logs. Cells and colours do not matter: they are chosen when it is drawn.
+    pub fn of(logs: &[ProcessedLog], plane: MosaicPlane) -> Self {
+        let MosaicSettings {
+            cell_m, colours, ..
+        } = MosaicSettings::default();
+        let key = |ProcessedLog { survey, products }: &ProcessedLog| LogKey {
+            survey: Same(survey.clone()),
+            navigation: Same(products.navigation.clone()),
+            returns: Same(products.returns.clone()),
+            calibration: Same(products.calibration.clone()),
+            left_out: Same(products.left_out.clone()),
+            range_factor: products.correction.range_factor(),
+            settings: MosaicSettings {
+                cell_m,
+                colours,
+                ..products.settings.mosaic.clone()
+            },
+        };
+        Self {
+            plane,
+            logs: logs.iter().map(key).collect(),
+        }
+    }
+}
+
+/// The mosaic of a survey, ready to be drawn at any scale.
+pub struct Mosaic {
+    /// The logs that have side-scan, in the order of their recording.
+    pub logs: Vec<MosaicLog>,
+    /// How it is drawn.
+    pub settings: MosaicSettings,
+    /// West, south, east and north of what is shown, metres.
+    pub bounds: Bounds,
+    /// For each log the layouts with as many pings as a level shows, made when the level is first drawn.
+    thinned: Vec<[OnceLock<Layout>; LEVELS]>,
+}
+
+impl Mosaic {
+    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by itself and brought to the
+    /// levels of the others. Where they overlap, `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
+    /// nothing is shown.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn new(
+        logs: &[ProcessedLog],
+        plane: &MosaicPlane,
+        progress: &Progress,
+    ) -> Result<Option<Self>, Cancelled> {
+        let Some(first) = logs.first() else {
+            return Ok(None);
+        };
+        let settings = first.products.settings.mosaic.clone();
+        let mut in_time: Vec<&ProcessedLog> = logs.iter().collect();
+        in_time.retain(|log| log.survey.has_side_scan());
+        // A log that does not know the time stays where it is among the first.
+        let start_s = |log: &ProcessedLog| log.survey.start_unix_s.unwrap_or(f64::NEG_INFINITY);
+        in_time.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
+        let mut made = Vec::with_capacity(in_time.len());
+        for ProcessedLog { survey, products } in in_time {
+            let layout = match plane {
+                MosaicPlane::Survey => mosaic_layout_by(survey, products, |place| place),
+                MosaicPlane::Map(map) => mosaic_layout(survey, products, map),
+            };
+            let gain = gain_table(survey, &layout, progress)?;
+            made.push(MosaicLog {
+                survey: survey.clone(),
+                layout,
+                gain,
+            });
+        }
+        let logs = match_levels(made, &settings, progress)?;
+        let bounds = joint_bounds(&logs);
+        Ok(bounds.map(|bounds| Self {
+            thinned: logs
+                .iter()
+                .map(|_| [const { OnceLock::new() }; LEVELS])
+                .collect(),
+            logs,
+            settings,
+            bounds,
+        }))
+    }
+
+    /// Levels of all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. A coarse grid costs what it shows.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn levels(&self, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, Cancelled> {
+        let logs = self.logs.iter().zip(&self.thinned);
+        let logs = logs.map(|(log, thinned)| {
+            let layout = thinned_layout(log, thinned, grid.cell_m);
+            (&*log.survey, layout, &log.gain)
+        });
+        joint_window(logs, grid, &self.settings, progress)
+    }
+}
+
+/// The layout that shows all that cells of a size can show.
+fn thinned_layout<'a>(
+    log: &'a MosaicLog,
+    thinned: &'a [OnceLock<Layout>; LEVELS],
+    cell_m: f64,
+) -> &'a Layout {
+    let level = cell_m.log2().floor() - f64::from(FINEST);
+    // Also where a cell has no size.
+    if level.is_nan() || level < 0.0 {
+        return &log.layout;
+    }
+    let slot = (level as usize).min(LEVELS - 1);
+    let of_level_m = 2f64.powi(i32::from(FINEST) + slot as i32);
+    thinned[slot].get_or_init(|| log.layout.thinned(THINNED * of_level_m))
+}

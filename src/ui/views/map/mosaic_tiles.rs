@@ -1,0 +1,68 @@
+//! The tiles of the side-scan mosaic.
+
+use super::tiles::{SIDE, TileKey, TileSource};
+use super::transform::GroundBounds;
+use crate::bathymetry::Grid;
+use crate::mosaic::{MosaicSettings, Overlap};
+use crate::pipeline::{FINEST, Mosaic};
+use crate::progress::Progress;
+use egui::Color32;
+use std::sync::Arc;
+
+/// What the legend says.
+pub fn note(settings: &MosaicSettings) -> &'static str {
+    match settings.overlap {
+        Overlap::Later => "mosaic: later\npass on top",
+        Overlap::Brighter => "mosaic: brighter\npass on top",
+        Overlap::Middle => "mosaic: middle\nof the swath on top",
+        Overlap::Blend => "mosaic: passes\nblended",
+    }
+}
+
+/// The tiles of a mosaic in its colours.
+pub struct MosaicTiles {
+    mosaic: Arc<Mosaic>,
+    /// Colour of every level of the echo.
+    palette: [Color32; 256],
+}
+
+impl MosaicTiles {
+    /// Of a mosaic in the plane of the survey, in the colours of `settings`.
+    pub fn new(mosaic: Arc<Mosaic>, settings: &MosaicSettings) -> Self {
+        let colour = |level: usize| {
+            let [r, g, b, a] = settings.colours.rgba(level as u8);
+            Color32::from_rgba_unmultiplied(r, g, b, a)
+        };
+        Self {
+            mosaic,
+            palette: std::array::from_fn(colour),
+        }
+    }
+}
+
+impl TileSource for MosaicTiles {
+    fn bounds(&self) -> GroundBounds {
+        self.mosaic.bounds
+    }
+
+    fn finest(&self) -> i8 {
+        FINEST
+    }
+
+    fn paint(&self, key: TileKey, progress: &Progress) -> Option<Vec<Color32>> {
+        let [west_m, north_m] = key.corner();
+        let grid = Grid {
+            west_m,
+            north_m,
+            cell_m: key.texel_m(),
+            columns: SIDE,
+            rows: SIDE,
+        };
+        let levels = self.mosaic.levels(&grid, progress).ok()?;
+        let seen = levels.iter().any(|level| *level > 0);
+        seen.then(|| {
+            let colour = |level: &u8| self.palette[usize::from(*level)];
+            levels.iter().map(colour).collect()
+        })
+    }
+}
