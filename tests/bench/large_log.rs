@@ -23,14 +23,18 @@ const PATCHES: i32 = 20;
 /// Writes at least `bytes` bytes and returns how many.
 pub fn write(path: &Path, bytes: usize) -> io::Result<usize> {
     let survey = simulate(&Scene::default(), 1, &Progress::new()).map_err(io::Error::other)?;
-    let log = survey.sl2_bytes();
-    let frames = frames(&log);
+    write_patches(path, &survey.sl2_bytes(), 0, bytes)
+}
+
+/// Writes at least `bytes` bytes of a log over and over, the first time in patch `first`, and returns how many.
+pub fn write_patches(path: &Path, log: &[u8], first: i32, bytes: usize) -> io::Result<usize> {
+    let frames = frames(log);
     let last = frames
         .last()
         .map_or(0, |frame| integer(frame, MILLISECONDS));
     let mut out = BufWriter::new(File::create(path)?);
     out.write_all(&log[..FILE_HEADER])?;
-    let (mut offset, mut lap) = (FILE_HEADER, 0);
+    let (mut offset, mut lap) = (FILE_HEADER, first);
     while offset < bytes {
         for frame in &frames {
             let mut frame = frame.to_vec();

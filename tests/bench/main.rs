@@ -10,6 +10,7 @@ mod detector;
 mod first_return;
 mod large_log;
 mod lines;
+mod many_logs;
 mod map;
 mod memory;
 #[path = "../suite/missions.rs"]
@@ -32,6 +33,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
     ("detector", detector::run),
     ("first_return", first_return::run),
+    ("many_logs", many_logs::run),
     ("memory", memory::run),
     ("mosaic", mosaic::run),
     ("outliers", outliers::run),
