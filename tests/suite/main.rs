@@ -42,6 +42,7 @@ mod real_window;
 mod residuals;
 mod review;
 mod river;
+mod same_bytes;
 mod shipped_model;
 mod simulation;
 mod space;

@@ -4,23 +4,17 @@ use crate::cli::{refusal, run};
 use crate::support::demo_log;
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
-use bathyscope::app::{
-    Action, App, BottomStroke, Command, Ink, Jobs, MapLayer, PIXEL_M, ReferenceBy, View,
-};
+use bathyscope::app::{Action, App, Command, Jobs, MapLayer, ReferenceBy, View};
 use bathyscope::bathymetry::compare::{Match, Matching};
-use bathyscope::detection::review::{BoxId, Edit, Review};
-use bathyscope::detection::{Detection, Mark, Raster};
 use bathyscope::geo::UtmZone;
-use bathyscope::outputs::{OUTPUT_FILES, When};
 use bathyscope::pipeline::Settings;
 use bathyscope::simulation::Scene;
-use bathyscope::survey::{Identity, Side};
 use bathyscope::ui::Alone;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 fn act(window: &mut Window, action: Action) {
@@ -66,7 +60,7 @@ fn the_map_shows_how_each_point_differs_from_the_soundings() {
 const STEP_M: f64 = 0.3;
 
 /// A small pond on a bed of its own seed, under `level_m` more water.
-fn pond(level_m: f64) -> Scene {
+pub fn pond(level_m: f64) -> Scene {
     let mut scene = Scene::gentle();
     scene.track.lines = 3;
     scene.track.cross_lines = 1;
@@ -177,112 +171,6 @@ fn window_compare_and_process_write_the_same_figures() {
     assert!(refused.contains("another name"), "{refused}");
 }
 
-/// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the window keeps it.
-fn decided_boxes(app: &App, path: &Path) {
-    let log = &app.log;
-    let survey = log.survey.as_ref().expect("a survey");
-    let products = log.products.as_ref().expect("results");
-    let raster = Raster::new(survey, &products.navigation, PIXEL_M);
-    let classes = ["rock".to_owned()];
-    let places = [(Side::Port, 20), (Side::Starboard, 60), (Side::Port, 100)];
-    let boxes = places.map(|(side, ping)| Detection {
-        class: 0,
-        score: 0.7,
-        mark: Mark {
-            side,
-            pings: ping..ping + 12,
-            near_m: 4.0,
-            far_m: 6.0,
-        },
-    });
-    let empty = Review::new(Identity::of(survey), classes.to_vec());
-    let proposed = empty.adopt("a model", &classes, &boxes, &raster);
-    let ids: Vec<BoxId> = proposed.boxes().map(|one| one.id).collect();
-    let accepted = proposed.apply(&Edit::Accept(ids[0]));
-    let review = accepted.and_then(|review| review.apply(&Edit::Reject(ids[1])));
-    let text = review.expect("decisions").to_json() + "\n";
-    std::fs::write(path, text).expect("a review");
-}
-
-/// The open log of the first mission with points of the second beside it, a stroke over its bottom and decided boxes; gives back the
-/// arguments that say the same to `process`.
-fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
-    // Metres that name no system: how they were taken is a note that belongs into the report.
-    let process = "process second.sl2 --no-objects --products cloud -o second";
-    run(folder, &process.split(' ').collect::<Vec<_>>());
-    let reference = folder.join("second/cloud.ply");
-    let stroke = BottomStroke {
-        side: Side::Port,
-        path: vec![[40.0, 4.0], [60.0, 3.5]],
-        ink: Ink::Bottom,
-    };
-    app.apply(Command::DrawBottom(stroke));
-    wait(app);
-    let review = folder.join("boxes.json");
-    decided_boxes(app, &review);
-    for command in [
-        Command::OpenReview(review.clone()),
-        Command::CompareWith(reference.clone()),
-    ] {
-        app.apply(command);
-        wait(app);
-    }
-    let log = folder.join("first.sl2");
-    let files = [
-        ("process", log.clone()),
-        ("--reference", reference),
-        ("--review", review),
-        ("--settings", log.with_extension("bottom.toml")),
-    ];
-    let said = files.map(|(word, path)| [word.to_owned(), path.to_string_lossy().into_owned()]);
-    said.concat()
-}
-
-#[test]
-fn window_and_process_write_the_same_bytes() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    for (name, level_m, seed) in [("first.sl2", 0.0, 1), ("second.sl2", 0.20, 2)] {
-        let known = KnownSurvey::new(&pond(level_m), seed);
-        std::fs::write(folder.join(name), known.truth.sl2_bytes()).expect("a log");
-    }
-    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
-    app.apply(Command::Open(folder.join("first.sl2")));
-    wait(&mut app);
-    let said = everything_at_once(&mut app, folder);
-    let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
-    app.apply(Command::Export(by_window.clone()));
-    wait(&mut app);
-    let mut args: Vec<&str> = said.iter().map(String::as_str).collect();
-    args.extend(["--no-objects", "-o", "process"]);
-    run(folder, &args);
-
-    let names = |folder: &PathBuf| -> Vec<String> {
-        let entries = std::fs::read_dir(folder).expect("a folder").flatten();
-        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-        let mut names: Vec<String> = names.collect();
-        names.sort();
-        names
-    };
-    assert_eq!(names(&by_window), names(&by_process));
-    // Every product but what a search finds, which the window does elsewhere.
-    for row in OUTPUT_FILES.iter().filter(|row| row.when != When::Searched) {
-        assert!(by_window.join(row.name).is_file(), "{}", row.name);
-    }
-    for name in names(&by_window) {
-        let [one, other] =
-            [&by_window, &by_process].map(|folder| std::fs::read(folder.join(&name)).unwrap());
-        assert!(one == other, "{name} differs");
-    }
-    let report = std::fs::read_to_string(by_window.join("report.json")).unwrap();
-    let report: Value = serde_json::from_str(&report).expect("JSON");
-    let warnings = report["warnings"].to_string();
-    assert!(warnings.contains("first fix"), "{warnings}");
-    assert!(report["settings"]["bottom"].is_object(), "no bottom edits");
-    let page = std::fs::read_to_string(by_window.join("report.html")).unwrap();
-    assert!(page.contains("1 accepted, 0 added, 1 rejected, 1 undecided"));
-}
-
 #[test]
 fn a_setting_acts_on_both_missions_and_on_no_file() {
     let (mut window, folder) = two_missions();
@@ -390,7 +278,7 @@ fn what_cannot_be_compared_is_reported_and_changes_nothing() {
 }
 
 /// Waits for all workers.
-fn wait(app: &mut App) {
+pub fn wait(app: &mut App) {
     while !app.is_idle() {
         std::thread::sleep(std::time::Duration::from_millis(2));
         app.poll();

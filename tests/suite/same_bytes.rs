@@ -1,0 +1,218 @@
+//! Window and command line write the same bytes of the same survey.
+
+use crate::cli::run;
+use crate::residuals::{pond, wait};
+use crate::truth::KnownSurvey;
+use bathyscope::app::{App, BottomStroke, Command, Ink, Jobs, LogId, PIXEL_M};
+use bathyscope::detection::review::{BoxId, Edit, Review};
+use bathyscope::detection::{Detection, Mark, Raster};
+use bathyscope::outputs::{Need, OUTPUT_FILES, OutputFile, When};
+use bathyscope::pipeline::Settings;
+use bathyscope::survey::{Identity, Side};
+use serde_json::Value;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Logs over one bed, each under more water than the first by so much, metres, a day after the one before.
+fn write_logs(folder: &Path, logs: &[(&str, f64)]) {
+    for (day, (name, level_m)) in (0..).zip(logs) {
+        let mut scene = pond(*level_m);
+        scene.start_unix_s += 86_400 * day;
+        let known = KnownSurvey::new(&scene, u64::from(day) + 1);
+        std::fs::write(folder.join(name), known.truth.sl2_bytes()).expect("a log");
+    }
+}
+
+fn report(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("report.json")).expect("a record of the run");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder").flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+/// Holds two folders against each other, byte for byte, and both against the rows that must be there.
+fn assert_same(by_window: &Path, by_process: &Path, rows: impl Fn(&&OutputFile) -> bool) {
+    assert_eq!(names(by_window), names(by_process));
+    for row in OUTPUT_FILES.iter().filter(rows) {
+        assert!(by_window.join(row.name).is_file(), "{}", row.name);
+    }
+    for name in names(by_window) {
+        let [one, other] =
+            [by_window, by_process].map(|folder| std::fs::read(folder.join(&name)).unwrap());
+        assert!(one == other, "{name} differs");
+    }
+}
+
+/// Boxes on both sides of the open log, one accepted, one rejected, one undecided, in a file as the window keeps it.
+fn decided_boxes(app: &App, path: &Path) {
+    let log = &app.log;
+    let survey = log.survey.as_ref().expect("a survey");
+    let products = log.products.as_ref().expect("results");
+    let raster = Raster::new(survey, &products.navigation, PIXEL_M);
+    let classes = ["rock".to_owned()];
+    let places = [(Side::Port, 20), (Side::Starboard, 60), (Side::Port, 100)];
+    let boxes = places.map(|(side, ping)| Detection {
+        class: 0,
+        score: 0.7,
+        mark: Mark {
+            side,
+            pings: ping..ping + 12,
+            near_m: 4.0,
+            far_m: 6.0,
+        },
+    });
+    let empty = Review::new(Identity::of(survey), classes.to_vec());
+    let proposed = empty.adopt("a model", &classes, &boxes, &raster);
+    let ids: Vec<BoxId> = proposed.boxes().map(|one| one.id).collect();
+    let accepted = proposed.apply(&Edit::Accept(ids[0]));
+    let review = accepted.and_then(|review| review.apply(&Edit::Reject(ids[1])));
+    let text = review.expect("decisions").to_json() + "\n";
+    std::fs::write(path, text).expect("a review");
+}
+
+/// The open log of the first mission with points of the second beside it, a stroke over its bottom and decided boxes; gives back the
+/// arguments that say the same to `process`.
+fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
+    // Metres that name no system: how they were taken is a note that belongs into the report.
+    let process = "process second.sl2 --no-objects --products cloud -o second";
+    run(folder, &process.split(' ').collect::<Vec<_>>());
+    let reference = folder.join("second/cloud.ply");
+    let stroke = BottomStroke {
+        side: Side::Port,
+        path: vec![[40.0, 4.0], [60.0, 3.5]],
+        ink: Ink::Bottom,
+    };
+    app.apply(Command::DrawBottom(stroke));
+    wait(app);
+    let review = folder.join("boxes.json");
+    decided_boxes(app, &review);
+    for command in [
+        Command::OpenReview(review.clone()),
+        Command::CompareWith(reference.clone()),
+    ] {
+        app.apply(command);
+        wait(app);
+    }
+    let log = folder.join("first.sl2");
+    let files = [
+        ("process", log.clone()),
+        ("--reference", reference),
+        ("--review", review),
+        ("--settings", log.with_extension("bottom.toml")),
+    ];
+    let said = files.map(|(word, path)| [word.to_owned(), path.to_string_lossy().into_owned()]);
+    said.concat()
+}
+
+#[test]
+fn window_and_process_write_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    write_logs(folder, &[("first.sl2", 0.0), ("second.sl2", 0.20)]);
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    app.apply(Command::Open(folder.join("first.sl2")));
+    wait(&mut app);
+    let said = everything_at_once(&mut app, folder);
+    let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
+    app.apply(Command::Export(by_window.clone()));
+    wait(&mut app);
+    let mut args: Vec<&str> = said.iter().map(String::as_str).collect();
+    args.extend(["--no-objects", "-o", "process"]);
+    run(folder, &args);
+
+    // Every product but what a search finds, which the window does elsewhere.
+    assert_same(&by_window, &by_process, |row| row.when != When::Searched);
+    let report = report(&by_window);
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("first fix"), "{warnings}");
+    assert!(report["settings"]["bottom"].is_object(), "no bottom edits");
+    let page = std::fs::read_to_string(by_window.join("report.html")).unwrap();
+    assert!(page.contains("1 accepted, 0 added, 1 rejected, 1 undecided"));
+}
+
+/// Waits until every log has the results of its settings.
+fn settle(app: &mut App) {
+    wait(app);
+    while app.visible_logs().any(|log| log.is_behind()) {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        app.poll();
+        wait(app);
+    }
+}
+
+/// Gives the shown log settings.
+fn set(app: &mut App, assignments: &[&str]) {
+    let mut settings = Settings::clone(&app.log.settings);
+    for assignment in assignments {
+        settings = settings.with_assignment(assignment).expect("a setting");
+    }
+    app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "a test",
+        live: false,
+    });
+    settle(app);
+}
+
+/// A survey of two logs, each with settings of its own, kept as a project.
+fn survey_of_two(folder: &Path) -> App {
+    write_logs(folder, &[("first.sl2", 0.0), ("second.sl2", 0.20)]);
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    let logs = ["first.sl2", "second.sl2"].map(|name| folder.join(name));
+    app.apply(Command::OpenAll(logs.to_vec()));
+    settle(&mut app);
+    app.apply(Command::SaveProjectAs(folder.join("survey.bathyscope")));
+    settle(&mut app);
+    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    set(&mut app, &["first_return.threshold=0.33"]);
+    app.apply(Command::DrawBottom(BottomStroke {
+        side: Side::Port,
+        path: vec![[40.0, 4.0], [60.0, 3.5]],
+        ink: Ink::Bottom,
+    }));
+    settle(&mut app);
+    app.apply(Command::ShowLog(ids[1]));
+    let stretch = r#"left_out.stretches=[{ pings = [100, 139], reason = "bad" }]"#;
+    set(&mut app, &["draft_m=0.3", stretch]);
+    app.apply(Command::ShowLog(ids[0]));
+    settle(&mut app);
+    app
+}
+
+#[test]
+fn window_and_process_write_the_same_bytes_of_several_logs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let mut app = survey_of_two(folder);
+    app.apply(Command::SaveProject);
+    let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
+    app.apply(Command::Export(by_window.clone()));
+    settle(&mut app);
+    run(
+        folder,
+        &[
+            "process",
+            "survey.bathyscope",
+            "--no-objects",
+            "-o",
+            "process",
+        ],
+    );
+    let is_written = |row: &&OutputFile| {
+        let of_one_log = row.needs.contains(&Need::OneLog);
+        !of_one_log && ![When::Searched, When::Compared].contains(&row.when)
+    };
+    assert_same(&by_window, &by_process, is_written);
+    let report = report(&by_window);
+    let logs = report["logs"]["logs"].as_array().expect("logs");
+    assert_eq!(logs.len(), 2);
+    assert_eq!(logs[1]["counts"]["left_out_pings"], 40);
+    let statement = |log: usize| logs[log]["statement"].to_string();
+    assert!(statement(1).contains("0.3 m") && !statement(0).contains("0.3 m"));
+}
