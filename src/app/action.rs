@@ -126,6 +126,8 @@ actions! {
     DrawBottom, "Draw the bottom", Some("M"), "A drag in the waterfall draws the first return, with Ctrl it marks that there is none, with Alt it removes the edit. Up and Down make it shallower and deeper at the selected ping.";
     BottomBothSides, "Draw the bottom on both sides", None, "What is drawn on one side is drawn on the other at the same ranges.";
     ForgetBottom, "Forget the drawn bottom", None, "Takes the first returns that were found again, everywhere.";
+    LeaveOut, "Leave stretches out", Some("K"), "A drag along the waterfall, or along a track on the map, leaves its pings out of every product; with Ctrl they count whatever is found there, with Alt nothing is said of them any more. A click on a left-out stretch takes it back in.";
+    TakeBackIn, "Take the stretch back in", Some("Shift+K"), "Has the left-out stretch at the selected ping count again.";
     LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box, or else removes the measurement.";
     MeasureDistance, "Measure distance", Some("D"), "Click corners on the map: the length of the line on the ground.";
     MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map: area and perimeter on the ground.";

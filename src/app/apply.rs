@@ -75,6 +75,7 @@ impl App {
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::SelectBox(id) => self.select_box(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
+            Command::LeaveOut { log, part, leave } => self.leave_out(log, part, leave),
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
             Command::LineUp(queue) => self.set_queue(*queue),
@@ -311,6 +312,8 @@ impl App {
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
+            Action::LeaveOut => self.take_tool(Tool::LeaveOut),
+            Action::TakeBackIn => self.take_back_in(),
             Action::DrawBottom => self.take_tool(Tool::Bottom),
             Action::BottomBothSides => {
                 let both = &mut self.options.waterfall.bottom_both_sides;

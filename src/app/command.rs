@@ -1,13 +1,14 @@
 //! Everything the window can ask for.
 
 use super::{
-    Action, BottomStroke, LayoutPreset, LogId, Mark, Measure, MistakeSort, Nudge, ReferenceBy,
-    View, ViewOptions,
+    Action, BottomStroke, LayoutPreset, Leave, LogId, Mark, Measure, MistakeSort, Nudge,
+    ReferenceBy, View, ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::{BoxId, Edit, Queue};
 use crate::detection::truth::Mistake;
 use crate::pipeline::{Preset, Settings};
+use crate::survey::LogPart;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -109,6 +110,15 @@ pub enum Command {
     OpenReview(PathBuf),
     /// Read what is known to lie in the open survey, or in the one that is being opened, from a file.
     OpenTruth(PathBuf),
+    /// Leave a part of a log out of every result, or take it back in.
+    LeaveOut {
+        /// Which log.
+        log: LogId,
+        /// What of it.
+        part: LogPart,
+        /// What becomes of it.
+        leave: Leave,
+    },
     /// Draw the bottom over the waterfall.
     DrawBottom(BottomStroke),
     /// Move the bottom at the selected ping outward by so many samples.

@@ -2,6 +2,7 @@
 
 use super::bottom::BottomFile;
 use super::external::External;
+use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::first_return::FirstReturns;
@@ -62,6 +63,7 @@ pub struct OpenLog {
     pub reviewing: Reviewing,
     pub(super) counting: Option<Task<Option<Figures>>>,
     pub(super) bottom_file: BottomFile,
+    pub(super) leaving_out: LeavingOut,
 }
 
 impl Default for OpenLog {
@@ -83,6 +85,7 @@ impl Default for OpenLog {
             reviewing: Reviewing::default(),
             counting: None,
             bottom_file: BottomFile::default(),
+            leaving_out: LeavingOut::default(),
         }
     }
 }
@@ -127,7 +130,10 @@ impl OpenLog {
 
     /// Whether something of it is being read, counted or searched.
     pub(super) fn is_busy(&self) -> bool {
-        self.counting.is_some() || self.external.is_reading() || self.reviewing.is_busy()
+        self.counting.is_some()
+            || self.external.is_reading()
+            || self.reviewing.is_busy()
+            || self.leaving_out.is_busy()
     }
 
     /// What is drawn of it.

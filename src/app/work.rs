@@ -56,6 +56,7 @@ impl App {
         self.poll_judging();
         self.poll_places();
         self.poll_external();
+        self.poll_left_out();
     }
 
     fn poll_engine(&mut self) {

@@ -289,7 +289,7 @@ mod tests {
         after.left_out.stretches.push(Stretch {
             pings: Some([2, 3]),
             time_s: None,
-            reason: LeftOutReason::Drawn,
+            reason: Some(LeftOutReason::Drawn),
         });
         let (all, one) = own.change(&shared, &after).expect("settings");
         assert_eq!(one.compose(&all).expect("settings"), after);

@@ -44,7 +44,7 @@
 //!
 //! port.1200 = { corners = [[1200.0, 4.2], [1260.0, 4.4]], last = 1260 }
 //!
-//! [log.chart_1-3f9a2c41.left_out]          # a stretch that counts for nothing: pings or time_s, first and last
+//! [log.chart_1-3f9a2c41.left_out]          # a stretch that counts for nothing, or is kept: pings or time_s, first and last
 //!
 //! pings.2000 = { last = 2150, reason = "turn" }
 //!

@@ -1,4 +1,10 @@
-//! Stretches of a log that are left out of every result: turns, stops, and what an analyst takes for bad.
+//! Stretches of a log that are left out of every result: turns, stops, and what an analyst takes for bad. `edit` changes what an analyst
+//! says of them, `verdict` is how a stretch of the settings says whether it counts.
+
+mod edit;
+mod verdict;
+
+pub use edit::LogPart;
 
 use super::turn_rate::turn_rates_deg_s;
 use super::{Identity, Navigation, PingNav, Survey};
@@ -40,8 +46,9 @@ pub struct Stretch {
     /// First and last time, seconds of the log.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<[f64; 2]>,
-    /// Why.
-    pub reason: LeftOutReason,
+    /// Why it is left out; `None`, written `kept`, where it counts although a turn or a stop is found there.
+    #[serde(with = "verdict")]
+    pub reason: Option<LeftOutReason>,
 }
 
 /// `left_out.*` settings. Without any of them nothing is left out.
@@ -122,6 +129,19 @@ pub struct LeftOutStretch {
     pub reason: LeftOutReason,
 }
 
+impl LeftOutStretch {
+    /// Where it lies.
+    pub fn part(&self) -> LogPart {
+        self.pings
+            .map_or(LogPart::Time(self.time_s), LogPart::Pings)
+    }
+
+    /// Its length along the track, metres.
+    pub fn length_m(&self, survey: &Survey, navigation: &Navigation) -> f64 {
+        self.part().length_m(survey, navigation)
+    }
+}
+
 /// What is left out of a log: a reason for every ping and every sounding that is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
@@ -179,6 +199,14 @@ impl LeftOut {
         self.pings.iter().flatten().count()
     }
 
+    /// The stretch that a side-scan ping lies in, by its place in [`LeftOut::stretches`]; `None` where the ping counts.
+    pub fn stretch_at(&self, ping: usize) -> Option<usize> {
+        self.ping(ping)?;
+        let begun =
+            |stretch: &LeftOutStretch| stretch.pings.is_some_and(|[first, _]| first <= ping);
+        self.stretches.partition_point(begun).checked_sub(1)
+    }
+
     /// Soundings that are left out.
     pub fn sounding_count(&self) -> usize {
         self.soundings.iter().flatten().count()
@@ -190,8 +218,8 @@ impl LeftOut {
     }
 }
 
-/// From and to, seconds, and why.
-type Span = ([f64; 2], LeftOutReason);
+/// From and to, seconds, and why it is left out; `None` where it counts.
+type Span = ([f64; 2], Option<LeftOutReason>);
 
 /// Turns and stops.
 fn automatic(times_s: &[f64], places: &[PingNav], settings: &LeftOutSettings) -> Vec<Span> {
@@ -234,7 +262,7 @@ fn runs(
     let long = joined
         .into_iter()
         .filter(|[from_s, to_s]| to_s - from_s >= min_s);
-    long.map(|span| (span, reason)).collect()
+    long.map(|span| (span, Some(reason))).collect()
 }
 
 /// The stretches that the settings name, as spans of time.
@@ -273,7 +301,7 @@ fn flags(times_s: &[f64], spans: &[Span]) -> Vec<Option<LeftOutReason>> {
         let first = times_s.partition_point(|time_s| time_s < from_s);
         let after = times_s.partition_point(|time_s| time_s <= to_s);
         if let Some(inside) = flags.get_mut(first..after) {
-            inside.fill(Some(*reason));
+            inside.fill(*reason);
         }
     }
     match flags.iter().any(Option::is_some) {
@@ -311,7 +339,7 @@ mod tests {
     use std::sync::Arc;
 
     /// A minute at ten pings a second: 20 s north at 2 m/s, a turn of 12 degrees a second for 15 s, 15 s straight, 10 s at rest.
-    fn sailed(with_pings: bool) -> (Survey, Navigation) {
+    pub(super) fn sailed(with_pings: bool) -> (Survey, Navigation) {
         let times_s: Vec<f64> = (0..600).map(|index| 0.1 * f64::from(index)).collect();
         let (mut at, mut heading_rad) = ([0.0, 0.0], 0.0_f64);
         let mut places = Vec::new();
@@ -366,7 +394,7 @@ mod tests {
         (survey, navigation)
     }
 
-    fn turns_and_stops() -> LeftOutSettings {
+    pub(super) fn turns_and_stops() -> LeftOutSettings {
         LeftOutSettings {
             max_turn_deg_s: Some(6.0),
             min_speed_mps: Some(0.5),
@@ -404,12 +432,12 @@ mod tests {
             Stretch {
                 pings: Some([250, 299]),
                 time_s: None,
-                reason: LeftOutReason::Bad,
+                reason: Some(LeftOutReason::Bad),
             },
             Stretch {
                 pings: None,
                 time_s: Some([5.0, 5.95]),
-                reason: LeftOutReason::Drawn,
+                reason: Some(LeftOutReason::Drawn),
             },
         ];
         assert_eq!(settings.check(), Ok(()));

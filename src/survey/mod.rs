@@ -20,7 +20,7 @@ mod turn_rate;
 pub use bottom_lock::mark_bottom_lock;
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use identity::Identity;
-pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, Stretch};
+pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};

@@ -1,6 +1,7 @@
 //! The window: egui only. Reads [`crate::app::App`], pushes [`crate::app::Command`]s, owns nothing but how it looks.
 
 mod dialogs;
+mod left_out_words;
 pub mod offscreen;
 mod panels;
 mod place;

@@ -294,6 +294,11 @@ pub fn recorded_track_colour(options: &ViewOptions) -> Color32 {
     canvas_text_colour(options).gamma_multiply(0.45)
 }
 
+/// Left-out stretches on the map and the time line.
+pub fn left_out_colour(options: &ViewOptions) -> Color32 {
+    canvas_text_colour(options).gamma_multiply(0.75)
+}
+
 /// What is drawn on the map to measure, set off by a casing.
 pub fn measure_colour() -> Color32 {
     Color32::from_rgb(255, 150, 50)

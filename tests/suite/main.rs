@@ -24,6 +24,7 @@ mod golden;
 mod handmade;
 mod hostile;
 mod large_boxes;
+mod left_out_window;
 mod logs_window;
 mod manual;
 mod many_logs;

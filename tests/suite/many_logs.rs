@@ -487,7 +487,7 @@ fn what_is_left_out_is_in_no_result() {
     settings.left_out.stretches = vec![Stretch {
         pings: Some([100, 159]),
         time_s: None,
-        reason: LeftOutReason::Bad,
+        reason: Some(LeftOutReason::Bad),
     }];
     let made = pipeline::run(
         &log.survey,

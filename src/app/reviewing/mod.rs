@@ -42,6 +42,8 @@ pub enum Tool {
     Draw,
     /// Draws the bottom.
     Bottom,
+    /// Leaves stretches out; on the map too.
+    LeaveOut,
 }
 
 /// What undo goes back to: everything that an analyst changes.

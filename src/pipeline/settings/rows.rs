@@ -189,8 +189,8 @@ rows! {
         "The log that the stretches were named for; over another they are not applied.",
         Kind::Text("size and hash of a log");
     STRETCHES: "left_out.stretches", "Stretches", "stretches left out",
-        "Stretches of one log that are left out of every result.",
-        Kind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn\" }, ...], or time_s in place of pings");
+        "Stretches of one log that are left out of every result, or kept although a turn or a stop is found there.",
+        Kind::Text("[{ pings = [A, B], reason = \"turn | stop | bad | drawn | kept\" }, ...], or time_s in place of pings");
     // Between the spacing of the densest points and the width of the largest swath.
     RADIUS: "outliers.radius_m", "Radius", "outlier radius",
         "Radius of the sphere around a point; 3.011 m in the paper.",

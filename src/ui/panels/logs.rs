@@ -2,7 +2,7 @@
 
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, left_out_words, text, theme};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
@@ -131,6 +131,10 @@ fn describe(ui: &mut Ui, log: &OpenLog) {
         .depth_span_m
         .map(|[low, high]| format!("{low:.1} to {high:.1} m"));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
+    if let Some(found) = log.left_out().filter(|found| !found.left_out.is_empty()) {
+        let extent = left_out_words::extent(&found.extent(None));
+        fact(ui, "Left out", "", extent);
+    }
     for file in &survey.source.files {
         ui.label(file.display().to_string());
     }

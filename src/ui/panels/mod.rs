@@ -5,6 +5,7 @@ mod calibration;
 pub mod cloud;
 pub mod external_track;
 pub mod first_return;
+pub mod left_out;
 pub mod logs;
 pub mod maps;
 pub mod notices;
@@ -43,5 +44,6 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     products::ui(ui, context);
     water::ui(ui, context);
     external_track::ui(ui, context);
+    left_out::ui(ui, context);
     residuals::ui(ui, context);
 }

@@ -72,6 +72,10 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
             format!("{range:.2} m {side}"),
         );
     }
+    if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping) {
+        let hint = "Why the ping counts for nothing: no point, depth, echo or box comes from it.";
+        fact(ui, "Left out", hint, stretch.reason.name());
+    }
     for side in Side::BOTH {
         first_return(ui, context, mark.ping, side);
     }

@@ -65,6 +65,8 @@ const PROCESSING: &[Action] = &[
     Action::PresetPublished,
     Action::ThresholdDown,
     Action::ThresholdUp,
+    Action::LeaveOut,
+    Action::TakeBackIn,
     Action::DrawBottom,
     Action::BottomBothSides,
     Action::ForgetBottom,

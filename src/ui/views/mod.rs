@@ -1,6 +1,7 @@
 //! One file a view.
 
 mod cloud;
+mod drag;
 mod empty;
 mod legend;
 mod map;

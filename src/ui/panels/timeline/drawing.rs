@@ -138,6 +138,7 @@ impl Frame {
             Some(strips.x(self.all, ping.time_s))
         };
         let painter = ui.painter().with_clip_rect(self.all.expand(6.0));
+        self.left_out(ui, context, strips);
         for &time_s in &strips.warnings_s {
             let at = egui::pos2(strips.x(self.all, time_s), self.all.top() + 3.0);
             painter.circle_filled(at, 2.0, theme::stale_colour(app.options.theme));
@@ -166,6 +167,22 @@ impl Frame {
                 egui::pos2(x, top + 2.0),
             ];
             painter.add(egui::Shape::convex_polygon(head, colour, Stroke::NONE));
+        }
+    }
+
+    /// Veils the left-out stretches, with a bar above that names them by its colour.
+    fn left_out(&self, ui: &Ui, context: &ViewContext<'_>, strips: &Strips) {
+        let painter = ui.painter().with_clip_rect(self.all);
+        let veil = ui.visuals().extreme_bg_color.gamma_multiply(0.75);
+        let bar = theme::left_out_colour(&context.app.options);
+        let found = context.app.log.left_out().into_iter();
+        for stretch in found.flat_map(|found| &found.left_out.stretches) {
+            let [from, to] = stretch.time_s.map(|time_s| strips.x(self.all, time_s));
+            let x = from..=to.max(from + 1.0);
+            let area = Rect::from_x_y_ranges(x, self.all.y_range());
+            painter.rect_filled(area, 0.0, veil);
+            let top = egui::Rect::from_min_size(area.min, egui::vec2(area.width(), 3.0));
+            painter.rect_filled(top, 0.0, bar);
         }
     }
 

@@ -9,7 +9,7 @@ use crate::cloud::{Correction, PingDepth};
 use crate::pipeline::Products;
 use crate::pipeline::{Background, Same};
 use crate::survey::{Navigation, Survey};
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, left_out_words, theme};
 use drawing::Frame;
 use egui::{Sense, Ui};
 use std::sync::Arc;
@@ -91,7 +91,8 @@ impl TimeLine {
             let strips = self.strips.result().and_then(Option::as_ref);
             let depth = strips.and_then(Strips::deepest);
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
-            let name = format!("Time line, ping {ping} of {count}{depth}");
+            let left_out = left_out_words::and_stretches(context.app);
+            let name = format!("Time line, ping {ping} of {count}{depth}{left_out}");
             egui::WidgetInfo::slider(true, ping as f64, name)
         });
         let Some(Some(strips)) = self.strips.result() else {

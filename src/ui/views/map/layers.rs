@@ -113,6 +113,12 @@ impl TrackLayer {
         })
     }
 
+    /// The ping of a log that is nearest to a place, however far away.
+    pub fn ping_of(&self, log: LogId, place: [f64; 2]) -> Option<usize> {
+        let (_, boxes) = self.boxes.iter().find(|(id, _)| *id == log)?;
+        Some(boxes.nearest(place, f64::INFINITY)?.0)
+    }
+
     /// The ping nearest to a place and its log, if one is within `reach_m`; of equally near ones that of the log `first`.
     pub fn nearest_ping(
         &self,

@@ -7,6 +7,7 @@ mod flat_spots;
 mod graticule;
 mod isobaths;
 mod layers;
+mod left_out;
 mod lines;
 mod measure;
 mod mosaic_tiles;
@@ -56,6 +57,7 @@ pub struct MapView {
     layers: Layers,
     pointer: pointer::Pointer,
     measure: measure::MeasureTool,
+    leave_out: left_out::LeaveOutTool,
     seen_plane: u64,
     seen_reveal: u64,
     /// Height that the plot of a depth profile takes of the view, points.
@@ -138,6 +140,7 @@ impl MapView {
             self.layers.forget();
             self.pointer = pointer::Pointer::default();
             self.measure = measure::MeasureTool::default();
+            self.leave_out = left_out::LeaveOutTool::default();
         }
     }
 
@@ -175,7 +178,11 @@ impl MapView {
             }
             return "Map, no positions".to_owned();
         };
-        let transform = self.navigate(ui, context, rect, response, &track);
+        let draws = self.transform.is_some_and(|transform| {
+            let view = (rect, transform);
+            self.leave_out.follow(ui, response, view, &track, context)
+        });
+        let transform = self.navigate(ui, context, response, &track, !draws);
         let scene = overlay::Scene {
             rect,
             transform,
@@ -186,9 +193,12 @@ impl MapView {
             isobaths: self.layers.isobaths(&context.app.options.map.layers),
             residuals: self.layers.residuals(&context.app.options.map.layers),
             lost_soundings: context.app.log.lost_soundings,
+            has_left_out: left_out::ping_count(context.app) > 0,
             options: &context.app.options,
         };
         paint(ui, context, &scene, &mut self.layers);
+        let painter = ui.painter_at(rect);
+        self.leave_out.draw(&painter, &scene, context.app);
         self.pointer.handle(ui, context, &scene, response);
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
@@ -224,10 +234,11 @@ impl MapView {
         &mut self,
         ui: &Ui,
         context: &ViewContext<'_>,
-        rect: Rect,
         response: &Response,
         track: &TrackLayer,
+        drag_moves: bool,
     ) -> MapTransform {
+        let rect = response.rect;
         // A double-click ends a measurement.
         let fits = context.app.measuring.tool.is_none();
         let is_asked = self.request == Some(ViewRequest::Fit) || fits && response.double_clicked();
@@ -251,7 +262,10 @@ impl MapView {
             Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),
             Some(ViewRequest::Top | ViewRequest::Side) | None => {}
         }
-        pointer::move_view(ui, rect, response, &mut transform, whole, fits);
+        pointer::move_view(ui, response, &mut transform, drag_moves);
+        if fits && response.double_clicked() {
+            transform = whole();
+        }
         if let Some(reveal) = context.app.reveal
             && reveal.serial != self.seen_reveal
         {
@@ -277,6 +291,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
             layers.show(&painter, context, scene, shown.layer);
         }
     }
+    left_out::paint(&painter, scene, context.app);
     recorded_track::paint(&painter, scene, context.app);
     if scene.options.map.graticule {
         graticule::paint(&painter, scene);
@@ -324,11 +339,15 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
     let reference = products.reduction().reference().name();
     let surveys = app.visible_logs().filter_map(|log| log.survey.as_ref());
     let pings = surveys.map(|survey| survey.side_scan.len()).sum();
+    let left_out = match left_out::ping_count(app) {
+        0 => String::new(),
+        count => format!(" of which {} left out", text::count(count)),
+    };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
         format!(", depth {shallow:.1} to {deep:.1} m {reference}")
     });
     format!(
-        "Map, track of {} pings{depths}, {} flat stretches",
+        "Map, track of {} pings{left_out}{depths}, {} flat stretches",
         text::count(pings),
         products.flat_spots.len()
     )

@@ -23,6 +23,9 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     let explained = legend::has_room(scene.rect);
     let shows = |layer| scene.shows(layer) && explained;
     let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
+    if scene.has_left_out && scene.shows(MapLayer::Track) {
+        notes.push("fine dashes:\nleft out".to_owned());
+    }
     if let Some(depth_map) = scene.depth_map.filter(|_| shows(MapLayer::DepthMap)) {
         notes.push(match depth_map {
             Some(made) => format!("faded: between\ndepths, to {} m", made.gap_m),

@@ -33,6 +33,8 @@ pub struct Scene<'a> {
     pub residuals: Option<Arc<ResidualLayer>>,
     /// Soundings after the recorder had lost the bottom: they leave the track grey.
     pub lost_soundings: usize,
+    /// Whether some of the tracks is left out.
+    pub has_left_out: bool,
     pub options: &'a ViewOptions,
 }
 

@@ -2,16 +2,16 @@
 
 use super::overlay::Scene;
 use super::transform::MapTransform;
-use super::{flat_spots, objects};
-use crate::app::{App, Command, LogId, Mark};
+use super::{flat_spots, left_out, objects};
+use crate::app::{App, Command, Leave, LogId, Mark};
 use crate::calibration::PingRange;
 use crate::geo::{CoordinateFormat, LonLat};
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, place, theme};
-use egui::{Align2, Key, PointerButton, Pos2, Rect, Response, Ui, vec2};
+use crate::ui::{ViewContext, left_out_words, place, theme};
+use egui::{Align2, Key, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
-const REACH: f32 = 30.0;
+pub(super) const REACH: f32 = 30.0;
 
 /// How near the pointer must come to a point whose residual is shown, points.
 const NEAR: f32 = 6.0;
@@ -34,17 +34,11 @@ pub struct Pointer {
     offered: Option<usize>,
 }
 
-/// Wheel zooms at the pointer, drag moves, double-click fits if it has no other use.
-pub fn move_view(
-    ui: &Ui,
-    rect: Rect,
-    response: &Response,
-    transform: &mut MapTransform,
-    whole: impl Fn() -> MapTransform,
-    fits: bool,
-) {
-    let dragged =
-        response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle);
+/// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in hand (`drag_moves`).
+pub fn move_view(ui: &Ui, response: &Response, transform: &mut MapTransform, drag_moves: bool) {
+    let rect = response.rect;
+    let dragged = (drag_moves && response.dragged_by(PointerButton::Primary))
+        || response.dragged_by(PointerButton::Middle);
     if dragged {
         transform.pan(response.drag_delta());
     }
@@ -54,9 +48,6 @@ pub fn move_view(
         if factor != 1.0 {
             transform.zoom(rect, at, factor);
         }
-    }
-    if fits && response.double_clicked() {
-        *transform = whole();
     }
 }
 
@@ -88,6 +79,7 @@ impl Pointer {
         if let Some(at) = response.interact_pointer_pos()
             && response.clicked()
             && !is_measuring
+            && !left_out::is_in_hand(context.app)
         {
             self.click(context, scene, at);
         }
@@ -161,6 +153,12 @@ impl Pointer {
                     context.push(Command::CalibrateAt(pings));
                 }
                 ui.close();
+            }
+            if let Some(stretch) = context.app.left_out_at(log, ping)
+                && left_out_words::take_back_in(ui, &stretch)
+            {
+                let (part, leave) = (stretch.part(), Leave::In);
+                context.push(Command::LeaveOut { log, part, leave });
             }
             if ui.button("Show in the other views").clicked() {
                 context.push(Command::RevealIn(log, Mark::ping(ping)));
@@ -305,6 +303,9 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
     if let Some(near) = near {
         text += "   ";
         text += &named_ping(app, near);
+        if let Some(why) = left_out_words::at(app, near.0, near.1) {
+            text += &format!(", {why}");
+        }
     }
     text
 }

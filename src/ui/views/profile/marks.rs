@@ -28,6 +28,12 @@ pub(super) fn draw(painter: &Painter, plot: &Plot, shown: &Shown<'_>, options: &
     for side in Side::BOTH {
         pick(painter, plot, shown, side, options);
     }
+    if let Some(why) = &shown.left_out {
+        let at = plot.area.center_bottom() - vec2(0.0, 4.0);
+        let ink = theme::plot_ink(options);
+        let font = FontId::proportional(10.5);
+        painter.text(at, Align2::CENTER_BOTTOM, why, font, ink);
+    }
 }
 
 fn threshold(painter: &Painter, plot: &Plot, level: f32, options: &ViewOptions) {

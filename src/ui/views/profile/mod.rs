@@ -11,7 +11,7 @@ use crate::cloud::Reduction;
 use crate::first_return::Pick;
 use crate::pipeline::Settings;
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, place, theme};
+use crate::ui::{ViewContext, left_out_words, place, theme};
 use egui::{Rect, Response, Sense, vec2};
 use plot::Plot;
 use scale::ScaleJob;
@@ -52,6 +52,8 @@ struct Shown<'a> {
     picks: [Option<Found>; 2],
     threshold: f32,
     dead_zone_m: f64,
+    /// Why the ping does not count, in words.
+    left_out: Option<String>,
 }
 
 /// A first return.
@@ -199,6 +201,7 @@ fn shown<'a>(survey: &'a Survey, ping: usize, context: &ViewContext<'a>) -> Opti
         picks: Side::BOTH.map(found),
         threshold: context.app.log.settings.first_return.threshold,
         dead_zone_m: context.app.log.settings.first_return.dead_zone_m,
+        left_out: left_out_words::at(context.app, context.app.log.id, ping),
     })
 }
 
@@ -267,8 +270,9 @@ fn accessible_name(shown: &Shown<'_>) -> String {
     } else {
         String::new()
     };
+    let left_out = (shown.left_out.as_ref()).map_or_else(String::new, |why| format!(", {why}"));
     format!(
-        "Profile of ping {}: {}, {}, threshold {:.2}{depth}",
+        "Profile of ping {}: {}, {}, threshold {:.2}{depth}{left_out}",
         shown.ping, found[0], found[1], shown.threshold
     )
 }

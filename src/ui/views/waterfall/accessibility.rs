@@ -2,8 +2,8 @@
 
 use super::marks;
 use crate::survey::Survey;
-use crate::ui::ViewContext;
 use crate::ui::views::empty;
+use crate::ui::{ViewContext, left_out_words};
 use egui::{Rect, Response, Role, Ui, WidgetInfo};
 use std::ops::Range;
 
@@ -61,12 +61,13 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (Some(_), true) => "first return shown",
     };
     let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
+    let left_out = left_out_words::and_stretches(context.app);
     let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
         .map_or_else(String::new, |change| format!(", {change}"));
     format!(
-        "Waterfall, pings {} to {} of {}, {first_return}{ranges}{warning}",
+        "Waterfall, pings {} to {} of {}, {first_return}{ranges}{left_out}{warning}",
         visible.start,
         visible.end.saturating_sub(1),
         survey.side_scan.len()

@@ -1,10 +1,10 @@
 //! The pen for bottom edits, and the edits.
 
-use super::gestures::drag_begun;
 use super::lens::{Lens, Place, across_m};
 use super::lines::Pen;
 use crate::app::{App, BottomStroke, Command, Ink, Tool};
 use crate::survey::Side;
+use crate::ui::views::drag;
 use crate::ui::{ViewContext, theme};
 use egui::{CursorIcon, Modifiers, Painter, Pos2, Response, Shape, Stroke, Ui};
 
@@ -37,9 +37,12 @@ impl BottomPen {
             ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
-        if let Some(at) = drag_begun(ui, response) {
+        if let Some(at) = drag::begun(ui, response) {
             let modifiers = ui.input(|input| input.modifiers);
             self.stroke = Some(begun(lens, at, modifiers));
+        }
+        if drag::is_given_up(ui, response) {
+            self.stroke = None;
         }
         let Some(stroke) = &mut self.stroke else {
             return false;

@@ -4,7 +4,7 @@ use super::camera::{Camera, Extent, Size};
 use super::lens::Lens;
 use crate::app::Orientation;
 use crate::ui::ViewRequest;
-use egui::{Key, PointerButton, Pos2, Response, Ui};
+use egui::{Key, PointerButton};
 
 /// Enlargement of one press of the zoom keys.
 const KEY_STEP: f64 = 1.25;
@@ -85,13 +85,4 @@ fn both(factor: f64) -> Size {
         along: factor,
         across: factor,
     }
-}
-
-/// Where a drag with a tool in hand began in this frame; with Space held it moves the picture instead.
-pub(super) fn drag_begun(ui: &Ui, response: &Response) -> Option<Pos2> {
-    let (space, pressed) =
-        ui.input(|input| (input.key_down(Key::Space), input.pointer.press_origin()));
-    let begun = response.drag_started_by(PointerButton::Primary) && !space;
-    let at = pressed.or(response.interact_pointer_pos());
-    at.filter(|_| begun)
 }

@@ -8,6 +8,7 @@ mod drawing;
 mod flat_spots;
 mod gestures;
 mod labels;
+mod left_out;
 mod lens;
 mod lines;
 mod marks;
@@ -51,6 +52,7 @@ pub struct WaterfallView {
     was_over: Option<Mark>,
     boxes: boxes::Boxes,
     pen: bottom::BottomPen,
+    leave_out: left_out::LeaveOutTool,
     settled: bool,
 }
 
@@ -92,6 +94,8 @@ impl WaterfallView {
             .map(|camera| Lens::new(camera, rect, orientation));
         let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, &lens, context));
         let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, &lens, context));
+        let draws =
+            draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, &lens, context));
         let lens = self.aim(ui, &response, &axis, context, !holds_box && !draws);
         self.draw_picture(&painter, &lens, context);
         let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
@@ -120,6 +124,7 @@ impl WaterfallView {
         );
         self.boxes.draw(&painter, response.interact_pointer_pos());
         self.pen.draw(&painter, &lens, context.app);
+        self.leave_out.draw(&painter, &lens, context.app);
         let read_out =
             (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
         // A hand that draws wants to see what lies ahead.

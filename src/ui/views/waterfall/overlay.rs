@@ -4,7 +4,7 @@ use super::drawing::Drawing;
 use super::labels::Labels;
 use super::lens::Lens;
 use super::scales::RangeLines;
-use super::{bottom, boxes, flat_spots, lines, marks, scales};
+use super::{bottom, boxes, flat_spots, left_out, lines, marks, scales};
 use crate::app::{App, Mark};
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
@@ -46,6 +46,10 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(drawing) = shown.drawing {
         draw_lines(painter, lens, shown, drawing);
     }
+    let veiled = left_out::in_view(lens, shown.app);
+    for stretch in &veiled {
+        stretch.draw(painter);
+    }
     let marked = [
         (shown.app.selection, theme::selection_colour()),
         (shown.hover, theme::hover_colour()),
@@ -80,6 +84,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         scales::range_change(&mut labels, lens, &change);
     }
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
+    for stretch in &veiled {
+        stretch.label(&mut labels);
+    }
     for stretch in &stretches {
         stretch.label(&mut labels);
     }

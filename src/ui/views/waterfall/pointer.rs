@@ -2,9 +2,9 @@
 
 use super::lens::{Lens, Place};
 use super::{boxes, labels};
-use crate::app::{App, Command, Mark, Tool};
+use crate::app::{App, Command, Leave, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
-use crate::ui::{ViewContext, place, text, theme};
+use crate::ui::{ViewContext, left_out_words, place, text, theme};
 use egui::{Align2, Painter, Pos2, Response, vec2};
 
 /// The mark at a place; `None` before the first and after the last ping.
@@ -55,11 +55,16 @@ pub(super) fn follow(
     let clicked = response.clicked() || response.secondary_clicked();
     if clicked && let Some(at) = response.interact_pointer_pos() {
         // The tool in hand has a use of its own for the pointer.
-        let finds = !matches!(context.app.log.reviewing.tool, Tool::Draw | Tool::Bottom);
+        let tool = context.app.log.reviewing.tool;
+        let finds = !matches!(tool, Tool::Draw | Tool::Bottom | Tool::LeaveOut);
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
-            None if matches!(context.app.log.reviewing.tool, Tool::Look | Tool::Bottom) => {
-                context.push(Command::Select(mark_at(survey, lens.place_at(at))));
+            None if matches!(tool, Tool::Look | Tool::Bottom | Tool::LeaveOut) => {
+                let mark = mark_at(survey, lens.place_at(at));
+                context.push(Command::Select(mark));
+                if let Some(mark) = mark.filter(|_| tool == Tool::LeaveOut && response.clicked()) {
+                    take_back_in(context, mark.ping);
+                }
             }
             None => {}
         }
@@ -84,6 +89,11 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
                 context.push(Command::CalibrateAt(pings));
             }
             ui.close();
+        }
+        if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping)
+            && left_out_words::take_back_in(ui, &stretch)
+        {
+            take_back_in(context, mark.ping);
         }
         if ui.button("Show in map and 3D").clicked() {
             context.push(Command::Reveal(mark));
@@ -111,6 +121,15 @@ fn menu(response: &Response, context: &mut ViewContext<'_>) -> Option<usize> {
         }
     });
     equal_scales_at
+}
+
+/// Takes the left-out stretch at a ping back in, if there is one.
+fn take_back_in(context: &mut ViewContext<'_>, ping: usize) {
+    let log = context.app.log.id;
+    if let Some(stretch) = context.app.left_out_at(log, ping) {
+        let (part, leave) = (stretch.part(), Leave::In);
+        context.push(Command::LeaveOut { log, part, leave });
+    }
 }
 
 /// Metres that the boat moved from one ping to the next, over a hundred pings about this one.
@@ -197,6 +216,9 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
         lines += &format!("\ndepth {}", place::depth(app, ping));
     }
     lines += &doubts(app, ping, mark.ping, side);
+    if let Some(why) = left_out_words::at(app, app.log.id, mark.ping) {
+        lines += &format!("\n{why}");
+    }
     if let Some(at) = place::lon_lat(app, mark) {
         lines += &format!("\n{}", place::written(app, at));
     }

@@ -5,7 +5,7 @@ use super::{Lens, on_screen};
 use crate::app::{App, Command, Tool};
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit};
-use crate::ui::views::waterfall::gestures::drag_begun;
+use crate::ui::views::drag;
 use crate::ui::views::waterfall::lens::Place;
 use crate::ui::{ViewContext, theme};
 use egui::{CursorIcon, Painter, Pos2, Response, Stroke, StrokeKind, Ui};
@@ -45,14 +45,17 @@ impl Boxes {
         context: &mut ViewContext<'_>,
     ) -> bool {
         let tool = context.app.log.reviewing.tool;
-        if matches!(tool, Tool::Look | Tool::Bottom) {
+        if matches!(tool, Tool::Look | Tool::Bottom | Tool::LeaveOut) {
             self.held = None;
             return false;
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
         self.show_cursor(ui, response, lens, context.app);
-        if let Some(at) = drag_begun(ui, response) {
+        if let Some(at) = drag::begun(ui, response) {
             self.held = take(context.app, lens, at);
+        }
+        if drag::is_given_up(ui, response) {
+            self.give_up(context);
         }
         let (Some(held), Some(at)) = (&self.held, pointer) else {
             return false;
@@ -90,6 +93,16 @@ impl Boxes {
         true
     }
 
+    /// Lets go without a change: a box goes back to where it was.
+    fn give_up(&mut self, context: &mut ViewContext<'_>) {
+        if let Some(Held::Box { id, origin, .. }) = self.held.take() {
+            context.push(Command::Edit {
+                edit: Edit::Reshape(id, origin),
+                live: false,
+            });
+        }
+    }
+
     fn show_cursor(&self, ui: &Ui, response: &Response, lens: &Lens, app: &App) {
         let Some(at) = response.hover_pos() else {
             return;
@@ -102,7 +115,7 @@ impl Boxes {
                 .selected_box()
                 .and_then(|one| Edges::under(lens, &one.mark, lens.place_at(at)))
                 .map(|edges| edges.cursor()),
-            Tool::Look | Tool::Bottom => None,
+            Tool::Look | Tool::Bottom | Tool::LeaveOut => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);

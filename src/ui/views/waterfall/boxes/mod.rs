@@ -127,5 +127,6 @@ fn tool_in_hand(app: &App) -> &'static str {
         Tool::Edit => ", editing it",
         Tool::Draw => ", drawing a box",
         Tool::Bottom => ", drawing the bottom",
+        Tool::LeaveOut => ", leaving stretches out",
     }
 }

@@ -1,0 +1,291 @@
+//! What an analyst says about parts of a log: that they are left out, that they count, or nothing any more.
+
+use super::{LeftOut, LeftOutReason, LeftOutSettings, Stretch};
+use crate::survey::{Identity, Navigation, PingNav, Survey};
+
+/// A part of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LogPart {
+    /// First and last side-scan ping.
+    Pings([usize; 2]),
+    /// First and last time, seconds of the log: where it has no side-scan.
+    Time([f64; 2]),
+}
+
+impl LogPart {
+    /// How long it lasts, seconds.
+    pub fn duration_s(self, survey: &Survey) -> f64 {
+        let [from_s, to_s] = match self {
+            Self::Pings(ends) => ends.map(|ping| {
+                let ping = survey.side_scan.get(ping);
+                ping.map_or(f64::NAN, |ping| ping.time_s)
+            }),
+            Self::Time(ends_s) => ends_s,
+        };
+        to_s - from_s
+    }
+
+    /// Where the boat was: at its pings, or at its soundings where it is given by times.
+    pub fn places<'a>(self, survey: &Survey, navigation: &'a Navigation) -> &'a [PingNav] {
+        let places = match self {
+            Self::Pings([first, last]) => navigation.pings.get(first..=last),
+            Self::Time([from_s, to_s]) => {
+                let soundings = &survey.soundings;
+                let first = soundings.partition_point(|one| one.time_s < from_s);
+                let after = soundings.partition_point(|one| one.time_s <= to_s);
+                navigation.soundings.get(first..after)
+            }
+        };
+        places.unwrap_or_default()
+    }
+
+    /// Its length along the track, metres. Places that are not known are passed over.
+    pub fn length_m(self, survey: &Survey, navigation: &Navigation) -> f64 {
+        let is_placed = |place: &&PingNav| (place.east_m + place.north_m).is_finite();
+        let places = self.places(survey, navigation).iter().filter(is_placed);
+        let places: Vec<&PingNav> = places.collect();
+        let step_m = |pair: &[&PingNav]| {
+            (pair[1].east_m - pair[0].east_m).hypot(pair[1].north_m - pair[0].north_m)
+        };
+        places.windows(2).map(step_m).sum()
+    }
+}
+
+impl LeftOutSettings {
+    /// With a part of a log left out; what was drawn and touches it becomes one stretch with it.
+    pub fn leaving_out(&self, survey: &Survey, part: LogPart) -> Self {
+        let (mut whole, mut others) = (part, Vec::new());
+        for stretch in self.stretches_of(survey) {
+            let joined = (stretch.reason == Some(LeftOutReason::Drawn))
+                .then(|| joined(whole, &stretch, survey))
+                .flatten();
+            match joined {
+                Some(joined) => whole = joined,
+                None => others.push(stretch),
+            }
+        }
+        let rest = others.iter().flat_map(|one| without(one, whole, survey));
+        let drawn = stretch(whole, Some(LeftOutReason::Drawn));
+        self.with_stretches(survey, rest.chain([drawn]).collect())
+    }
+
+    /// With nothing said about a part of a log: turns and stops that are found there are left out, all else counts.
+    pub fn as_found(&self, survey: &Survey, part: LogPart) -> Self {
+        let stretches = self.stretches_of(survey);
+        let rest = stretches.iter().flat_map(|one| without(one, part, survey));
+        self.with_stretches(survey, rest.collect())
+    }
+
+    /// With a part of a log that counts, whatever is found there.
+    pub fn taking_in(&self, survey: &Survey, navigation: &Navigation, part: LogPart) -> Self {
+        let mut settings = self.as_found(survey, part);
+        let found = LeftOut::new(survey, navigation, &settings);
+        let is_out = match part {
+            LogPart::Pings([first, last]) => (first..=last).any(|ping| found.ping(ping).is_some()),
+            LogPart::Time([from_s, to_s]) => {
+                let meets = |[first_s, last_s]: [f64; 2]| first_s <= to_s && from_s <= last_s;
+                found.stretches.iter().any(|one| meets(one.time_s))
+            }
+        };
+        if is_out {
+            let mut stretches = std::mem::take(&mut settings.stretches);
+            stretches.push(stretch(part, None));
+            settings = settings.with_stretches(survey, stretches);
+        }
+        settings
+    }
+
+    /// The stretches, if they are of this log.
+    fn stretches_of(&self, survey: &Survey) -> Vec<Stretch> {
+        let own = Identity::of(survey);
+        match self.log.as_ref().is_none_or(|log| own.is_same_log(log)) {
+            true => self.stretches.clone(),
+            false => Vec::new(),
+        }
+    }
+
+    /// In the order in which a project keeps them.
+    fn with_stretches(&self, survey: &Survey, mut stretches: Vec<Stretch>) -> Self {
+        stretches.sort_by(|one, other| match (one.pings, other.pings) {
+            (Some([one, _]), Some([other, _])) => one.cmp(&other),
+            (None, None) => start_s(one).total_cmp(&start_s(other)),
+            (one, other) => other.is_some().cmp(&one.is_some()),
+        });
+        Self {
+            log: (!stretches.is_empty()).then(|| Identity::of(survey)),
+            stretches,
+            ..self.clone()
+        }
+    }
+}
+
+fn start_s(stretch: &Stretch) -> f64 {
+    stretch.time_s.map_or(0.0, |[from_s, _]| from_s)
+}
+
+fn stretch(part: LogPart, reason: Option<LeftOutReason>) -> Stretch {
+    let (pings, time_s) = match part {
+        LogPart::Pings(pings) => (Some(pings), None),
+        LogPart::Time(time_s) => (None, Some(time_s)),
+    };
+    Stretch {
+        pings,
+        time_s,
+        reason,
+    }
+}
+
+/// The first and last ping of a stretch; `None` where it holds none.
+fn pings_of(stretch: &Stretch, survey: &Survey) -> Option<[usize; 2]> {
+    let pings = &survey.side_scan;
+    let [first, last] = match (stretch.pings, stretch.time_s) {
+        (Some([first, last]), _) => [first, last.min(pings.len().checked_sub(1)?)],
+        (None, Some([from_s, to_s])) => {
+            let first = pings.partition_point(|ping| ping.time_s < from_s);
+            let after = pings.partition_point(|ping| ping.time_s <= to_s);
+            [first, after.checked_sub(1)?]
+        }
+        (None, None) => return None,
+    };
+    (first <= last).then_some([first, last])
+}
+
+/// A part with a stretch that touches it; `None` where they lie apart.
+fn joined(part: LogPart, other: &Stretch, survey: &Survey) -> Option<LogPart> {
+    match part {
+        LogPart::Pings([first, last]) => {
+            let [start, end] = pings_of(other, survey)?;
+            let touches = start <= last.saturating_add(1) && first <= end.saturating_add(1);
+            touches.then(|| LogPart::Pings([first.min(start), last.max(end)]))
+        }
+        LogPart::Time([from_s, to_s]) => {
+            let [start_s, end_s] = other.time_s?;
+            let touches = start_s <= to_s && from_s <= end_s;
+            touches.then(|| LogPart::Time([from_s.min(start_s), to_s.max(end_s)]))
+        }
+    }
+}
+
+/// What of a stretch lies outside of a part.
+fn without(other: &Stretch, part: LogPart, survey: &Survey) -> Vec<Stretch> {
+    let rest = match part {
+        LogPart::Pings(part) => pings_of(other, survey).and_then(|whole| {
+            let before = |ping: usize| ping.checked_sub(1);
+            cut(whole, part, before, |ping| ping.checked_add(1))
+                .map(|rest| rest.into_iter().map(LogPart::Pings).collect())
+        }),
+        LogPart::Time(part) => other.time_s.and_then(|whole| {
+            let before = |time_s: f64| Some(time_s.next_down());
+            cut(whole, part, before, |time_s| Some(time_s.next_up()))
+                .map(|rest| rest.into_iter().map(LogPart::Time).collect())
+        }),
+    };
+    let rest: Option<Vec<LogPart>> = rest;
+    match rest {
+        Some(rest) => rest
+            .into_iter()
+            .map(|part| stretch(part, other.reason))
+            .collect(),
+        // As it was given, by its times perhaps.
+        None => vec![other.clone()],
+    }
+}
+
+/// What of a span lies before and after another one; `None` where the two lie apart.
+fn cut<T: Copy + PartialOrd>(
+    [first, last]: [T; 2],
+    [from, to]: [T; 2],
+    before: impl Fn(T) -> Option<T>,
+    after: impl Fn(T) -> Option<T>,
+) -> Option<Vec<[T; 2]>> {
+    if last < from || to < first {
+        return None;
+    }
+    let head = before(from).filter(|end| first <= *end);
+    let tail = after(to).filter(|start| *start <= last);
+    let head = head.map(|end| [first, end]);
+    let tail = tail.map(|start| [start, last]);
+    Some(head.into_iter().chain(tail).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{sailed, turns_and_stops};
+    use super::*;
+
+    fn named(settings: &LeftOutSettings) -> Vec<([usize; 2], Option<LeftOutReason>)> {
+        let stretches = settings.stretches.iter();
+        stretches
+            .filter_map(|one| Some((one.pings?, one.reason)))
+            .collect()
+    }
+
+    #[test]
+    fn strokes_join_cut_and_are_taken_back() {
+        use LeftOutReason::{Bad, Drawn};
+        let (survey, navigation) = sailed(true);
+        let pings = |first, last| LogPart::Pings([first, last]);
+        let mut given = LeftOutSettings::default();
+        given.stretches.push(Stretch {
+            pings: None,
+            time_s: Some([1.0, 9.95]),
+            reason: Some(Bad),
+        });
+        let one = given.leaving_out(&survey, pings(120, 139));
+        let two = one.leaving_out(&survey, pings(140, 159));
+        assert_eq!(named(&two), [([120, 159], Some(Drawn))], "they touch");
+        assert_eq!(two.stretches[1], given.stretches[0], "it stays as given");
+        assert!(two.log.is_some());
+        let three = two.leaving_out(&survey, pings(90, 125));
+        assert_eq!(
+            named(&three),
+            [([10, 89], Some(Bad)), ([90, 159], Some(Drawn))]
+        );
+        let four = three.taking_in(&survey, &navigation, pings(100, 110));
+        let drawn = [([90, 99], Some(Drawn)), ([111, 159], Some(Drawn))];
+        assert_eq!(named(&four)[1..], drawn, "no turn is found there");
+        let none = four.as_found(&survey, pings(0, 599));
+        assert_eq!(none, LeftOutSettings::default());
+        assert_eq!(none.check(), Ok(()));
+    }
+
+    #[test]
+    fn a_turn_that_is_found_is_taken_back_in_and_found_again() {
+        for with_pings in [true, false] {
+            let (survey, navigation) = sailed(with_pings);
+            let settings = turns_and_stops();
+            let of = |settings: &LeftOutSettings| LeftOut::new(&survey, &navigation, settings);
+            let turn = of(&settings).stretches[0];
+            let kept = settings.taking_in(&survey, &navigation, turn.part());
+            assert_eq!(kept.check(), Ok(()));
+            assert_eq!(kept.stretches[0].reason, None);
+            let left = of(&kept).stretches;
+            assert_eq!(left.len(), 1, "the stop: {left:?}");
+            // A stroke over it counts more.
+            let out = kept.leaving_out(&survey, turn.part());
+            assert_eq!(of(&out).stretches[0].reason, LeftOutReason::Drawn);
+            assert_eq!(of(&out).stretches[0].time_s, turn.time_s);
+            let found = kept.as_found(&survey, turn.part());
+            assert_eq!(found, settings);
+            let text = toml::to_string(&kept).expect("settings are text");
+            assert!(text.contains("\"kept\""), "{text}");
+            assert_eq!(toml::from_str::<LeftOutSettings>(&text), Ok(kept));
+            assert!(toml::from_str::<LeftOutSettings>(&text.replace("kept", "gone")).is_err());
+        }
+    }
+
+    #[test]
+    fn a_part_has_a_length_and_a_duration() {
+        for with_pings in [true, false] {
+            let (survey, navigation) = sailed(with_pings);
+            let settings = turns_and_stops();
+            let turn = LeftOut::new(&survey, &navigation, &settings).stretches[0];
+            let part = turn.part();
+            let lasts_s = turn.time_s[1] - turn.time_s[0];
+            assert!((part.duration_s(&survey) - lasts_s).abs() < 1e-9);
+            // Two metres a second.
+            let length_m = part.length_m(&survey, &navigation);
+            assert!((length_m - 2.0 * lasts_s).abs() < 0.5, "{length_m}");
+        }
+    }
+}

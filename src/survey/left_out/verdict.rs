@@ -1,0 +1,33 @@
+//! The reason of a stretch as text: why it is left out, or `kept` where it counts.
+
+use super::LeftOutReason;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// The reason of a stretch that counts.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Counts {
+    Kept,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a reason is `turn`, `stop`, `bad`, `drawn` or `kept`"
+)]
+enum Verdict {
+    LeftOut(LeftOutReason),
+    Counts(Counts),
+}
+
+pub fn serialize<S: Serializer>(reason: &Option<LeftOutReason>, to: S) -> Result<S::Ok, S::Error> {
+    let verdict = reason.map_or(Verdict::Counts(Counts::Kept), Verdict::LeftOut);
+    verdict.serialize(to)
+}
+
+pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<LeftOutReason>, D::Error> {
+    Ok(match Verdict::deserialize(from)? {
+        Verdict::LeftOut(reason) => Some(reason),
+        Verdict::Counts(Counts::Kept) => None,
+    })
+}

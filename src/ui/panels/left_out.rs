@@ -1,0 +1,179 @@
+//! What is left out of every result: turns and stops that are found, and stretches that were drawn.
+
+use super::parts::{Section, remark, section, setting, warning};
+use crate::app::{Action, Command, FoundLeftOut, Leave, Mark, OpenLog, Tool};
+use crate::pipeline::Stage;
+use crate::pipeline::settings::rows;
+use crate::survey::{LeftOutReason, LeftOutStretch, LogPart, Stretch, Survey};
+use crate::ui::{ViewContext, left_out_words, text};
+use egui::{Align, Button, Layout, ScrollArea, Ui};
+
+/// Height of a row of the list, points.
+const ROW: f32 = 18.0;
+/// Rows of the list that are in view at once.
+const ROWS: f32 = 7.0;
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Left out",
+        stage: Some(Stage::Calibration),
+    };
+    section(ui, context, &heading, |ui, context| {
+        tool(ui, context);
+        for row in [&rows::MAX_TURN, &rows::MIN_SPEED] {
+            setting(ui, context, row);
+        }
+        let settings = &context.app.log.settings.left_out;
+        if settings.max_turn_deg_s.is_some() || settings.min_speed_mps.is_some() {
+            setting(ui, context, &rows::MIN_DURATION);
+        }
+        let Some(found) = context.app.log.left_out().cloned() else {
+            return;
+        };
+        for text in &found.left_out.warnings {
+            warning(ui, context, text);
+        }
+        counts(ui, context, &found);
+        list(ui, context, &found);
+        kept(ui, context);
+    });
+}
+
+fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let action = Action::LeaveOut;
+    let holds = context.app.log.reviewing.tool == Tool::LeaveOut;
+    let button = ui.add(Button::new("Leave stretches out").selected(holds));
+    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
+    let button = button.accessible_name(action.label()).on_hover_text(hint);
+    if button.clicked() {
+        context.push(Command::Do(action));
+    }
+}
+
+/// How much is left out, for each reason and of all logs.
+fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
+    use LeftOutReason::{Bad, Drawn, Stop, Turn};
+    if found.left_out.is_empty() {
+        return remark(ui, "Nothing is left out of this log.");
+    }
+    for (reason, one, many) in [
+        (Turn, "turn", "turns"),
+        (Stop, "stop", "stops"),
+        (Bad, "bad stretch", "bad stretches"),
+        (Drawn, "drawn stretch", "drawn stretches"),
+    ] {
+        let extent = found.extent(Some(reason));
+        if extent.stretches > 0 {
+            let what = text::plural(extent.stretches, one, many);
+            ui.label(format!("{what}: {}", left_out_words::extent(&extent)));
+        }
+    }
+    let others = context.app.visible_logs().filter_map(OpenLog::left_out);
+    let (logs, pings) = others.fold((0, 0), |(logs, pings), found| {
+        (logs + 1, pings + found.left_out.ping_count())
+    });
+    if logs > 1 {
+        let all = text::plural(pings, "ping", "pings");
+        remark(ui, format!("{all} of all visible logs"));
+    }
+}
+
+/// The stretches: a click shows one in all views, × takes it back in.
+fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
+    let stretches: Vec<(&LeftOutStretch, f64)> = found.stretches().collect();
+    let Some(survey) = context.app.log.survey.clone() else {
+        return;
+    };
+    ScrollArea::vertical()
+        .id_salt("left-out stretches")
+        .max_height(ROWS * (ROW + ui.spacing().item_spacing.y))
+        .show_rows(ui, ROW, stretches.len(), |ui, range| {
+            for (stretch, length_m) in &stretches[range] {
+                let way = text::way(*length_m);
+                let part = stretch.part();
+                let where_at = place(&survey, part);
+                let label = format!("{}  {where_at}  {way}", stretch.reason.name());
+                let name = format!("{} {where_at}", stretch.reason.name());
+                row(
+                    ui,
+                    context,
+                    [&label, &name],
+                    part,
+                    ("Take back in", Leave::In),
+                );
+            }
+        });
+}
+
+/// The stretches that count although something is found there.
+fn kept(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let Some(survey) = app.log.survey.clone() else {
+        return;
+    };
+    let settings = app.log.settings.clone();
+    let stretches = settings.left_out.stretches.iter();
+    let part = |stretch: &Stretch| match (stretch.pings, stretch.time_s) {
+        (Some(pings), _) => Some(LogPart::Pings(pings)),
+        (None, time_s) => time_s.map(LogPart::Time),
+    };
+    let kept: Vec<LogPart> = stretches
+        .filter(|stretch| stretch.reason.is_none())
+        .filter_map(part)
+        .collect();
+    for part in kept {
+        let where_at = place(&survey, part);
+        let label = format!("kept  {where_at}");
+        let name = format!("kept {where_at}");
+        let search = ("Leave to the search", Leave::AsFound);
+        row(ui, context, [&label, &name], part, search);
+    }
+}
+
+/// A stretch with a button that does something about it.
+fn row(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    [label, name]: [&str; 2],
+    part: LogPart,
+    (what, leave): (&str, Leave),
+) {
+    let log = context.app.log.id;
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let button = ui.add(Button::new("×").small().frame(false));
+            let button = button.accessible_name(format!("{what}: {name}"));
+            if button.on_hover_text(what).clicked() {
+                context.push(Command::LeaveOut { log, part, leave });
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let is_here = context.app.selection.is_some_and(|mark| holds(part, mark));
+                let label = ui.add(Button::selectable(is_here, label).truncate());
+                let label = label.accessible_name(format!("Stretch {name}"));
+                if label.on_hover_text("Shows it in all views.").clicked()
+                    && let LogPart::Pings([first, last]) = part
+                {
+                    let middle = usize::midpoint(first, last);
+                    context.push(Command::Reveal(Mark::ping(middle)));
+                }
+            });
+        });
+    });
+}
+
+fn holds(part: LogPart, mark: Mark) -> bool {
+    matches!(part, LogPart::Pings([first, last]) if (first..=last).contains(&mark.ping))
+}
+
+/// Where a stretch lies, `1200..1350`, or by the clock where the log has no pings.
+fn place(survey: &Survey, part: LogPart) -> String {
+    match part {
+        LogPart::Pings([first, last]) => format!("{first}..{last}"),
+        LogPart::Time(ends_s) => {
+            let [from, to] = ends_s.map(|time_s| text::clock(survey.start_unix_s, time_s));
+            format!("{from} to {to}")
+        }
+    }
+}

@@ -1,0 +1,257 @@
+//! Stretches left out in the window: drawn over waterfall and map, found by turn rate and speed, listed and taken back in.
+
+use crate::bottom::draw;
+use crate::logs_window::{change, opened, settle};
+use crate::review::mouse::{at, drag, pull};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle as drawn};
+use bathyscope::app::{Command, LogId, OpenLog, Tool};
+use bathyscope::survey::{LeftOutReason, LeftOutStretch};
+use egui::{Key, Modifiers, Pos2, pos2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+
+fn out_of(log: &OpenLog) -> Vec<LeftOutStretch> {
+    log.left_out().expect("a result").left_out.stretches.clone()
+}
+
+fn left_out(window: &Window) -> Vec<LeftOutStretch> {
+    out_of(&app(window).log)
+}
+
+/// First and last pings of what is left out of the log that is shown.
+fn pings(window: &Window) -> Vec<[usize; 2]> {
+    let stretches = left_out(window).into_iter();
+    stretches.filter_map(|one| one.pings).collect()
+}
+
+fn near(found: [usize; 2], expected: [usize; 2]) -> bool {
+    let near = |(one, other): (usize, usize)| one.abs_diff(other) <= 4;
+    found.into_iter().zip(expected).all(near)
+}
+
+/// Kept points that a stretch of pings has in the results.
+fn points_in(window: &Window, [first, last]: [usize; 2]) -> usize {
+    let products = app(window).log.products.as_ref().expect("results");
+    let points = products.cloud.points.iter().zip(products.kept.iter());
+    points
+        .filter(|(point, kept)| **kept && (first..=last).contains(&(point.ping as usize)))
+        .count()
+}
+
+fn name_of(window: &Window, part: &str) -> String {
+    let node = window.get_by_label_contains(part);
+    node.accesskit_node().label().expect("a name")
+}
+
+pub fn click(window: &mut Window, at: Pos2) {
+    window.hover_at(at);
+    window.run();
+    window.drag_at(at);
+    window.drop_at(at);
+    window.run();
+    window.step();
+}
+
+/// Where a ping of a log lies on the screen of the map: by two places that are measured there.
+pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
+    let rect = window.get_by_label_contains("Map, track of").rect();
+    let probes = [rect.center(), rect.center() + egui::vec2(40.0, 0.0)];
+    press(window, Modifiers::NONE, Key::D);
+    for probe in probes {
+        click(window, probe);
+    }
+    let figure = app(window).measuring.figure.clone().expect("a line");
+    press(window, Modifiers::NONE, Key::Escape);
+    press(window, Modifiers::NONE, Key::Escape);
+    let log = app(window).open_log(log).expect("it is open");
+    let survey = log.survey.as_ref().expect("a log");
+    let navigation = &log.products.as_ref().expect("results").navigation;
+    let [one, other] = [0, 1].map(|index| {
+        let corner = figure.corners[index];
+        navigation.to_plane(&survey.track, corner)
+    });
+    let per_point = (other[0] - one[0]) / 40.0;
+    let boat = &navigation.pings[ping];
+    let right = (boat.east_m - one[0]) / per_point;
+    let down = (one[1] - boat.north_m) / per_point;
+    pos2(probes[0].x + right as f32, probes[0].y + down as f32)
+}
+
+#[test]
+fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::F);
+    let before = points_in(&window, [300, 400]);
+    assert!(before > 100 && pings(&window).is_empty());
+    press(&mut window, Modifiers::NONE, Key::K);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::LeaveOut);
+    window.get_by_label_contains(", leaving stretches out");
+    // Backwards as well as forwards.
+    draw(&mut window, Modifiers::NONE, (400.0, -4.0), (300.0, 5.0));
+    let [stretch] = pings(&window)[..] else {
+        panic!("{:?}", pings(&window))
+    };
+    assert!(near(stretch, [300, 400]), "{stretch:?}");
+    assert_eq!(left_out(&window)[0].reason, LeftOutReason::Drawn);
+    assert_eq!(points_in(&window, stretch), 0, "the results follow");
+    let products = app(&window).log.products.as_ref().expect("results");
+    assert_eq!(products.left_out.stretches, left_out(&window));
+    for view in ["Waterfall, pings", "Time line, ping"] {
+        let name = name_of(&window, view);
+        assert!(name.contains(", 1 stretch left out"), "{name}");
+    }
+    let name = name_of(&window, "Map, track of");
+    let count = format!(" of which {} left out", stretch[1] + 1 - stretch[0]);
+    assert!(name.contains(&count), "{name}");
+
+    // With Ctrl a part of it counts again; what touches it joins it.
+    draw(&mut window, Modifiers::COMMAND, (340.0, 0.0), (360.0, 0.0));
+    assert_eq!(pings(&window).len(), 2);
+    draw(&mut window, Modifiers::NONE, (330.0, 0.0), (370.0, 0.0));
+    assert_eq!(pings(&window), [stretch]);
+    for expected in [2, 1, 0] {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        assert_eq!(pings(&window).len(), expected);
+    }
+    assert_eq!(points_in(&window, stretch), before);
+    assert_eq!(app(&window).undo_label(), None);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(pings(&window), [stretch]);
+
+    // A click takes it back in; beside it a click only selects.
+    let beside = at(&window, 600.0, 4.0);
+    click(&mut window, beside);
+    assert_eq!(pings(&window), [stretch]);
+    assert!(near(
+        [app(&window).selection.expect("a ping").ping; 2],
+        [600; 2]
+    ));
+    let inside = at(&window, 350.0, 4.0);
+    click(&mut window, inside);
+    assert!(pings(&window).is_empty());
+    assert!(app(&window).log.settings.left_out.is_empty());
+    // Without the tool a drag moves the picture.
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    draw(&mut window, Modifiers::NONE, (300.0, -6.0), (400.0, -4.0));
+    assert!(pings(&window).is_empty());
+}
+
+#[test]
+fn a_drag_that_is_given_up_changes_nothing() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::F);
+    let (from, to) = (at(&window, 300.0, 4.0), at(&window, 400.0, 6.0));
+    // Left-out stretches, the bottom, a new box.
+    for tool in [Key::K, Key::M, Key::N] {
+        press(&mut window, Modifiers::NONE, tool);
+        pull(&mut window, from, to);
+        press(&mut window, Modifiers::NONE, Key::Escape);
+        window.drop_at(to);
+        window.run();
+        assert!(pings(&window).is_empty());
+        assert!(app(&window).log.settings.bottom.is_empty());
+        assert!(!app(&window).log.reviewing.has_boxes());
+        assert_eq!(app(&window).undo_label(), None, "{tool:?}");
+    }
+}
+
+#[test]
+fn turns_are_found_listed_and_taken_back_in() {
+    let mut window = demo_window();
+    change(&mut window, "left_out.max_turn_deg_s=4");
+    let found = left_out(&window);
+    assert!(!found.is_empty(), "the demo turns");
+    assert!(found.iter().all(|one| one.reason == LeftOutReason::Turn));
+    let pings_out: usize = pings(&window).iter().map(|[a, b]| b + 1 - a).sum();
+    let extent = app(&window).log.left_out().expect("found").extent(None);
+    assert_eq!(extent.pings, pings_out);
+    let name = if found.len() == 1 {
+        "1 turn: "
+    } else {
+        " turns: "
+    };
+    window.get_by_label_contains(name);
+    let [first, last] = found[0].pings.expect("pings");
+    window
+        .get_by_label(&format!("Stretch turn {first}..{last}"))
+        .click_accesskit();
+    settle(&mut window);
+    let shown = app(&window).selection.expect("a ping").ping;
+    assert!((first..=last).contains(&shown));
+    window.get_by_label_contains(", left out: turn");
+
+    window
+        .get_by_label(&format!("Take back in: turn {first}..{last}"))
+        .click_accesskit();
+    settle(&mut window);
+    assert_eq!(left_out(&window), found[1..]);
+    assert!(points_in(&window, [first, last]) > 0);
+    // It is listed as kept, and left to the search again.
+    window
+        .get_by_label(&format!("Leave to the search: kept {first}..{last}"))
+        .click_accesskit();
+    settle(&mut window);
+    assert_eq!(left_out(&window), found);
+    // By key, at the selected ping.
+    press(&mut window, Modifiers::SHIFT, Key::K);
+    settle(&mut window);
+    assert_eq!(left_out(&window), found[1..]);
+    press(&mut window, Modifiers::SHIFT, Key::K);
+    assert!(
+        window
+            .query_by_label_contains("nothing is left out at the selected ping")
+            .is_some()
+    );
+}
+
+#[test]
+fn a_drag_along_a_track_of_the_map_leaves_out_pings_of_its_log() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let ids = crate::logs_window::ids(&window);
+    let [from, to] = [40, 140].map(|ping| on_map(&mut window, ids[1], ping));
+    press(&mut window, Modifiers::NONE, Key::K);
+    drag(&mut window, from, to);
+    settle(&mut window);
+    assert_eq!(app(&window).log.id, ids[0], "the shown log stays");
+    assert!(pings(&window).is_empty());
+    let other = app(&window).open_log(ids[1]).expect("it is open");
+    let [stretch] = out_of(other)[..] else {
+        panic!("{:?}", out_of(other))
+    };
+    assert!(
+        near(stretch.pings.expect("pings"), [40, 140]),
+        "{stretch:?}"
+    );
+    let products = other.products.as_ref().expect("results");
+    assert_eq!(products.left_out.stretches, [stretch]);
+    let name = name_of(&window, "Map, track of");
+    assert!(name.contains(" left out"), "{name}");
+    // A click with the tool takes it back in; without it a drag moves the map.
+    let inside = on_map_again(&mut window, ids[1], 90);
+    click(&mut window, inside);
+    settle(&mut window);
+    assert!(out_of(app(&window).open_log(ids[1]).expect("it is open")).is_empty());
+}
+
+/// [`on_map`] with the tool in hand before and after.
+fn on_map_again(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
+    press(window, Modifiers::NONE, Key::Escape);
+    let at = on_map(window, log, ping);
+    press(window, Modifiers::NONE, Key::K);
+    at
+}
+
+#[test]
+fn left_out_stretches_look_as_they_did() {
+    let mut window = drawn_window([1400.0, 1000.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    change(&mut window, "left_out.max_turn_deg_s=4");
+    press(&mut window, Modifiers::NONE, Key::F);
+    press(&mut window, Modifiers::NONE, Key::K);
+    draw(&mut window, Modifiers::NONE, (300.0, -4.0), (380.0, -4.0));
+    window.get_by_label("Leave stretches out").scroll_to_me();
+    window.run();
+    drawn(&mut window);
+    window.snapshot("window_left_out");
+}
