@@ -108,7 +108,7 @@ impl App {
         let matching = self.comparing.matching(&products.settings);
         let (survey, mut products) = (survey.clone(), products.clone());
         // No stage depends on it: the results are as good for any system.
-        products.settings.crs = self.log.settings.crs;
+        Arc::make_mut(&mut products.settings).crs = self.log.settings.crs;
         self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
             open(&path, &survey, &products, matching, progress)
         }));

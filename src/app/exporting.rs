@@ -5,6 +5,7 @@ use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
 use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
@@ -59,7 +60,7 @@ impl App {
         }
         let (survey, mut products) = (survey.clone(), products.clone());
         // No stage depends on it: the results are as good for any system.
-        products.settings.crs = self.log.settings.crs;
+        Arc::make_mut(&mut products.settings).crs = self.log.settings.crs;
         let requested = self.requested();
         let against = self.comparing.against(&products);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
@@ -95,7 +96,7 @@ impl App {
     /// Writes one set of products of several logs, as `process` does.
     fn export_survey(&mut self, mut logs: Vec<ProcessedLog>, folder: PathBuf) {
         for log in &mut logs {
-            log.products.settings.crs = self.log.settings.crs;
+            Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
         }
         let (requested, derived) = (self.requested(), self.deriving.results.clone());
         self.write(move |progress| {

@@ -124,7 +124,7 @@ impl OpenLog {
 
     /// Whether results are missing or older than their settings.
     pub fn is_behind(&self) -> bool {
-        let is_current = |products: &Products| products.settings == *self.settings;
+        let is_current = |products: &Products| products.settings == self.settings;
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }
 

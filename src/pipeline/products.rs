@@ -71,7 +71,7 @@ impl Stage {
 #[derive(Clone, Debug)]
 pub struct Products {
     /// The settings that made them.
-    pub settings: Settings,
+    pub settings: Arc<Settings>,
     /// Position and heading of every ping.
     pub navigation: Arc<Navigation>,
     /// What counts for nothing: no point, depth, echo or box comes from there.
@@ -236,7 +236,7 @@ pub fn run(
         }
     };
     Ok(Products {
-        settings: settings.clone(),
+        settings: Arc::new(settings.clone()),
         navigation,
         left_out,
         flat_spots,

@@ -173,7 +173,7 @@ impl Report {
             format: survey.source.format.clone(),
             start_unix_s: survey.start_unix_s,
             preset: settings.matching_preset().map_or("changed", Preset::name),
-            settings: settings.clone(),
+            settings: Settings::clone(settings),
             counts: Counts {
                 pings: survey.side_scan.len(),
                 soundings: survey.soundings.len(),

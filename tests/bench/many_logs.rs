@@ -1,7 +1,7 @@
 //! One log and fifty of 100 000 pings each, open in one window: the time of a frame, memory, and how soon a moved threshold shows.
 
 use crate::large_log;
-use crate::resources::{peak_from_here_mb, peak_mb};
+use crate::resources::anonymous_mb;
 use bathyscope::app::{App, Command, Jobs};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
@@ -85,7 +85,7 @@ fn write_logs(folder: &Path, count: usize) -> Vec<PathBuf> {
 }
 
 fn measure(state: &RenderState, paths: &[PathBuf]) -> Figures {
-    let before_mb = peak_from_here_mb().unwrap_or(0.0);
+    let before_mb = anonymous_mb().unwrap_or(0.0);
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
     app.apply(Command::OpenAll(paths.to_vec()));
     settle(&mut app);
@@ -100,7 +100,7 @@ fn measure(state: &RenderState, paths: &[PathBuf]) -> Figures {
         slowest_ms: ms(frames[FRAMES * 9 / 10]),
         shown_s,
         rest_s,
-        kept_mb: peak_mb().unwrap_or(0.0) - before_mb,
+        kept_mb: anonymous_mb().unwrap_or(0.0) - before_mb,
     }
 }
 

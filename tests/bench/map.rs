@@ -147,7 +147,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
     let (cloud, correction) = (PointCloud::default(), Correction::default());
     let depths = ping_depths(survey, &cloud, &[], &correction);
     Products {
-        settings: Settings::default(),
+        settings: Arc::default(),
         left_out: Arc::default(),
         navigation: Arc::new(Navigation {
             pings: nav.clone(),

@@ -1,6 +1,7 @@
 //! Memory beyond the map while a 2 GB log is open in the window: processed, drawn, its residuals shown, everything kept.
 
 use crate::large_log;
+use crate::resources::anonymous_mb;
 use bathyscope::app::{App, Command, Jobs};
 use bathyscope::progress::Progress;
 use bathyscope::ui::{Shell, offscreen::Studio};
@@ -96,15 +97,4 @@ fn measured<T>(what: &str, before_mb: f64, work: impl FnOnce() -> T) -> T {
         peak_mb - before_mb
     );
     result
-}
-
-/// Anonymous resident memory of this process in MB (Linux).
-fn anonymous_mb() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("RssAnon:"))?;
-    line.split_whitespace()
-        .nth(1)?
-        .parse::<f64>()
-        .ok()
-        .map(|kb| kb / 1e3)
 }

@@ -52,7 +52,7 @@ pub fn run() {
     let always_s = write(&products, &[]);
     for cell_m in CELLS_M {
         settings.mosaic.cell_m = cell_m;
-        products.settings = settings.clone();
+        products.settings = Arc::new(settings.clone());
         let before_mb = peak_from_here_mb();
         let taken_s = write(&products, &[Product::Mosaic]) - always_s;
         let more_mb = peak_mb()

@@ -27,3 +27,14 @@ pub fn peak_mb() -> Option<f64> {
     let kb: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kb / 1e3)
 }
+
+/// Anonymous resident memory of this process in MB (Linux): file pages of a mapped log are the system's to take back.
+pub fn anonymous_mb() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("RssAnon:"))?;
+    line.split_whitespace()
+        .nth(1)?
+        .parse::<f64>()
+        .ok()
+        .map(|kb| kb / 1e3)
+}

@@ -1,8 +1,8 @@
 //! Several logs in one window: one map, one cloud, one history.
 
-use crate::many_logs::{HIGHER_M, write_logs};
+use crate::many_logs::{HIGHER_M, bed_depth_m, rms, write_logs};
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle as drawn};
-use bathyscope::app::{CloudColour, Command, LogId, Mark};
+use bathyscope::app::{App, CloudColour, Command, LogId, Mark};
 use bathyscope::pipeline::Settings;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -188,24 +188,40 @@ fn a_recording_is_opened_once_and_closed_again() {
     assert!(window.query_by_label_contains("Map, empty").is_some());
 }
 
+/// How far the one depth map of all logs is from the ground that was sailed over, RMS in metres, where a depth is within 2 m.
+fn error_of_depth_map_m(app: &App, mean_m: f64) -> f64 {
+    let depth_map = app.depth_map().flatten().expect("a depth map");
+    let grid = &depth_map.surface.grid;
+    let errors_m = (0..grid.len()).filter_map(|cell| {
+        let place = grid.centre(cell / grid.columns, cell % grid.columns);
+        let at = depth_map.to_survey(place);
+        let (depth_m, _) = depth_map.at(at).filter(|(_, away_m)| *away_m < 2.0)?;
+        Some(f64::from(depth_m) - (bed_depth_m(at) + mean_m))
+    });
+    rms(&errors_m.collect::<Vec<f64>>())
+}
+
 #[test]
 fn heights_are_compared_and_applied_as_one_step() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut window = opened(folder.path(), 4);
-    window.get_by_label("Compare heights").click();
+    let mut window = opened(folder.path(), HIGHER_M.len());
+    window.get_by_label("Compare heights").click_accesskit();
     settle(&mut window);
     assert!(app(&window).height_offsets().is_some());
-    window.get_by_label("Apply").click();
+    window.get_by_label("Apply").click_accesskit();
     settle(&mut window);
     let applied: Vec<f64> = app(&window)
         .logs()
         .map(|log| log.settings.height_offset_m)
         .collect();
-    let mean_m = HIGHER_M[..4].iter().sum::<f64>() / 4.0;
+    let mean_m = HIGHER_M.iter().sum::<f64>() / HIGHER_M.len() as f64;
     for (offset_m, higher_m) in applied.iter().zip(HIGHER_M) {
         let off_m = offset_m - (higher_m - mean_m);
         assert!(off_m.abs() < 0.01, "{applied:?}");
     }
+    let error_m = error_of_depth_map_m(app(&window), mean_m);
+    eprintln!("the depth map of ten logs in the window is off by {error_m:.4} m RMS");
+    assert!(error_m < 0.03, "{error_m}");
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert!(

@@ -125,7 +125,7 @@ impl Lake {
     fn adjusted(&self, offsets: &HeightOffsets) -> Vec<ProcessedLog> {
         let progress = Progress::new();
         let with = |(log, offset): (&ProcessedLog, f64)| {
-            let mut settings = log.products.settings.clone();
+            let mut settings = Settings::clone(&log.products.settings);
             settings.height_offset_m = offset;
             let products = pipeline::run(
                 &log.survey,
@@ -276,7 +276,13 @@ impl Maps {
     }
 }
 
-fn rms(values: &[f64]) -> f64 {
+/// Depth of the ground of the lake at a place of the shared frame, metres below the transducer of the first log.
+pub fn bed_depth_m(place: [f64; 2]) -> f64 {
+    Lake::gentle().bed_depth_m(place)
+}
+
+/// Root of the mean of squares.
+pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
@@ -482,7 +488,7 @@ fn what_is_left_out_is_in_no_result() {
     let lake = Lake::gentle();
     let progress = Progress::new();
     let log = &lake.logs[3];
-    let mut settings = log.products.settings.clone();
+    let mut settings = Settings::clone(&log.products.settings);
     settings.left_out.max_turn_deg_s = Some(6.0);
     settings.left_out.stretches = vec![Stretch {
         pings: Some([100, 159]),

@@ -10,7 +10,7 @@ use bathyscope::cloud::{
 use bathyscope::first_return::FirstReturns;
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
-use bathyscope::pipeline::{Products, Settings};
+use bathyscope::pipeline::Products;
 use bathyscope::progress::Progress;
 use bathyscope::survey::{
     Fix, HeadingSettings, Navigation, PingNav, Projection, SidePing, SideScanState, Sounding,
@@ -147,7 +147,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
     // The second one lies in the middle of the pond, so that the test finds it in the middle of the map.
     let spots = vec![spot(520, 2.1), spot(3 * PINGS_A_LINE + 30, 2.9)];
     Products {
-        settings: Settings::default(),
+        settings: Arc::default(),
         left_out: Arc::default(),
         navigation: Arc::new(Navigation {
             pings: nav.clone(),

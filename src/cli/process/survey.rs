@@ -106,7 +106,7 @@ fn adjusted(
 ) -> Result<Vec<ProcessedLog>, String> {
     let found = height_offsets(&logs, Datum::Mean, progress).map_err(|error| error.to_string())?;
     let with = |(log, offset_m): (&ProcessedLog, f64)| {
-        let mut settings = log.products.settings.clone();
+        let mut settings = Settings::clone(&log.products.settings);
         // To the tenth of a millimetre: it stands in records, and is no better known.
         settings.height_offset_m = (offset_m * 1e4).round() / 1e4;
         run(log.survey.clone(), &settings, Some(log), status, progress)

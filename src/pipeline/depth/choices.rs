@@ -4,7 +4,7 @@ use super::residuals::{kept_of, place};
 use crate::bathymetry::compare::{Matching, Reference};
 use crate::calibration::{OffsetMode, PpdReach, ScaleMode};
 use crate::cloud::{Geometry, PointSource, Residuals};
-use crate::pipeline::{Products, run};
+use crate::pipeline::{Products, Settings, run};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use serde::Serialize;
@@ -72,7 +72,7 @@ pub fn choices(
     let mut found = Vec::new();
     for (calibration, mode, ppd, offset) in CALIBRATIONS {
         for geometry in GEOMETRIES {
-            let mut settings = products.settings.clone();
+            let mut settings = Settings::clone(&products.settings);
             settings.calibration.mode = mode;
             settings.calibration.ppd = ppd;
             settings.calibration.offset = match (offset, products.settings.calibration.offset) {
@@ -91,7 +91,7 @@ pub fn choices(
             found.extend(Residuals::of(&mut differences).map(|residuals| Choice {
                 geometry,
                 calibration,
-                in_force: settings == products.settings,
+                in_force: settings == *products.settings,
                 unmatched: points.len() - matches.len(),
                 residuals,
             }));
