@@ -33,7 +33,7 @@ mod testing;
 pub mod truth;
 mod vote;
 
-use class::class_index;
+pub use class::class_index;
 pub use find::{DetectorSettings, SoFar, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};

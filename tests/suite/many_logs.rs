@@ -4,13 +4,13 @@ use bathyscope::bathymetry::Surface;
 use bathyscope::bathymetry::height_offsets::{Datum, HeightOffsets};
 use bathyscope::cloud::DepthSource;
 use bathyscope::detection::Mark;
-use bathyscope::detection::targets::{GroupSettings, Sighting, Target, group};
+use bathyscope::detection::targets::{GroupSettings, Target};
 use bathyscope::formats;
 use bathyscope::geo::{Crs, MapPlane};
 use bathyscope::mosaic::{
     MosaicLog, MosaicSettings, TileIndex, joint_grid, joint_tile, match_levels, window,
 };
-use bathyscope::pipeline::joint::{crossline_analysis, height_offsets};
+use bathyscope::pipeline::joint::{PlacedBox, crossline_analysis, height_offsets, joint_objects};
 use bathyscope::pipeline::{
     self, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface, mosaic_layout,
 };
@@ -387,16 +387,21 @@ fn an_object_that_several_logs_saw_is_one() {
             }));
         }
     }
-    let sightings: Vec<Sighting<'_>> = placed
+    let boxes: Vec<PlacedBox<'_>> = placed
         .iter()
-        .map(|(log, _, target)| Sighting {
+        .map(|(log, _, target)| PlacedBox {
             log: *log,
+            // One detector in ten takes it for something else.
+            class: if target.mark.pings.start % 10 == 0 {
+                "rock"
+            } else {
+                "block"
+            },
+            score: Some(0.9),
             target,
-            class: 0,
-            score: 0.9,
         })
         .collect();
-    let groups = group(&sightings, &GroupSettings::default());
+    let groups = joint_objects(&boxes, &GroupSettings::default());
     for object in 0..OBJECTS.len() {
         let seen = || placed.iter().filter(move |(_, of, _)| *of == object);
         let mut logs: Vec<usize> = seen().map(|(log, ..)| *log).collect();
@@ -417,6 +422,16 @@ fn an_object_that_several_logs_saw_is_one() {
         assert!(
             10 * largest >= 9 * seen().count(),
             "object {object}: {split:?}"
+        );
+        let joined = groups.iter().find(|one| one.members.len() == largest);
+        let joined = joined.expect("an object");
+        assert_eq!(joined.class, "block", "object {object}");
+        // No sighting without a pass of the boat.
+        let passes = joined.passes(&lake.logs);
+        eprintln!("object {object}: seen {largest} of {passes} times");
+        assert!(
+            (largest..=40).contains(&passes),
+            "object {object}: {passes}"
         );
     }
     // No two objects are taken for one.

@@ -1,0 +1,69 @@
+//! Objects over all logs of a survey: what several logs saw of one object is one.
+
+use crate::detection::class_index;
+use crate::detection::targets::{Group, GroupSettings, Sighting, Target, group};
+use crate::pipeline::ProcessedLog;
+
+/// A box of a log with its place.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedBox<'a> {
+    /// Which log of the survey it is of.
+    pub log: usize,
+    /// What it is taken for. Every log may have a list of classes of its own, so classes are compared by name.
+    pub class: &'a str,
+    /// Confidence of the detector, 0 to 1; `None` for a box that was drawn by hand: who drew it was sure.
+    pub score: Option<f32>,
+    /// Where it lies, in the plane that all logs share.
+    pub target: &'a Target,
+}
+
+/// An object with all that was seen of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointObject {
+    /// Indices of its boxes, growing.
+    pub members: Vec<usize>,
+    /// The class with the largest sum of scores.
+    pub class: String,
+    /// Mean of the places, weighted by their certainty: metres east and north in the plane.
+    pub place_m: [f64; 2],
+    /// Standard deviation of that place in the worse direction, metres.
+    pub sigma_m: f64,
+    /// Mean of the heights that are known, weighted by their certainty, metres; NaN without any.
+    pub height_m: f64,
+    group: Group,
+}
+
+impl JointObject {
+    /// How many passes of the boat over these logs covered its place, those that saw it included. It goes through all pings.
+    pub fn passes(&self, logs: &[ProcessedLog]) -> usize {
+        let logs = logs.iter();
+        self.group
+            .covered(logs.map(|log| (&*log.survey, &*log.products.navigation)))
+    }
+}
+
+/// Joins the boxes that show one object, in one log or in several; between logs with less certain places
+/// ([`GroupSettings::log_sigma_m`]). By first box.
+pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<JointObject> {
+    let mut names = Vec::new();
+    let sightings: Vec<Sighting<'_>> = boxes
+        .iter()
+        .map(|one| Sighting {
+            log: one.log,
+            target: one.target,
+            class: class_index(&mut names, one.class),
+            score: one.score.map_or(1.0, f64::from),
+        })
+        .collect();
+    let groups = group(&sightings, settings).into_iter();
+    groups
+        .map(|group| JointObject {
+            members: group.members.clone(),
+            class: names[group.class].clone(),
+            place_m: [group.east_m, group.north_m],
+            sigma_m: group.sigma_m,
+            height_m: group.height_m,
+            group,
+        })
+        .collect()
+}
