@@ -56,7 +56,7 @@ actions! {
     OpenReview, "Open review…", None, "Opens the decisions about this log's boxes.";
     SaveProject, "Save project", Some("Ctrl+S"), "Writes logs, settings and all decisions into the project's file; asks for its name at first.";
     SaveProjectAs, "Save project as…", Some("Ctrl+Shift+S"), "Keeps what is open as a project in another file.";
-    SaveReview, "Save review", None, "Writes the decisions about the boxes into a sidecar file of the log.";
+    SaveReview, "Save review", None, "Writes the decisions about the boxes into a sidecar file of the log; of several logs each into its own.";
     TakeUpUnsaved, "Take up unsaved decisions", None, "Takes the decisions that were not saved when this log was last open.";
     ExportBoxes, "Export boxes…", None, "Writes the reviewed boxes for training and the objects' places into a folder.";
     OpenTruth, "Open truth…", None, "Opens what is known to lie in this log: a table of objects that was simulated, or a review.";
@@ -109,14 +109,17 @@ actions! {
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
-    FindObjects, "Find objects", None, "Searches the side-scan with the detector; what was decided about boxes stays.";
+    FindObjects, "Find objects", None, "Searches the side-scan of all visible logs with the detector; what was decided about boxes stays.";
     ChooseModel, "Choose a model…", None, "Takes a detector of your own: YOLO as ONNX.";
     ShippedModel, "Use the shipped model", None, "Takes the detector that comes with the program.";
-    NextBox, "Next box", Some("Tab"), "Selects the next box in the queue.";
+    NextBox, "Next box", Some("Tab"), "Selects the next box in the queue; after the last one of a log, the first of the next log.";
     PreviousBox, "Previous box", Some("Shift+Tab"), "Selects the box before in the queue.";
     AcceptBox, "Accept box", Some("A"), "There is an object: on to the next undecided box.";
     RejectBox, "Reject box", Some("R"), "There is nothing: on to the next undecided box.";
     UndecideBox, "Take the decision back", Some("U"), "Makes the selected box undecided again.";
+    AcceptObject, "Accept object", Some("Shift+A"), "There is an object: accepts all boxes that show it, in all logs, and goes on to the next undecided box.";
+    RejectObject, "Reject object", Some("Shift+R"), "There is nothing: rejects all boxes that show the object, in all logs, and goes on to the next undecided box.";
+    NextSighting, "Next sighting", Some("J"), "Shows the next box of the same object, in whichever log saw it.";
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
     EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges.";
@@ -164,6 +167,7 @@ impl Action {
                 | Action::ThresholdUp
                 | Action::NextBox
                 | Action::PreviousBox
+                | Action::NextSighting
                 | Action::NextMistake
                 | Action::PreviousMistake
                 | Action::TakeCornerBack

@@ -73,18 +73,24 @@ impl App {
             }
             Command::Export(folder) => self.export(folder),
             Command::Edit { edit, live } => self.edit(&edit, live),
+            Command::Note(id, text) => {
+                let edit = Edit::Note(id.id, text);
+                self.with_log(id.log, |app| app.edit(&edit, false));
+            }
             Command::SelectBox(id) => self.select_box(id),
+            Command::SelectLogBox(id) => self.select_log_box(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::LeaveOut { log, part, leave } => self.leave_out(log, part, leave),
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
             Command::NudgeBottom(samples) => self.nudge_bottom(samples),
-            Command::LineUp(queue) => self.set_queue(*queue),
+            Command::LineUp(queue) => self.set_queue(&queue),
             Command::UseModel(path) => self.use_model(Some(path)),
             Command::OpenReview(path) => self.open_review(path),
             Command::OpenTruth(path) => self.open_truth(path),
             Command::ShowMistake(mistake) => self.show_mistake(&mistake),
             Command::SortMistakes(sort) => self.sort_mistakes(sort),
             Command::SaveReview(path) => self.save_review(path),
+            Command::SaveReviews => self.save_reviews(),
             Command::ExportBoxes(folder) => self.export_boxes(folder),
             // Views and their arrangement belong to the shell.
             Command::Focus(_) | Command::Layout(_) | Command::PrintInto(_) => {}
@@ -308,6 +314,9 @@ impl App {
             Action::AcceptBox => self.decide(Edit::Accept),
             Action::RejectBox => self.decide(Edit::Reject),
             Action::UndecideBox => self.edit_selected(Edit::Undecide),
+            Action::AcceptObject => self.decide_object(Edit::Accept, "accept object"),
+            Action::RejectObject => self.decide_object(Edit::Reject, "reject object"),
+            Action::NextSighting => self.step_sighting(),
             Action::SwapSide => self.edit_selected(Edit::SwapSide),
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),

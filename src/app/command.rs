@@ -1,7 +1,7 @@
 //! Everything the window can ask for.
 
 use super::{
-    Action, BottomStroke, LayoutPreset, Leave, LogId, Mark, Measure, MistakeSort, Nudge,
+    Action, BottomStroke, LayoutPreset, Leave, LogBox, LogId, Mark, Measure, MistakeSort, Nudge,
     ReferenceBy, View, ViewOptions,
 };
 use crate::calibration::PingRange;
@@ -98,8 +98,12 @@ pub enum Command {
         /// The analyst is still dragging.
         live: bool,
     },
+    /// Write a note on a box of any log.
+    Note(LogBox, String),
     /// Select a box and bring it into all views, or select none.
     SelectBox(Option<BoxId>),
+    /// Show the log of a box, if it is another one, and bring the box into all views.
+    SelectLogBox(LogBox),
     /// Move the selected box by keys.
     Nudge(Nudge),
     /// Sort and filter the boxes.
@@ -129,6 +133,8 @@ pub enum Command {
     SortMistakes(MistakeSort),
     /// Write the review into a file.
     SaveReview(PathBuf),
+    /// Write the reviews of all logs that differ from their files.
+    SaveReviews,
     /// Write reviewed boxes and objects into a folder.
     ExportBoxes(PathBuf),
     /// Draw on the map, or take the depths along what is drawn.

@@ -134,12 +134,15 @@ impl App {
         for mut other in std::mem::take(&mut self.logs.others) {
             self.logs.park(&mut other);
         }
-        self.logs.order.clear();
+        for id in std::mem::take(&mut self.logs.order) {
+            self.search.leave(id);
+        }
         self.log.settings = self.shared.clone();
         self.take_over(&mut last);
         self.history = History::default();
         self.measuring = super::Measuring::default();
         self.heights = super::heights::Heights::default();
+        self.objects = super::objects::Objects::default();
         self.comparing.leave();
         self.meet_log();
     }
@@ -186,6 +189,8 @@ impl App {
         self.logs.order.push(id);
         let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());
         log.colour = log_colour(self.logs.order.len() - 1);
+        // Boxes of all logs are sorted and filtered alike.
+        log.reviewing.queue = self.log.reviewing.queue.clone();
         log.reviewing.start(&survey, &mut self.logs.parked);
         log
     }
@@ -239,6 +244,7 @@ impl App {
         self.logs.order.retain(|one| *one != id);
         let closed = self.logs.others.iter().position(|log| log.id == id);
         if let Some(closed) = closed {
+            self.search.leave(id);
             let mut closed = self.logs.others.remove(closed);
             self.logs.park(&mut closed);
         }

@@ -20,6 +20,7 @@ mod loader;
 mod logs;
 mod map_layers;
 mod measuring;
+mod objects;
 mod open_log;
 mod options;
 mod preview;
@@ -45,7 +46,8 @@ pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, FigureKind, Measure, Measuring};
-pub use open_log::{LogId, OpenLog};
+pub use objects::{ObjectState, SurveyObject};
+pub use open_log::{LogBox, LogId, OpenLog};
 pub use options::{
     CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
     ThemeChoice, View, ViewOptions, WaterfallOptions,
@@ -53,7 +55,10 @@ pub use options::{
 pub use print::{Paper, PrintOptions, Sheet};
 pub use profile_line::ProfileLine;
 pub use project::is_project;
-pub use reviewing::{Judging, MistakeSort, Nudge, PIXEL_M, Placed, Reviewing, Tool, middle};
+pub use reviewing::{
+    Judging, MistakeSort, Nudge, PIXEL_M, Placed, ReviewCounts, Reviewing, SearchStatus, Tool,
+    middle,
+};
 pub use state::{App, Mark, Notice, Reveal};
 pub use swipe::{Swipe, SwipeSide};
 

@@ -5,6 +5,7 @@ use super::external::External;
 use super::leaving_out::LeavingOut;
 use super::reviewing::Reviewing;
 use super::{Figures, Task};
+use crate::detection::review::BoxId;
 use crate::first_return::FirstReturns;
 use crate::pipeline::{LogSettings, Products, Settings, Stage};
 use crate::project::LogFile;
@@ -14,6 +15,15 @@ use std::sync::Arc;
 /// Tells the open logs of a window apart; never used again for another one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LogId(pub u64);
+
+/// A box of an open log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LogBox {
+    /// The log.
+    pub log: LogId,
+    /// Its number in that log's review.
+    pub id: BoxId,
+}
 
 /// Colours that logs are told apart by: the eight of Okabe and Ito, which the colour-blind can tell apart, without black.
 const COLOURS: [[u8; 3]; 7] = [

@@ -8,9 +8,10 @@ use super::heights::Heights;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
+use super::objects::Objects;
 use super::preview::Previewer;
 use super::project::Keeping;
-use super::reviewing::Step;
+use super::reviewing::{Search, Step};
 use super::tabulating::Tabulating;
 use super::{Action, Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
@@ -119,6 +120,8 @@ pub struct App {
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
     pub(super) deriving: Deriving,
+    pub(super) objects: Objects,
+    pub(super) search: Search,
     pub(super) keeping: Keeping,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
@@ -159,6 +162,8 @@ impl App {
             tabulating: Tabulating::default(),
             heights: Heights::default(),
             deriving: Deriving::default(),
+            objects: Objects::default(),
+            search: Search::default(),
             keeping: Keeping::default(),
             missing: Vec::new(),
             exporting: None,
@@ -221,6 +226,8 @@ impl App {
             && !self.tabulating.is_busy()
             && !self.heights.is_busy()
             && !self.deriving.is_busy()
+            && !self.objects.is_busy()
+            && !self.search.is_busy()
             && !self.keeping.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()

@@ -34,7 +34,9 @@ impl App {
         self.poll_heights();
         self.poll_project();
         self.poll_export();
+        self.poll_detecting();
         self.each_log(App::poll_log);
+        self.poll_objects();
         self.poll_base_map();
         self.derive();
         self.follow_profile();
@@ -52,7 +54,6 @@ impl App {
         }
         self.poll_review();
         self.poll_autosave();
-        self.poll_detecting();
         self.poll_judging();
         self.poll_places();
         self.poll_external();
@@ -208,7 +209,7 @@ impl App {
     pub(super) fn cancel(&mut self) {
         self.engine.cancel();
         self.is_waiting = true;
-        self.each_log(App::stop_detecting);
+        self.stop_detecting();
         self.previewer.forget();
         self.log.preview = None;
         self.loading = None;

@@ -9,6 +9,7 @@ pub use edit::LogPart;
 use super::turn_rate::turn_rates_deg_s;
 use super::{Identity, Navigation, PingNav, Survey};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Why a stretch is left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -182,6 +183,11 @@ impl LeftOut {
             true => stretches(&sounding_times, &made.soundings, false),
         };
         made
+    }
+
+    /// Whether the middle of some side-scan pings, those of a box, is left out.
+    pub fn is_middle_out(&self, pings: &Range<usize>) -> bool {
+        self.ping(usize::midpoint(pings.start, pings.end)).is_some()
     }
 
     /// Why a side-scan ping is left out; `None` where it counts.

@@ -26,7 +26,8 @@ pub fn opened(folder: &Path, count: usize) -> Window {
     opened_in(empty_window(), folder, count)
 }
 
-fn opened_in(mut window: Window, folder: &Path, count: usize) -> Window {
+/// The same in a window of another kind.
+pub fn opened_in(mut window: Window, folder: &Path, count: usize) -> Window {
     write_logs(folder, count);
     drop_file(&mut window, folder.to_owned());
     settle(&mut window);

@@ -34,6 +34,7 @@ mod missions;
 mod mosaic;
 mod mosaic_gain;
 mod navigation;
+mod objects_window;
 mod offsets;
 mod outputs;
 mod printing;

@@ -19,7 +19,7 @@ use bathyscope::simulation::{
     Artefacts, BedKind, BedSettings, ObjectKind, ObjectSettings, Scene, Simulated, TrackSettings,
     simulate,
 };
-use bathyscope::survey::{LeftOutReason, Side, Stretch};
+use bathyscope::survey::{LeftOutReason, Side, Stretch, Survey};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -82,15 +82,16 @@ fn scene(index: usize, kind: BedKind) -> Scene {
     }
 }
 
+/// What is known of one of the logs.
+pub fn sailed(index: usize) -> Simulated {
+    let scene = scene(index, BedKind::Gentle);
+    simulate(&scene, 100 + index as u64, &Progress::new()).expect("nobody cancels")
+}
+
 /// Writes some of the logs into a folder: `lake-0.sl2` and so on.
 pub fn write_logs(folder: &Path, count: usize) {
     for index in 0..count {
-        let truth = simulate(
-            &scene(index, BedKind::Gentle),
-            100 + index as u64,
-            &Progress::new(),
-        );
-        let bytes = truth.expect("nobody cancels").sl2_bytes();
+        let bytes = sailed(index).sl2_bytes();
         std::fs::write(folder.join(format!("lake-{index}.sl2")), bytes).expect("a log");
     }
 }
@@ -338,9 +339,9 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
 }
 
 /// The box that a labeller draws around echo and shadow.
-fn true_box(log: &ProcessedLog, seen: &bathyscope::simulation::Sighting) -> Option<Mark> {
+pub fn true_box(survey: &Survey, seen: &bathyscope::simulation::Sighting) -> Option<Mark> {
     let pings = seen.first_ping..seen.last_ping + 1;
-    let span = log.survey.span(seen.first_ping, seen.side)?;
+    let span = survey.span(seen.first_ping, seen.side)?;
     let far_m = match seen.shadow_m[1].is_nan() {
         true => f64::from(span.far_m),
         false => seen.shadow_m[1].max(seen.far_m),
@@ -375,7 +376,7 @@ fn an_object_that_several_logs_saw_is_one() {
             let marks = known
                 .sightings
                 .iter()
-                .filter_map(|seen| true_box(one, seen));
+                .filter_map(|seen| true_box(&one.survey, seen));
             placed.extend(marks.filter_map(|mark| {
                 let target = placing.place(&mark)?;
                 let moved = Target {
@@ -427,7 +428,9 @@ fn an_object_that_several_logs_saw_is_one() {
         let joined = joined.expect("an object");
         assert_eq!(joined.class, "block", "object {object}");
         // No sighting without a pass of the boat.
-        let passes = joined.passes(&lake.logs);
+        let logs = lake.logs.iter();
+        let logs = logs.map(|one| (&*one.survey, &*one.products.navigation));
+        let passes = joined.passes(logs);
         eprintln!("object {object}: seen {largest} of {passes} times");
         assert!(
             (largest..=40).contains(&passes),

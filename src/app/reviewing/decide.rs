@@ -1,9 +1,9 @@
-//! Decisions and corrections, and moving on to the next box.
+//! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
 use super::{LogStep, Reviewing, Step, Tool, middle};
-use crate::app::{App, OpenLog, Orientation};
+use crate::app::{App, LogBox, OpenLog, Orientation};
 use crate::detection::Mark;
-use crate::detection::review::{BoxId, Edit, Queue, Review};
+use crate::detection::review::{BoxId, Edit, Review};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -78,8 +78,7 @@ impl App {
             changed_box = changed_box.or(changed.flatten().map(|id| (log.id, id)));
         }
         if let Some((log, id)) = changed_box {
-            self.show_log(log);
-            self.select_box(Some(id));
+            self.select_log_box(LogBox { log, id });
         }
         self.keep_project("undo or redo");
         self.process();
@@ -137,40 +136,11 @@ impl App {
         self.reveal(mark);
     }
 
-    /// The next box in line, or the one before; at the ends it stays.
-    pub(in crate::app) fn step_box(&mut self, by: isize) {
-        let line = self.log.reviewing.line();
-        let here = self.log.reviewing.selected;
-        let here = here.and_then(|id| line.iter().position(|one| *one == id));
-        let last = line.len().saturating_sub(1);
-        let next = match here {
-            Some(here) => here.saturating_add_signed(by).min(last),
-            None if by < 0 => last,
-            None => 0,
-        };
-        if let Some(id) = line.get(next).copied() {
-            self.select_box(Some(id));
-        }
-    }
-
-    /// Decides about the selected box and moves on to the next undecided one. Without a selected box it only moves on: nobody
-    /// decides about a box unseen.
-    pub(in crate::app) fn decide(&mut self, edit: fn(BoxId) -> Edit) {
-        let line = self.log.reviewing.line().to_vec();
-        let here = self.log.reviewing.selected;
-        if let Some(id) = here {
-            self.edit(&edit(id), false);
-        }
-        if let Some(next) = self.log.reviewing.next_open(&line, here) {
-            self.select_box(Some(next));
-        }
-    }
-
     /// Edits the selected box, if there is one.
     pub(in crate::app) fn edit_selected(&mut self, edit: fn(BoxId) -> Edit) {
         match self.log.reviewing.selected {
             Some(id) => self.edit(&edit(id), false),
-            None => self.notify("select a box first, with Tab or a click".to_owned(), true),
+            None => self.ask_for_box(),
         }
     }
 
@@ -193,8 +163,7 @@ impl App {
             return;
         }
         if tool == Tool::Edit && self.log.reviewing.selected.is_none() {
-            self.notify("select a box first, with Tab or a click".to_owned(), true);
-            return;
+            return self.ask_for_box();
         }
         self.leave_measuring();
         let in_hand = self.log.reviewing.tool == tool;
@@ -207,13 +176,6 @@ impl App {
             self.select_box(None);
         }
         self.log.reviewing.tool = Tool::Look;
-    }
-
-    /// Sorts and filters.
-    pub(in crate::app) fn set_queue(&mut self, queue: Queue) {
-        self.log.reviewing.queue = queue;
-        self.log.reviewing.sort_and_filter();
-        self.log.reviewing.count_mistakes();
     }
 
     /// Moves the selected box by whole pings along the track and pixels of the raster across it.

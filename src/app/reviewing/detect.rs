@@ -1,8 +1,11 @@
-//! Asking a detector: on a worker, results as they come.
+//! Asking a detector: one log after the other, on a worker, results as they come.
 
-use crate::app::{App, Outcome, Task};
+use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::model::shipped;
+use crate::detection::review::Queue;
 use crate::detection::{Detection, DetectorSettings, Model, SoFar, find};
+use crate::pipeline::EngineStatus;
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, mpsc};
 
@@ -13,7 +16,7 @@ const LABEL: &str = "find objects";
 
 /// A detector at hand.
 #[derive(Clone)]
-pub(super) struct Detector {
+struct Detector {
     /// `None`: the one that comes with the program.
     path: Option<PathBuf>,
     model: Arc<Model>,
@@ -27,51 +30,147 @@ enum SearchMessage {
     SoFar(SoFar),
 }
 
-/// A search under way.
-pub(super) struct Detecting {
+/// The search of one log.
+struct Detecting {
+    log: LogId,
     messages: mpsc::Receiver<SearchMessage>,
     /// Pings from the log's start on that it has come over.
     pings: usize,
     task: Task<Result<Vec<Detection>, String>>,
 }
 
+/// The detector of the window, and the search of one log after the other.
+#[derive(Default)]
+pub(in crate::app) struct Search {
+    /// The analyst's own model; `None` for the one that comes with the program.
+    model_path: Option<PathBuf>,
+    /// The model that was asked last, ready to be asked again.
+    detector: Option<Detector>,
+    running: Option<Detecting>,
+    /// Logs that are searched after that.
+    ahead: VecDeque<LogId>,
+    /// Logs that the search is over, and those of them that it has done.
+    logs: usize,
+    done: usize,
+    /// Boxes found in the logs that are done.
+    found: usize,
+}
+
+impl Search {
+    /// Whether a log is being searched or waits for that.
+    pub fn is_busy(&self) -> bool {
+        self.running.is_some() || !self.ahead.is_empty()
+    }
+
+    /// Leaves out a log that is being closed.
+    pub fn leave(&mut self, log: LogId) {
+        let planned = self.ahead.len();
+        self.ahead.retain(|one| *one != log);
+        let running = self.running.take_if(|running| running.log == log);
+        self.logs -= planned - self.ahead.len() + usize::from(running.is_some());
+    }
+}
+
+/// How far a search is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchStatus {
+    /// The log that is being searched; `None` while the next one is still being processed.
+    pub log: Option<LogId>,
+    /// Its place among the logs that are searched, from 1 on.
+    pub place: usize,
+    /// Logs that are searched.
+    pub logs: usize,
+    /// Done share of all of them, 0 to 1.
+    pub share: f32,
+}
+
 impl App {
     /// Name of the model that is or will be asked.
     pub fn model_name(&self) -> String {
-        let path = self.log.reviewing.model_path.as_deref();
+        let path = self.search.model_path.as_deref();
         path.map_or_else(|| "shipped with the program".to_owned(), file_name)
     }
 
     /// What the model's file was taken for, once it has been loaded.
     pub fn model_description(&self) -> Option<&str> {
-        let detector = self.log.reviewing.detector.as_ref()?;
+        let detector = self.search.detector.as_ref()?;
         Some(detector.model.description())
     }
 
-    /// Done share of the search under way, 0 to 1.
-    pub fn detect_fraction(&self) -> Option<f32> {
-        let detecting = self.log.reviewing.detecting.as_ref()?;
-        Some(detecting.task.fraction())
+    /// How far the search under way is; `None` while none runs.
+    pub fn search_status(&self) -> Option<SearchStatus> {
+        let search = &self.search;
+        let running = search.running.as_ref();
+        let here = running.map_or(0.0, |running| running.task.fraction());
+        search.is_busy().then(|| SearchStatus {
+            log: running.map(|running| running.log),
+            place: (search.done + 1).min(search.logs),
+            logs: search.logs,
+            share: (search.done as f32 + here) / search.logs.max(1) as f32,
+        })
     }
 
     /// Takes another model for the next search; `None` for the one that comes with the program.
     pub(in crate::app) fn use_model(&mut self, path: Option<PathBuf>) {
-        self.log.reviewing.model_path = path;
+        self.search.model_path = path;
     }
 
-    /// Starts a search for objects; one that runs is replaced.
+    /// Starts a search for objects in all visible logs, first in the one that is shown; a search that runs is replaced.
     pub(in crate::app) fn detect(&mut self) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        if self.log.products.is_none() {
             let text = "open a log first; its objects can be found once its track is placed";
             return self.notify(text.to_owned(), true);
-        };
-        if !survey.has_side_scan() {
+        }
+        let has_side_scan =
+            |log: &&OpenLog| (log.survey.as_ref()).is_some_and(|survey| survey.has_side_scan());
+        let shown = self.log.id;
+        let mut logs: Vec<LogId> = (self.reviewed_logs().filter(has_side_scan))
+            .map(|log| log.id)
+            .collect();
+        logs.sort_by_key(|id| *id != shown);
+        if logs.is_empty() {
             let text = "there is no usable side-scan in this log to find objects in";
             return self.notify(text.to_owned(), true);
         }
+        self.search.running = None;
+        (self.search.logs, self.search.done, self.search.found) = (logs.len(), 0, 0);
+        self.search.ahead = logs.into();
+        self.search_next();
+    }
+
+    /// Starts on the next log that has results; one that is still being processed is waited for.
+    fn search_next(&mut self) {
+        let ahead = self.search.ahead.iter();
+        let ready = |id: &LogId| {
+            let log = self.open_log(*id);
+            log.is_some_and(|log| log.products.is_some())
+        };
+        if let Some(place) = ahead.clone().position(ready) {
+            if let Some(id) = self.search.ahead.remove(place) {
+                self.with_log(id, App::search_log);
+            }
+        } else if self.engine_status() == EngineStatus::Idle
+            && (self.is_waiting || self.processing.is_none())
+        {
+            // Nothing is under way that they could be waited for.
+            let names = ahead.filter_map(|id| self.open_log(*id));
+            let names: Vec<String> = names.map(OpenLog::name).collect();
+            self.stop_detecting();
+            let text = format!(
+                "not searched, for they have no results yet: {}",
+                names.join(", ")
+            );
+            self.notify(text, true);
+        }
+    }
+
+    fn search_log(&mut self) {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+            return;
+        };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
-        let path = self.log.reviewing.model_path.clone();
-        let known = self.log.reviewing.detector.clone();
+        let path = self.search.model_path.clone();
+        let known = self.search.detector.clone();
         let known = known.filter(|detector| detector.path == path);
         let (sender, messages) = mpsc::channel();
         let task = Task::start(&self.jobs, move |progress| {
@@ -92,30 +191,29 @@ impl App {
             find(&survey, &navigation, &model, &settings, progress, on_found)
                 .map_err(|error| error.to_string())
         });
-        self.log.reviewing.detecting = Some(Detecting {
+        self.search.running = Some(Detecting {
+            log: self.log.id,
             messages,
             pings: 0,
             task,
         });
     }
 
-    /// Pings from the log's start on that the search under way has come over; `None` while none runs.
-    pub fn searched_so_far(&self) -> Option<usize> {
-        let detecting = self.log.reviewing.detecting.as_ref()?;
-        Some(detecting.pings)
-    }
-
-    /// What of the log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
+    /// What of the shown log the boxes do not speak of, in a sentence, because a search still runs or was stopped; `None` where it has
     /// been searched from end to end, and where nothing is known of a search.
     pub fn search_note(&self) -> Option<String> {
         let review = &self.log.reviewing.review;
-        match self.searched_so_far() {
-            Some(0) => Some("The search has begun.".to_owned()),
-            Some(pings) => Some(format!(
+        let running = self.search.running.as_ref();
+        match running.filter(|running| running.log == self.log.id) {
+            Some(Detecting { pings: 0, .. }) => Some("The search has begun.".to_owned()),
+            Some(Detecting { pings, .. }) => Some(format!(
                 "The search is running: pings 0 to {} of {} so far.",
                 pings - 1,
                 review.identity().pings
             )),
+            None if self.search.ahead.contains(&self.log.id) => {
+                Some("The search has not come to this log yet.".to_owned())
+            }
             None => {
                 (review.coverage()).map(|part| format!("The search was stopped: it covers {part}."))
             }
@@ -124,9 +222,16 @@ impl App {
 
     /// Ends a search; what it found so far stays, with the pings that it has come over.
     pub(in crate::app) fn stop_detecting(&mut self) {
-        if let Some(detecting) = self.log.reviewing.detecting.take() {
-            let last = self.receive_messages(&detecting);
-            self.end_search(last);
+        if !self.search.is_busy() {
+            return;
+        }
+        self.search.ahead.clear();
+        match self.search.running.take() {
+            Some(running) => {
+                let last = self.receive_messages(&running);
+                self.with_log(running.log, |app| app.end_search(last));
+            }
+            None => self.end_search(None),
         }
     }
 
@@ -139,9 +244,9 @@ impl App {
     }
 
     /// Receives the messages of a search: its model, and the last of its boxes.
-    fn receive_messages(&mut self, detecting: &Detecting) -> Option<SoFar> {
+    fn receive_messages(&mut self, running: &Detecting) -> Option<SoFar> {
         let mut last = None;
-        while let Ok(message) = detecting.messages.try_recv() {
+        while let Ok(message) = running.messages.try_recv() {
             match message {
                 SearchMessage::Ready(detector) => self.meet(detector),
                 SearchMessage::SoFar(so_far) => last = Some(so_far),
@@ -150,56 +255,75 @@ impl App {
         last
     }
 
-    /// Collects what a search found.
+    /// Collects what a search found, and goes on to the next log.
     pub(in crate::app) fn poll_detecting(&mut self) {
-        let Some(mut detecting) = self.log.reviewing.detecting.take() else {
+        let Some(mut running) = self.search.running.take() else {
+            if self.search.is_busy() {
+                self.search_next();
+            }
             return;
         };
-        let outcome = detecting.task.poll();
-        let last = self.receive_messages(&detecting);
+        let id = running.log;
+        let outcome = running.task.poll();
+        let last = self.receive_messages(&running);
         let found = match outcome {
             Outcome::Pending => {
                 if let Some(so_far) = last {
-                    detecting.pings = so_far.pings;
-                    self.adopt(&so_far.boxes, so_far.pings, true);
+                    running.pings = so_far.pings;
+                    self.with_log(id, |app| app.adopt(&so_far.boxes, so_far.pings, true));
                 }
-                self.log.reviewing.detecting = Some(detecting);
+                self.search.running = Some(running);
                 return;
             }
             Outcome::Done(found) => found,
             Outcome::Failed => Err("the search for objects failed unexpectedly".to_owned()),
         };
         match found {
-            Ok(found) => {
-                let pings = self.log.reviewing.review.identity().pings;
-                self.adopt(&found, pings, false);
-                if found.is_empty() {
-                    let text =
-                        "no objects were found; draw what you see with N, or choose another model";
-                    self.notify(text.to_owned(), false);
-                }
-            }
+            Ok(found) => self.take_found(id, &found),
             Err(text) => {
-                self.end_search(last);
+                // The same model would fail on the next log as well.
+                self.search.ahead.clear();
+                self.with_log(id, |app| app.end_search(last));
                 self.notify(text, true);
             }
         }
     }
 
+    /// Takes all that was found in a log. The whole search is one undo step, but what is found in each log is kept at once.
+    fn take_found(&mut self, id: LogId, found: &[Detection]) {
+        self.search.done += 1;
+        self.search.found += found.len();
+        let is_last = self.search.ahead.is_empty();
+        self.with_log(id, |app| {
+            let pings = app.log.reviewing.review.identity().pings;
+            app.adopt(found, pings, !is_last);
+        });
+        if !is_last {
+            self.keep_project(LABEL);
+            return self.search_next();
+        }
+        if self.search.found == 0 {
+            let text = "no objects were found; draw what you see with N, or choose another model";
+            self.notify(text.to_owned(), false);
+        }
+    }
+
     /// The first search with a model shows from the confidence that its makers suggest.
     fn meet(&mut self, detector: Detector) {
-        let known = self.log.reviewing.detector.as_ref();
+        let known = self.search.detector.as_ref();
         if known.is_none_or(|known| !Arc::ptr_eq(&known.model, &detector.model)) {
-            self.log.reviewing.queue.threshold = detector.model.score();
-            self.log.reviewing.count_mistakes();
+            self.set_queue(&Queue {
+                threshold: detector.model.score(),
+                ..self.log.reviewing.queue.clone()
+            });
         }
-        self.log.reviewing.detector = Some(detector);
+        self.search.detector = Some(detector);
     }
 
     /// Takes the boxes that were found in the log's first pings.
     fn adopt(&mut self, found: &[Detection], pings: usize, live: bool) {
         let Some((detector, raster)) =
-            (self.log.reviewing.detector.clone()).zip(self.log.reviewing.raster().cloned())
+            (self.search.detector.clone()).zip(self.log.reviewing.raster().cloned())
         else {
             return;
         };

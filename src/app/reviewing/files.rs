@@ -1,7 +1,7 @@
 //! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
 use crate::app::exporting::Exporting;
-use crate::app::{App, Outcome, Task};
+use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
 use crate::export;
 use crate::outputs::write_boxes;
@@ -29,6 +29,36 @@ impl App {
             Some(log.with_extension(SUFFIX))
         };
         self.log.reviewing.path.clone().or_else(beside)
+    }
+
+    /// Whether decisions about a reviewed log are in no file yet.
+    pub fn has_unsaved_review(&self) -> bool {
+        self.reviewed_logs().any(|log| log.reviewing.is_unsaved())
+    }
+
+    /// Writes the reviews of all logs that differ from their files, each into the file that it has or the sidecar file of its log.
+    pub(in crate::app) fn save_reviews(&mut self) {
+        let changed = |log: &&OpenLog| {
+            let reviewing = &log.reviewing;
+            reviewing.has_boxes() && !Arc::ptr_eq(&reviewing.review, &reviewing.saved)
+        };
+        let changed: Vec<LogId> = (self.reviewed_logs().filter(changed))
+            .map(|log| log.id)
+            .collect();
+        if changed.is_empty() {
+            self.notify("the reviews are saved already".to_owned(), false);
+        }
+        for id in changed {
+            self.with_log(id, |app| match app.review_path() {
+                Some(path) => app.save_review(path),
+                None => {
+                    let name = app.log.name();
+                    let text =
+                        format!("{name} is no file; save its review while it is shown alone");
+                    app.notify(text, true);
+                }
+            });
+        }
     }
 
     /// Writes the review.

@@ -1,6 +1,7 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `detect` asks a model, `places` puts boxes on the
+//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `detect` asks a model, `line` is
+//! the queue over all logs, `places` puts boxes on the
 //! ground, `judging` compares them with the truth where it is known, `files` keeps the review and writes what other programs read.
 
 mod autosave;
@@ -8,20 +9,25 @@ mod decide;
 mod detect;
 mod files;
 mod judging;
+mod line;
 mod places;
 
 pub use decide::Nudge;
+pub use detect::SearchStatus;
 pub use judging::{Judging, MistakeSort};
+pub use line::ReviewCounts;
 pub use places::Placed;
+
+pub(super) use detect::Search;
+pub(super) use places::Entries;
 
 use super::measuring::Figure;
 use super::{LogId, Mark};
-use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed, State};
+use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
 use crate::pipeline::{LogSettings, Settings};
 use crate::survey::{Identity, Navigation, Survey};
 use autosave::Autosave;
-use detect::{Detecting, Detector};
 use files::Opening;
 use places::Places;
 use std::path::PathBuf;
@@ -89,7 +95,7 @@ pub struct Reviewing {
     pub review: Arc<Review>,
     /// The box that keys act on.
     pub selected: Option<BoxId>,
-    /// Order, filter and confidence threshold.
+    /// Order, filter and confidence threshold; the same for all open logs.
     pub queue: Queue,
     /// What a drag does.
     pub tool: Tool,
@@ -116,11 +122,6 @@ pub struct Reviewing {
     places: Places,
     /// How the boxes stand to the truth.
     pub judging: Judging,
-    /// The analyst's own model; `None` for the one that comes with the program.
-    model_path: Option<PathBuf>,
-    /// The model that was asked last, ready to be asked again.
-    detector: Option<Detector>,
-    detecting: Option<Detecting>,
 }
 
 impl Default for Reviewing {
@@ -146,9 +147,6 @@ impl Default for Reviewing {
             autosave: Autosave::default(),
             places: Places::default(),
             judging: Judging::default(),
-            model_path: None,
-            detector: None,
-            detecting: None,
         }
     }
 }
@@ -218,13 +216,12 @@ impl Reviewing {
             && (self.is_touched || is_touched(&self.saved))
     }
 
-    /// Whether a review is being read, objects are being searched or boxes are being placed.
+    /// Whether a review is being read, or boxes are being placed or compared.
     pub(super) fn is_busy(&self) -> bool {
         self.opening.is_some()
             || self.autosave.is_looking()
             || self.places.is_busy()
             || self.judging.is_busy()
-            || self.detecting.is_some()
     }
 
     /// Extent of a mark along the track and in slant range, metres; the first is NaN until the raster is known.
@@ -265,7 +262,7 @@ impl Reviewing {
         };
         self.line = self.queue.sort_and_filter(&self.review, longer_m);
         let in_line = self.review.shared().iter();
-        let in_line = in_line.filter(|one| self.queue.takes(one, longer_m));
+        let in_line = in_line.filter(|one| self.queue.takes(&self.review, one, longer_m));
         self.along = in_line.cloned().collect();
         self.along.sort_by_key(|one| one.mark.pings.start);
         let lengths = self.along.iter().map(|one| one.mark.pings.len());
@@ -322,29 +319,15 @@ impl Reviewing {
         })
     }
 
-    /// Takes over what an analyst goes on working with when another log is shown: order and filter of the boxes, and the detector.
+    /// Takes over what an analyst goes on working with when another log is shown: order and filter of the boxes.
     pub(super) fn take_tools(&mut self, before: &mut Self) {
         before.tool = Tool::Look;
         before.selected = None;
         self.tool = Tool::Look;
         self.queue = before.queue.clone();
-        self.model_path = before.model_path.clone();
-        self.detector = before.detector.clone();
         self.judging.sort_as(&before.judging);
         self.sort_and_filter();
         self.count_mistakes();
-    }
-
-    /// The next box in line after `id` that is undecided, around the end of the line.
-    fn next_open(&self, line: &[BoxId], id: Option<BoxId>) -> Option<BoxId> {
-        let at = id.and_then(|id| line.iter().position(|one| *one == id));
-        let after = at.map_or(0, |at| at + 1);
-        let around = line[after..].iter().chain(&line[..after]);
-        let is_open = |one: &BoxId| {
-            let found = self.review.get(*one);
-            Some(*one) != id && found.is_some_and(|found| found.state == State::Proposed)
-        };
-        around.copied().find(|one| is_open(one))
     }
 }
 

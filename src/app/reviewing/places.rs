@@ -53,7 +53,10 @@ impl Ground {
 }
 
 /// A box as it was placed; `None` where it has no place.
-type Entry = (Mark, Option<Arc<Placed>>);
+pub(in crate::app) type Entry = (Mark, Option<Arc<Placed>>);
+
+/// The places of a log's boxes; another allocation when one of them is another.
+pub(in crate::app) type Entries = Arc<HashMap<BoxId, Entry>>;
 
 struct Running {
     ground: Ground,
@@ -63,7 +66,7 @@ struct Running {
 /// The places known.
 #[derive(Default)]
 pub(super) struct Places {
-    known: HashMap<BoxId, Entry>,
+    known: Entries,
     ground: Option<Ground>,
     running: Option<Running>,
     /// Boxes or ground have changed since it was last looked whether all places are known.
@@ -74,6 +77,11 @@ impl Reviewing {
     /// The object of a box on the ground; `None` while it is not known, or when it cannot be.
     pub fn placed(&self, id: BoxId) -> Option<&Arc<Placed>> {
         self.places.known.get(&id)?.1.as_ref()
+    }
+
+    /// The places of the boxes.
+    pub(in crate::app) fn entries(&self) -> &Entries {
+        &self.places.known
     }
 }
 
@@ -102,11 +110,12 @@ impl App {
                         .ground
                         .as_ref()
                         .is_some_and(|ground| ground.is_same(&running.ground));
+                    let known = Arc::make_mut(&mut places.known);
                     if !is_same {
-                        places.known.clear();
+                        known.clear();
                     }
+                    known.extend(entries);
                     places.ground = Some(running.ground);
-                    places.known.extend(entries);
                 }
             }
             Some(Outcome::Failed) => places.running = None,

@@ -95,6 +95,11 @@ impl Reviewed {
     pub fn is_kept(&self) -> bool {
         self.state != State::Proposed || self.edited
     }
+
+    /// Whether it is in sight where undecided proposals of less confidence than `threshold` are hidden.
+    pub fn is_shown_from(&self, threshold: f32) -> bool {
+        self.is_kept() || self.score.is_none_or(|score| score >= threshold)
+    }
 }
 
 /// All boxes of a survey. Boxes are shared between the versions that undo keeps.

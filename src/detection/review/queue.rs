@@ -35,8 +35,8 @@ impl Sort {
 /// Which boxes are looked at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filter {
-    /// Only this class.
-    pub class: Option<usize>,
+    /// Only the class of this name: every log may have a list of classes of its own.
+    pub class: Option<String>,
     /// Only this state.
     pub state: Option<State>,
     /// Confidence; boxes without one pass.
@@ -80,14 +80,15 @@ impl Default for Queue {
 impl Queue {
     /// Whether the confidence threshold leaves a box in sight.
     pub fn shows(&self, one: &Reviewed) -> bool {
-        one.is_kept() || one.score.is_none_or(|score| score >= self.threshold)
+        one.is_shown_from(self.threshold)
     }
 
-    /// Whether a box is in the queue. `size_m` is the longer side of a mark, metres.
-    pub fn takes(&self, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
+    /// Whether a box of a review is in the queue. `size_m` is the longer side of a mark, metres.
+    pub fn takes(&self, review: &Review, one: &Reviewed, size_m: impl Fn(&Mark) -> f64) -> bool {
         let filter = &self.filter;
+        let of_class = |class: &String| class == review.class_name(one.class);
         self.shows(one)
-            && filter.class.is_none_or(|class| class == one.class)
+            && filter.class.as_ref().is_none_or(of_class)
             && filter.state.is_none_or(|state| state == one.state)
             && one.score.is_none_or(|score| filter.score.contains(&score))
             && (filter.size_m == Filter::default().size_m
@@ -98,7 +99,7 @@ impl Queue {
     pub fn sort_and_filter(&self, review: &Review, size_m: impl Fn(&Mark) -> f64) -> Vec<BoxId> {
         let mut line: Vec<&Reviewed> = review
             .boxes()
-            .filter(|one| self.takes(one, &size_m))
+            .filter(|one| self.takes(review, one, &size_m))
             .collect();
         line.sort_by(|a, b| match self.sort {
             Sort::Score => by_score(a, b),
@@ -152,6 +153,17 @@ impl Counts {
             *count += 1;
         }
         counts
+    }
+
+    /// The counts of two logs together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            proposed: self.proposed + other.proposed,
+            accepted: self.accepted + other.accepted,
+            rejected: self.rejected + other.rejected,
+            added: self.added + other.added,
+            hidden: self.hidden + other.hidden,
+        }
     }
 
     /// Boxes that are decided.

@@ -265,7 +265,10 @@ fn the_queue_is_sorted_and_filtered() {
     assert_eq!(with(&|queue| queue.sort = Sort::Position), [1, 2, 3]);
     assert_eq!(with(&|queue| queue.sort = Sort::Class), [1, 3, 2]);
     assert_eq!(with(&|queue| queue.threshold = 0.6), [2, 1]);
-    assert_eq!(with(&|queue| queue.filter.class = Some(1)), [2]);
+    assert_eq!(
+        with(&|queue| queue.filter.class = Some("tyre".to_owned())),
+        [2]
+    );
     assert_eq!(with(&|queue| queue.filter.score = 0.0..=0.6), [1, 3]);
     assert_eq!(with(&|queue| queue.filter.size_m = 2.5..=9.0), [0; 0]);
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use crate::detection::class_index;
 use crate::detection::targets::{Group, GroupSettings, Sighting, Target, group};
-use crate::pipeline::ProcessedLog;
+use crate::survey::{Navigation, Survey};
 
 /// A box of a log with its place.
 #[derive(Clone, Copy, Debug)]
@@ -35,10 +35,11 @@ pub struct JointObject {
 
 impl JointObject {
     /// How many passes of the boat over these logs covered its place, those that saw it included. It goes through all pings.
-    pub fn passes(&self, logs: &[ProcessedLog]) -> usize {
-        let logs = logs.iter();
-        self.group
-            .covered(logs.map(|log| (&*log.survey, &*log.products.navigation)))
+    pub fn passes<'a>(
+        &self,
+        logs: impl IntoIterator<Item = (&'a Survey, &'a Navigation)>,
+    ) -> usize {
+        self.group.covered(logs)
     }
 }
 

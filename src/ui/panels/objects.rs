@@ -1,7 +1,7 @@
 //! Step 5: objects on the bottom, found by a detector and decided by the analyst.
 
 use super::parts::{self, Section, fact, section};
-use crate::app::{Action, Command};
+use crate::app::{Action, Command, SearchStatus};
 use crate::ui::{ViewContext, text, theme};
 use egui::{Button, ProgressBar, Ui};
 
@@ -27,29 +27,35 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn found(ui: &mut Ui, context: &ViewContext<'_>) {
-    if !context.app.log.reviewing.has_boxes() {
+    if !context.app.has_boxes() {
         parts::remark(ui, "No boxes yet: find objects, or draw a box with N.");
         return;
     }
-    let counts = context.app.log.reviewing.counts();
+    let all = context.app.review_counts();
+    let counts = all.boxes;
     let boxes = text::plural(counts.total(), "box", "boxes");
     let value = match counts.proposed {
         0 if context.app.search_note().is_some() => format!("{boxes} so far, decided"),
         0 => format!("{boxes} · all decided"),
         open => format!("{boxes} · {} undecided", text::count(open)),
     };
-    fact(
-        ui,
-        "Found",
-        "Boxes of the confidence shown, and those that were decided.",
-        value,
-    );
+    let hint = "Boxes of the confidence shown, and those that were decided.";
+    fact(ui, "Found", hint, value);
+    if all.logs > 1 {
+        let logs = text::plural(all.logs, "log", "logs");
+        let hint = "Logs that have boxes, and the objects that all their boxes show.";
+        let objects = text::plural(context.app.objects().len(), "object", "objects");
+        fact(ui, "In", hint, format!("{logs} · {objects}"));
+    }
 }
 
 fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    if let Some(share) = context.app.detect_fraction() {
+    if let Some(status) = context.app.search_status() {
+        if status.logs > 1 {
+            parts::remark(ui, searching(context, &status));
+        }
         ui.horizontal(|ui| {
-            let bar = ProgressBar::new(share)
+            let bar = ProgressBar::new(status.share)
                 .desired_width(140.0)
                 .desired_height(8.0)
                 .fill(theme::accent_colour(context.app.options.theme));
@@ -76,4 +82,14 @@ fn search(ui: &mut Ui, context: &mut ViewContext<'_>) {
             }
         }
     });
+}
+
+/// `Searching lake-2, log 2 of 4`.
+fn searching(context: &ViewContext<'_>, status: &SearchStatus) -> String {
+    let log = status.log.and_then(|id| context.app.open_log(id));
+    let place = format!("log {} of {}", status.place, status.logs);
+    match log {
+        Some(log) => format!("Searching {}, {place}", log.name()),
+        None => format!("Waiting for results of {place}"),
+    }
 }

@@ -86,7 +86,7 @@ fn jobs(ui: &mut Ui, context: &mut ViewContext<'_>) {
             Some((stage.name().to_owned(), fraction))
         }
         (None, EngineStatus::Idle) => {
-            let detecting = context.app.detect_fraction();
+            let detecting = context.app.search_status().map(|status| status.share);
             let exporting = context.app.export_fraction();
             let base_map = context.app.base_map_fraction();
             let comparing = context.app.comparing_fraction();

@@ -105,8 +105,11 @@ impl Shell {
             .name(Purpose::SaveProject, proposed, self.app.jobs());
     }
 
-    /// Writes the review where it is kept, or asks where that is to be.
+    /// Writes the review where it is kept, or asks where that is to be; those of several logs without asking.
     fn save_review(&mut self) {
+        if self.app.review_counts().logs > 1 {
+            return self.app.apply(Command::SaveReviews);
+        }
         match (self.app.review_path(), &self.app.log.reviewing.path) {
             (_, Some(path)) => {
                 let path = path.clone();

@@ -126,7 +126,7 @@ pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Com
 fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bool) -> bool {
     let reviewing = &app.log.reviewing;
     match action {
-        Action::NextBox | Action::PreviousBox => reviewing.has_boxes() && !control_focused,
+        Action::NextBox | Action::PreviousBox => app.has_boxes() && !control_focused,
         Action::LeaveTool => {
             let drawn = app.measuring.tool.is_some() || app.measuring.figure.is_some();
             !manual_open && (reviewing.is_in_use() || drawn)

@@ -102,6 +102,9 @@ const BOXES: &[Action] = &[
     Action::AcceptBox,
     Action::RejectBox,
     Action::UndecideBox,
+    Action::AcceptObject,
+    Action::RejectObject,
+    Action::NextSighting,
     Action::EditBox,
     Action::NewBox,
     Action::SwapSide,
@@ -257,7 +260,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let is_open = context.app.log.survey.is_some();
-    let has_boxes = context.app.log.reviewing.has_boxes();
+    let has_boxes = context.app.has_boxes();
     for &action in DETECTOR {
         let enabled = action != Action::FindObjects || context.app.log.products.is_some();
         titled(ui, context, action, action.label(), enabled);

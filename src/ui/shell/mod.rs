@@ -335,7 +335,7 @@ fn details(
     review: &mut ReviewPanel,
     profile: &mut ProfileView,
 ) {
-    if !context.app.log.reviewing.has_boxes() {
+    if !context.app.has_boxes() {
         review.ui(ui, context);
         return selection(ui, context, profile);
     }

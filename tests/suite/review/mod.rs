@@ -5,7 +5,7 @@ mod judged;
 mod kept;
 pub(crate) mod mouse;
 mod on_map;
-mod search;
+pub(crate) mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle, threshold};

@@ -4,7 +4,7 @@ use super::*;
 use bathyscope::detection::truth::Mistake;
 
 /// A small model of random weights: it finds things everywhere, fast.
-fn model(name: &str) -> PathBuf {
+pub(crate) fn model(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/suite/detector_models/{name}.onnx"))
 }
 
@@ -66,12 +66,12 @@ fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     app.apply(Command::UseModel(model("tianxiaomo")));
     app.apply(Command::Do(Action::FindObjects));
     until(&mut app, &|app| app.log.reviewing.has_boxes());
-    assert!(app.detect_fraction().is_some(), "it still runs");
+    assert!(app.search_status().is_some(), "it still runs");
     let note = app.search_note().expect("a search that runs");
     assert!(note.contains("is running: pings 0 to "), "{note}");
     app.apply(Command::Do(Action::Cancel));
     until(&mut app, &App::is_idle);
-    assert!(app.detect_fraction().is_none() && app.log.reviewing.has_boxes());
+    assert!(app.search_status().is_none() && app.log.reviewing.has_boxes());
     // What was searched is known, and judged alone; tiles that overlap found nothing twice.
     let review = app.log.reviewing.review.clone();
     let [gap] = &review.unsearched()[..] else {

@@ -1,12 +1,12 @@
 //! The selected box enlarged: the bottom around it in square pixels, as a detector sees it.
 
-use crate::app::{ColourMap, PIXEL_M};
+use crate::app::{ColourMap, OpenLog, PIXEL_M};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, Raster, TILE_PX, level};
 use crate::pipeline::Same;
 use crate::survey::{Navigation, Survey};
 use crate::ui::views::waterfall::{outline, palette};
-use egui::{ColorImage, Rect, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
+use egui::{ColorImage, Rect, Response, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
 
 /// Width over height.
 const ASPECT: f32 = 1.5;
@@ -24,6 +24,18 @@ pub struct Key {
     pub map: ColourMap,
 }
 
+impl Key {
+    /// Of a box of a log; `None` while the log has no results.
+    pub fn of(log: &OpenLog, mark: &Mark, map: ColourMap) -> Option<Self> {
+        Some(Self {
+            survey: Same(log.survey.clone()?),
+            navigation: Same(log.products.as_ref()?.navigation.clone()),
+            mark: mark.clone(),
+            map,
+        })
+    }
+}
+
 /// A picture of a box with what lies around it.
 pub struct Chip {
     texture: TextureHandle,
@@ -34,13 +46,8 @@ pub struct Chip {
 
 impl Chip {
     /// Draws it; a box too large for a tile in coarser pixels.
-    pub fn new(
-        survey: &Survey,
-        navigation: &Navigation,
-        mark: &Mark,
-        map: ColourMap,
-        ctx: &egui::Context,
-    ) -> Option<Self> {
+    pub fn new(of: &Key, ctx: &egui::Context) -> Option<Self> {
+        let (survey, navigation, mark) = (&of.survey.0, &of.navigation.0, &of.mark);
         let fine = Raster::new(survey, navigation, PIXEL_M);
         let height = chip_height(&fine, mark);
         let largest = TILE_PX as f32 / ASPECT;
@@ -60,7 +67,7 @@ impl Chip {
         }
         let mut tile = raster.tile(survey, mark.side, row, column);
         level(&mut tile.pixels);
-        let colours = palette(map);
+        let colours = palette(of.map);
         let pixels = tile.pixels.chunks_exact(TILE_PX).take(rows);
         let pixels = pixels.flat_map(|line| line.iter().take(columns));
         let pixels = pixels.map(|&level| {
@@ -79,8 +86,20 @@ impl Chip {
 
     /// Shows it as wide as there is room.
     pub fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review) {
-        let width = ui.available_width();
-        let (area, response) = ui.allocate_exact_size(vec2(width, width / ASPECT), Sense::hover());
+        let response = self.draw(ui, one, ui.available_width(), Sense::hover());
+        let name = format!(
+            "Picture of box {}, {}, {:.1} m high, range to the right",
+            one.id.0,
+            review.class_name(one.class),
+            self.height_m
+        );
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+        response.on_hover_text("Slant range grows to the right, time runs down; square pixels.");
+    }
+
+    /// Draws it as wide as it is told, with the line of the box's state.
+    pub fn draw(&self, ui: &mut Ui, one: &Reviewed, width: f32, sense: Sense) -> Response {
+        let (area, response) = ui.allocate_exact_size(vec2(width, width / ASPECT), sense);
         let painter = ui.painter_at(area);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(self.texture.id(), area, whole, egui::Color32::WHITE);
@@ -90,14 +109,7 @@ impl Chip {
         );
         // With the line of its state, as in the waterfall.
         outline::draw(&painter, frame, outline::Style::of(one.state), false);
-        let name = format!(
-            "Picture of box {}, {}, {:.1} m high, range to the right",
-            one.id.0,
-            review.class_name(one.class),
-            self.height_m
-        );
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-        response.on_hover_text("Slant range grows to the right, time runs down; square pixels.");
+        response
     }
 }
 

@@ -1,35 +1,37 @@
-//! The review of boxes: how far it is, the selected box enlarged with all that is known about it, the queue, and where truth is
-//! known how the boxes stand to it.
+//! The review of the boxes of all logs: how far it is, the selected box enlarged with all that is known about it, the other boxes that
+//! show the same object, the queue, the list of objects, and where truth is known how the boxes stand to it.
 
 mod chip;
 mod judged;
+mod object;
 mod queue;
 mod selected;
 
 use super::parts::{Section, remark, section, warning};
-use crate::app::{Action, Command};
-use crate::detection::review::BoxId;
+use crate::app::{Action, Command, LogBox};
 use crate::pipeline::Background;
 use crate::ui::{ViewContext, text, theme};
 use chip::Chip;
 use egui::{Button, ProgressBar, RichText, Ui};
+use object::ObjectPictures;
 
 /// State of the panel: the picture of the selected box, and the note that is being written.
 #[derive(Default)]
 pub struct ReviewPanel {
     chip: Background<chip::Key, Chip>,
-    note: Option<(BoxId, String)>,
+    note: Option<(LogBox, String)>,
+    object: ObjectPictures,
 }
 
 impl ReviewPanel {
     /// Whether the picture is that of the selected box.
     pub fn is_settled(&self) -> bool {
-        !self.chip.is_running()
+        !self.chip.is_running() && self.object.is_settled()
     }
 
     /// Draws the section; nothing while there are no boxes.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
-        if !context.app.log.reviewing.has_boxes() {
+        if !context.app.has_boxes() {
             *self = Self::default();
             return;
         }
@@ -44,18 +46,24 @@ impl ReviewPanel {
                 warning(ui, context, &note);
             }
             self.selected(ui, context);
+            self.object.ui(ui, context);
             judged::at_slider(ui, context);
             queue::ui(ui, context);
             files(ui, context);
         });
+        object::list(ui, context);
         judged::ui(ui, context);
     }
 }
 
 fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
-    let counts = context.app.log.reviewing.counts();
+    let all = context.app.review_counts();
+    let counts = all.boxes;
     let (decided, total) = (counts.decided(), counts.total());
-    let said = format!("{decided} of {total} decided");
+    let said = match all.logs {
+        0 | 1 => format!("{decided} of {total} decided"),
+        logs => format!("{decided} of {total} decided in {logs} logs"),
+    };
     ui.horizontal(|ui| {
         ui.label(RichText::new(&said).strong());
         let share = decided as f32 / total.max(1) as f32;
@@ -73,7 +81,7 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
     if counts.hidden > 0 {
         parts.push(format!("{} below the confidence", counts.hidden));
     }
-    if context.app.log.reviewing.is_unsaved() {
+    if context.app.has_unsaved_review() {
         // What is kept on the way is safe, but not where the analyst put it.
         let kept = match context.app.is_at_risk() {
             true => "not saved",

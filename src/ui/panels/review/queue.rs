@@ -19,10 +19,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     state(ui, &mut queue);
     score(ui, &mut queue);
     size(ui, &mut queue);
-    let (line, all) = (
-        context.app.log.reviewing.line().len(),
-        context.app.log.reviewing.counts().total(),
-    );
+    let counts = context.app.review_counts();
+    let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {
         remark(
             ui,
@@ -57,16 +55,13 @@ fn sort(ui: &mut Ui, queue: &mut Queue) {
 }
 
 fn class(ui: &mut Ui, context: &ViewContext<'_>, queue: &mut Queue) {
-    let review = &context.app.log.reviewing.review;
     let chosen = &mut queue.filter.class;
-    let shown = chosen
-        .map_or("all", |class| review.class_name(class))
-        .to_owned();
+    let shown = chosen.clone().unwrap_or_else(|| "all".to_owned());
     row(ui, "Class", "Only boxes of this class.", |ui| {
         list(ui, "class of boxes", &shown, |ui| {
             ui.selectable_value(chosen, None, "all");
-            for (class, name) in review.classes().iter().enumerate() {
-                ui.selectable_value(chosen, Some(class), name);
+            for name in context.app.review_classes() {
+                ui.selectable_value(chosen, Some(name.to_owned()), name);
             }
         })
     });

@@ -3,10 +3,9 @@
 use super::super::parts::{fact, remark};
 use super::chip::Chip;
 use super::{ReviewPanel, button, chip, size};
-use crate::app::{Action, Command, Tool};
+use crate::app::{Action, Command, LogBox, Tool};
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
-use crate::pipeline::Same;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{Button, RichText, TextEdit, Ui};
 
@@ -18,7 +17,7 @@ impl ReviewPanel {
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(one) = context.app.log.reviewing.selected_box().cloned() else {
             self.keep_note(context, None);
-            let all = context.app.log.reviewing.counts().proposed == 0;
+            let all = context.app.review_counts().boxes.proposed == 0;
             let is_part = context.app.search_note().is_some();
             remark(
                 ui,
@@ -43,29 +42,21 @@ impl ReviewPanel {
 
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let app = context.app;
-        let (Some(survey), Some(products)) = (&app.log.survey, &app.log.products) else {
+        let map = app.options.waterfall.colour_map;
+        let Some(key) = chip::Key::of(&app.log, &one.mark, map) else {
             return;
         };
-        let (survey, navigation) = (survey.clone(), products.navigation.clone());
-        let map = app.options.waterfall.colour_map;
-        let key = chip::Key {
-            survey: Same(survey.clone()),
-            navigation: Same(navigation.clone()),
-            mark: one.mark.clone(),
-            map,
-        };
-        let (mark, ctx) = (one.mark.clone(), ui.ctx().clone());
-        self.chip.ask(key, app.jobs(), move |_| {
-            Chip::new(&survey, &navigation, &mark, map, &ctx)
-        });
+        let (of, ctx) = (key.clone(), ui.ctx().clone());
+        self.chip
+            .ask(key, app.jobs(), move |_| Chip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
             picture.ui(ui, one, &app.log.reviewing.review);
         }
     }
 
     fn note(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-        self.keep_note(context, Some(one));
-        let Some((_, note)) = &mut self.note else {
+        self.keep_note(context, context.app.selected_log_box());
+        let Some((id, note)) = &mut self.note else {
             return;
         };
         let line = TextEdit::singleline(note)
@@ -73,32 +64,27 @@ impl ReviewPanel {
             .desired_width(f32::INFINITY);
         let line = ui.add(line).accessible_name("Note on the box");
         if line.lost_focus() && *note != one.note {
-            context.push(Command::Edit {
-                edit: Edit::Note(one.id, note.clone()),
-                live: false,
-            });
+            context.push(Command::Note(*id, note.clone()));
         } else if !line.has_focus() {
             // Undo, or another way to change it.
             note.clone_from(&one.note);
         }
     }
 
-    /// Starts on the note of another box; what was written on the last one is kept.
-    fn keep_note(&mut self, context: &mut ViewContext<'_>, now: Option<&Reviewed>) {
-        let id = now.map(|one| one.id);
-        if self.note.as_ref().map(|(id, _)| *id) == id {
+    /// Starts on the note of another box; what was written on the last one is kept, also where that is of another log.
+    fn keep_note(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
+        if self.note.as_ref().map(|(id, _)| *id) == now {
             return;
         }
+        let app = context.app;
         let before = self.note.take();
-        self.note = now.map(|one| (one.id, one.note.clone()));
+        let written = |id: LogBox| Some((id, app.log_box(id)?.note.clone()));
+        self.note = now.and_then(written);
         if let Some((id, note)) = before
-            && let Some(one) = context.app.log.reviewing.review.get(id)
+            && let Some(one) = app.log_box(id)
             && one.note != note
         {
-            context.push(Command::Edit {
-                edit: Edit::Note(id, note),
-                live: false,
-            });
+            context.push(Command::Note(id, note));
         }
     }
 }
@@ -115,7 +101,12 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let state = RichText::new(one.state.name()).color(colour);
         ui.label(state);
         let corrected = if one.edited { ", corrected" } else { "" };
-        ui.label(RichText::new(format!("box {}{corrected}", one.id.0)).weak());
+        let log = match context.app.log_count() {
+            0 | 1 => String::new(),
+            _ => format!(" of {}", context.app.log.name()),
+        };
+        let name = format!("box {}{log}{corrected}", one.id.0);
+        ui.add(egui::Label::new(RichText::new(name).weak()).truncate());
     });
 }
 

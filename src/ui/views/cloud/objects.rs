@@ -2,19 +2,31 @@
 
 use super::axes::Axes;
 use super::scene::CloudScene;
-use crate::app::App;
-use crate::detection::review::State;
+use crate::app::{App, Reviewing};
+use crate::detection::review::{BoxId, State};
 use crate::ui::theme;
 use egui::{Painter, Pos2, Shape, Stroke};
 
 /// Least half of a footprint on the screen, points: one that is far away stays a mark.
 const LEAST: f32 = 3.0;
 
-/// Draws the footprints of the boxes in the queue; those that were rejected only while they are selected.
+/// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
 pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
-    let reviewing = &app.log.reviewing;
+    for log in app.visible_logs() {
+        let selected = app.log.reviewing.selected.filter(|_| log.id == app.log.id);
+        boxes(painter, &log.reviewing, selected, scene, axes);
+    }
+}
+
+fn boxes(
+    painter: &Painter,
+    reviewing: &Reviewing,
+    selected: Option<BoxId>,
+    scene: &CloudScene,
+    axes: &Axes<'_>,
+) {
     for one in reviewing.in_line() {
-        let is_selected = Some(one.id) == reviewing.selected;
+        let is_selected = Some(one.id) == selected;
         let Some(placed) = reviewing.placed(one.id) else {
             continue;
         };

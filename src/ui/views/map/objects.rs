@@ -1,8 +1,8 @@
 //! Objects on the map: a mark by state for each box, and its footprint where that can be seen.
 
 use super::overlay::Scene;
-use crate::app::{App, LogId, MapLayer, OpenLog, Placed};
-use crate::detection::review::{BoxId, Reviewed, State};
+use crate::app::{App, LogBox, MapLayer, OpenLog, Placed};
+use crate::detection::review::{Reviewed, State};
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
@@ -51,8 +51,18 @@ struct Seen<'a> {
     at: Pos2,
 }
 
-/// Draws them.
+impl Seen<'_> {
+    fn id(&self) -> LogBox {
+        LogBox {
+            log: self.log.id,
+            id: self.one.id,
+        }
+    }
+}
+
+/// Draws them, and lines from the place of the selected object to the boxes that show it.
 pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+    sightings(painter, scene, app);
     for seen in placed(scene, app) {
         let Seen {
             log,
@@ -98,6 +108,25 @@ pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
     }
 }
 
+/// Joins the place of the selected object with the places of its boxes, where there are several.
+fn sightings(painter: &Painter, scene: &Scene<'_>, app: &App) {
+    let Some(object) = app
+        .selected_object()
+        .filter(|object| object.boxes.len() > 1)
+    else {
+        return;
+    };
+    let middle = scene.at(object.joint.place_m);
+    let stroke = Stroke::new(1.0, theme::selection_colour());
+    for id in &object.boxes {
+        let placed = app.open_log(id.log);
+        if let Some(placed) = placed.and_then(|log| log.reviewing.placed(id.id)) {
+            let at = scene.at([placed.target.east_m, placed.target.north_m]);
+            painter.line_segment([middle, at], stroke);
+        }
+    }
+}
+
 /// A ring for a proposal, a dot for an object, a square for one drawn by hand, a cross for nothing.
 fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
     let stroke = Stroke::new(1.5, colour);
@@ -126,12 +155,12 @@ fn mark(painter: &Painter, at: Pos2, state: State, colour: egui::Color32) {
 }
 
 /// The box whose mark is under the pointer, and its log.
-pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<(LogId, BoxId)> {
+pub fn under(scene: &Scene<'_>, app: &App, at: Pos2) -> Option<LogBox> {
     if !scene.shows(MapLayer::Boxes) {
         return None;
     }
     placed(scene, app)
-        .map(|seen| ((seen.log.id, seen.one.id), seen.at.distance(at)))
+        .map(|seen| (seen.id(), seen.at.distance(at)))
         .filter(|(_, distance)| *distance <= REACH)
         .min_by(|(_, a), (_, b)| a.total_cmp(b))
         .map(|(id, _)| id)

@@ -116,9 +116,8 @@ impl Pointer {
             }
             return;
         }
-        if let Some((log, id)) = objects::under(scene, context.app, at) {
-            context.push(Command::ShowLog(log));
-            context.push(Command::SelectBox(Some(id)));
+        if let Some(id) = objects::under(scene, context.app, at) {
+            context.push(Command::SelectLogBox(id));
             return;
         }
         self.offered = spot;

@@ -1,0 +1,329 @@
+//! Boxes of several logs in one window: one queue, one list of objects, decisions about an object in all logs that saw it.
+
+use crate::logs_window::{ids, names, opened, opened_in, settle};
+use crate::many_logs::{sailed, true_box};
+use crate::review::search::model;
+use crate::window::{Window, app, drawn_window, press, settle as drawn};
+use bathyscope::app::{Action, Command, LogBox, LogId, ObjectState, SurveyObject};
+use bathyscope::detection::Detection;
+use bathyscope::detection::review::{Review, State};
+use bathyscope::survey::Identity;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use std::path::Path;
+
+/// What a detector that sees all objects would propose in every log, each log with a list of classes of its own.
+fn propose(window: &mut Window, folder: &Path) {
+    for (index, id) in ids(window).into_iter().enumerate() {
+        window.state_mut().app.apply(Command::ShowLog(id));
+        settle(window);
+        let survey = app(window).log.survey.clone().expect("a log");
+        let truth = sailed(index);
+        let seen = truth.objects.iter().flat_map(|object| &object.sightings);
+        let marks = seen.filter_map(|seen| true_box(&survey, seen));
+        let classes: Vec<String> = match index % 2 {
+            0 => vec!["block".to_owned(), "rock".to_owned()],
+            _ => vec!["tyre".to_owned(), "block".to_owned()],
+        };
+        let found: Vec<Detection> = marks
+            .enumerate()
+            .map(|(number, mark)| Detection {
+                class: index % 2,
+                score: 0.9 - 0.01 * number as f32,
+                mark,
+            })
+            .collect();
+        let raster = app(window).log.reviewing.raster().expect("a raster");
+        let empty = Review::new(Identity::of(&survey), classes.clone());
+        let review = empty.adopt("all of them", &classes, &found, raster);
+        let path = folder.join(format!("{index}.json"));
+        std::fs::write(&path, review.to_json()).expect("a file");
+        window.state_mut().app.apply(Command::OpenReview(path));
+        settle(window);
+    }
+    let first = ids(window)[0];
+    window.state_mut().app.apply(Command::ShowLog(first));
+    while !app(window).notices.is_empty() {
+        window.state_mut().app.apply(Command::Dismiss(0));
+    }
+    settle(window);
+}
+
+/// Two logs with their boxes.
+fn proposed() -> (tempfile::TempDir, Window) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    propose(&mut window, folder.path());
+    (folder, window)
+}
+
+/// The object that lies where an object of the lake does, with the most boxes. All logs lie in the plane of the first.
+fn object_of(window: &Window, index: usize) -> SurveyObject {
+    let truth = &sailed(0).objects[index];
+    let off_m = |one: &&SurveyObject| {
+        let [east_m, north_m] = one.joint.place_m;
+        f64::hypot(east_m - truth.east_m, north_m - truth.north_m)
+    };
+    let near = app(window).objects().iter().filter(|one| off_m(one) < 1.0);
+    let most = near.max_by_key(|one| one.boxes.len());
+    most.expect("an object").clone()
+}
+
+fn states(window: &Window, boxes: &[LogBox]) -> Vec<State> {
+    let state = |id: &LogBox| app(window).log_box(*id).expect("a box").state;
+    boxes.iter().map(state).collect()
+}
+
+fn all_boxes(window: &Window) -> Vec<LogBox> {
+    let logs = app(window).logs();
+    logs.flat_map(|log| {
+        let boxes = log.reviewing.review.boxes();
+        boxes.map(|one| LogBox {
+            log: log.id,
+            id: one.id,
+        })
+    })
+    .collect()
+}
+
+fn selected(window: &Window) -> LogBox {
+    app(window).selected_log_box().expect("a selected box")
+}
+
+#[test]
+fn an_object_of_two_logs_is_one_in_the_list_and_leads_to_both() {
+    let (_folder, mut window) = proposed();
+    for index in 0..4 {
+        let object = object_of(&window, index);
+        assert_eq!(object.logs(), ids(&window), "{index}: {object:?}");
+        assert_eq!(object.joint.class, "block", "classes are compared by name");
+    }
+    let object = object_of(&window, 1);
+    let (first, second) = (ids(&window)[0], ids(&window)[1]);
+    let times = object.boxes.len();
+    let name = format!(
+        "Object {}, block, seen {times} times, undecided",
+        object.number
+    );
+    window.get_by_label(&name).click_accesskit();
+    settle(&mut window);
+    assert_eq!(
+        selected(&window).log,
+        first,
+        "first in the log that is shown"
+    );
+    assert!(object.boxes.contains(&selected(&window)));
+    let seen = format!("{times} of {times} times, in 2 logs");
+    window.get_by_label_contains(&seen);
+
+    // Its pictures are of both logs; one of the other log leads there.
+    let other = object.boxes.iter().find(|id| id.log == second);
+    let other = *other.expect("a box of the other log");
+    for id in &object.boxes {
+        let log = app(&window).open_log(id.log).expect("it is open").name();
+        window.get_by_label(&format!("Sighting in {log}, box {}", id.id.0));
+    }
+    let picture = format!("Sighting in lake-1, box {}", other.id.0);
+    window.get_by_label(&picture).click_accesskit();
+    settle(&mut window);
+    assert_eq!(selected(&window), other);
+    assert_eq!(app(&window).log.name(), "lake-1");
+    let mark = &app(&window).log_box(other).expect("a box").mark;
+    let ping = app(&window).selection.expect("it is revealed").ping;
+    assert!(mark.pings.contains(&ping));
+
+    // The key walks through them all, and around.
+    let mut walked = vec![selected(&window)];
+    for _ in 1..times {
+        press(&mut window, Modifiers::NONE, Key::J);
+        walked.push(selected(&window));
+    }
+    press(&mut window, Modifiers::NONE, Key::J);
+    assert_eq!(selected(&window), other);
+    walked.sort();
+    assert_eq!(walked, object.boxes);
+}
+
+#[test]
+fn an_object_is_decided_in_all_its_logs_as_one_step() {
+    let (folder, mut window) = proposed();
+    let object = object_of(&window, 2);
+    let rest = |window: &Window| {
+        let mut rest = all_boxes(window);
+        rest.retain(|id| !object.boxes.contains(id));
+        states(window, &rest)
+    };
+    let before = app(&window).undo_label().map(str::to_owned);
+    window
+        .state_mut()
+        .app
+        .apply(Command::SelectLogBox(object.boxes[0]));
+    settle(&mut window);
+    for (key, state, label) in [
+        (Key::A, State::Accepted, "accept object"),
+        (Key::R, State::Rejected, "reject object"),
+    ] {
+        press(&mut window, Modifiers::SHIFT, key);
+        settle(&mut window);
+        let decided = states(&window, &object.boxes);
+        assert!(decided.iter().all(|one| *one == state), "{decided:?}");
+        let mut others = rest(&window).into_iter();
+        assert!(others.all(|one| one == State::Proposed));
+        assert_eq!(app(&window).undo_label(), Some(label));
+        // On to a box that is undecided; the object keeps its number.
+        assert!(!object.boxes.contains(&selected(&window)));
+        let same = app(&window).object_of(object.boxes[0]).expect("an object");
+        assert_eq!((same.number, &same.boxes), (object.number, &object.boxes));
+        assert!(!matches!(
+            app(&window).object_state(same),
+            ObjectState::Open(_)
+        ));
+
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+        let undone = states(&window, &all_boxes(&window));
+        assert!(undone.iter().all(|one| *one == State::Proposed));
+        assert_eq!(app(&window).undo_label(), before.as_deref());
+        assert!(object.boxes.contains(&selected(&window)), "undo leads back");
+    }
+    // Every log's decisions go into the file of that log.
+    press(&mut window, Modifiers::SHIFT, Key::A);
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    settle(&mut window);
+    let accepted = |name: &str| {
+        let text = std::fs::read_to_string(folder.path().join(name)).expect("a review");
+        text.matches("accepted").count()
+    };
+    assert!(accepted("0.json") > 0 && accepted("1.json") > 0);
+    assert_eq!(accepted("0.json") + accepted("1.json"), object.boxes.len());
+    assert!(app(&window).logs().all(|log| !log.reviewing.is_unsaved()));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+
+    // One sighting is none: it leaves the object, which keeps its number and the others.
+    press(&mut window, Modifiers::NONE, Key::R);
+    settle(&mut window);
+    let left = object_of(&window, 2);
+    assert_eq!(left.number, object.number);
+    assert_eq!(left.boxes.len(), object.boxes.len() - 1);
+}
+
+/// Log and number of every box that Tab comes to from the first one on.
+fn walk(window: &mut Window, count: usize) -> Vec<LogBox> {
+    let mut walked = Vec::new();
+    for _ in 0..count {
+        press(window, Modifiers::NONE, Key::Tab);
+        walked.push(selected(window));
+    }
+    walked
+}
+
+#[test]
+fn the_queue_goes_on_into_the_next_log() {
+    let (_folder, mut window) = proposed();
+    let all = all_boxes(&window);
+    let (first, second) = (ids(&window)[0], ids(&window)[1]);
+    let of = |log: LogId| all.iter().filter(|id| id.log == log).count();
+    assert!(of(first) > 1 && of(second) > 1);
+    let said = format!("0 of {} decided in 2 logs", all.len());
+    window.get_by_label(&said);
+    let walked = walk(&mut window, all.len());
+    let logs: Vec<LogId> = walked.iter().map(|id| id.log).collect();
+    let expected = [vec![first; of(first)], vec![second; of(second)]].concat();
+    assert_eq!(logs, expected, "log after log, in the order of the list");
+    let score = |id: &LogBox| app(&window).log_box(*id).expect("a box").score;
+    let of_first: Vec<_> = walked[..of(first)].iter().map(score).collect();
+    assert!(of_first.is_sorted_by(|a, b| a >= b), "the surest first");
+    let last = selected(&window);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    assert_eq!(selected(&window), last, "at the end it stays");
+
+    // Back into the first log, and a decision about its last box leads on into the second again.
+    for _ in 0..of(second) {
+        press(&mut window, Modifiers::SHIFT, Key::Tab);
+    }
+    assert_eq!(selected(&window), walked[of(first) - 1]);
+    press(&mut window, Modifiers::NONE, Key::A);
+    assert_eq!(selected(&window), walked[of(first)]);
+    window.get_by_label(&said.replacen('0', "1", 1));
+
+    // The filter is one over all logs, by the name of the class.
+    let mut queue = app(&window).log.reviewing.queue.clone();
+    queue.filter.class = Some("tyre".to_owned());
+    (window.state_mut().app).apply(Command::LineUp(Box::new(queue.clone())));
+    settle(&mut window);
+    assert_eq!(app(&window).review_counts().in_line, 0);
+    queue.filter.class = Some("block".to_owned());
+    (window.state_mut().app).apply(Command::LineUp(Box::new(queue)));
+    settle(&mut window);
+    assert_eq!(app(&window).review_counts().in_line, all.len());
+
+    // A log that is unticked takes no part once another one is shown.
+    window.state_mut().app.apply(Command::ShowLog(first));
+    (window.state_mut().app).apply(Command::SetLogVisible(second, false));
+    settle(&mut window);
+    window.get_by_label(&format!("1 of {} decided", of(first)));
+    let objects = app(&window).objects();
+    assert!(objects.iter().all(|one| one.logs() == [first]));
+}
+
+#[test]
+fn a_search_goes_through_all_logs_as_one_step() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let second = ids(&window)[1];
+    (window.state_mut().app).apply(Command::SetLogVisible(second, false));
+    (window.state_mut().app).apply(Command::UseModel(model("end_to_end")));
+    settle(&mut window);
+    let find = |window: &mut Window| {
+        let app = &mut window.state_mut().app;
+        app.apply(Command::Do(Action::FindObjects));
+        settle(window);
+    };
+    let found = |window: &Window| -> Vec<usize> {
+        let logs = app(window).logs();
+        logs.map(|log| log.reviewing.review.boxes().len()).collect()
+    };
+    find(&mut window);
+    let [one, 0] = found(&window)[..] else {
+        panic!("{:?}", found(&window))
+    };
+    assert!(one > 10, "{one}");
+    (window.state_mut().app).apply(Command::SetLogVisible(second, true));
+    settle(&mut window);
+    find(&mut window);
+    let [again, other] = found(&window)[..] else {
+        panic!("two logs")
+    };
+    assert_eq!(again, one, "each once");
+    assert!(other > 10, "{other}");
+    assert_eq!(names(&window).len(), 2);
+    assert_eq!(
+        app(&window).log.name(),
+        "lake-0",
+        "the log that is shown stays"
+    );
+    let logs = || app(&window).logs().map(|log| &log.reviewing);
+    assert!(logs().all(|reviewing| reviewing.review.coverage().is_none()));
+    // From the confidence of the model on, in both logs.
+    let threshold = app(&window).log.reviewing.queue.threshold;
+    assert!(logs().all(|reviewing| reviewing.queue.threshold == threshold));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(found(&window), [one, 0], "one step for all logs");
+}
+
+#[test]
+fn the_window_with_an_object_of_four_logs_looks_as_it_did() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let window = drawn_window([1400.0, 1000.0]);
+    let mut window = opened_in(window, folder.path(), 4);
+    propose(&mut window, folder.path());
+    let object = object_of(&window, 0);
+    assert_eq!(object.logs().len(), 4);
+    let app = &mut window.state_mut().app;
+    app.apply(Command::SelectLogBox(object.boxes[0]));
+    app.options.map.track_by_log = true;
+    drawn(&mut window);
+    window.snapshot("window_objects");
+}
