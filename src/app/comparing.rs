@@ -3,9 +3,8 @@
 use super::tabulating::{Of, Tabulating};
 use super::{App, MapLayer, Outcome, Task};
 use crate::bathymetry::compare::Matching;
-use crate::pipeline::{Agreement, Products, Reference, Settings};
+use crate::pipeline::{Agreement, ProcessedLog, Reference, Settings};
 use crate::progress::Progress;
-use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -90,27 +89,25 @@ impl Comparing {
         }
     }
 
-    /// The reference, and how the points of a result find it.
-    pub(super) fn against(&self, products: &Products) -> Option<(Arc<Reference>, Matching)> {
+    /// The reference, and how points find it by the settings of the first log.
+    pub(super) fn against(&self, settings: &Settings) -> Option<(Arc<Reference>, Matching)> {
         let reference = self.reference.clone()?;
-        Some((reference, self.matching(&products.settings)))
+        Some((reference, self.matching(settings)))
     }
 }
 
 impl App {
     /// Starts opening a reference; one that is still being opened is dropped.
     pub(super) fn compare_with(&mut self, path: PathBuf) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let logs = self.processed_logs();
+        let Some(first) = logs.first() else {
             let text = "open a log first, then what it is to be compared with";
             self.notify(format!("{text}: {}", path.display()), true);
             return;
         };
-        let matching = self.comparing.matching(&products.settings);
-        let (survey, mut products) = (survey.clone(), products.clone());
-        // No stage depends on it: the results are as good for any system.
-        Arc::make_mut(&mut products.settings).crs = self.log.settings.crs;
+        let matching = self.comparing.matching(&first.products.settings);
         self.comparing.opening = Some(Task::start(&self.jobs, move |progress| {
-            open(&path, &survey, &products, matching, progress)
+            open(&path, &logs, matching, progress)
         }));
     }
 
@@ -160,15 +157,18 @@ impl App {
 /// Opens a reference, and holds the survey against it.
 fn open(
     path: &Path,
-    survey: &Survey,
-    products: &Products,
+    logs: &[ProcessedLog],
     matching: Matching,
     progress: &Progress,
 ) -> Result<Opened, String> {
-    let opened = Reference::open(path.as_os_str(), survey, &products.settings, progress);
+    let Some(first) = logs.first() else {
+        return Err("there is no log to compare".to_owned());
+    };
+    let settings = &first.products.settings;
+    let opened = Reference::open(path.as_os_str(), &first.survey, settings, progress);
     let reference = Arc::new(opened?);
-    let agreement = Agreement::with_reference(survey, products, &reference, matching, progress)?;
-    let of = Of::new(products, Some((reference, matching)));
+    let agreement = Agreement::with_reference(logs, &reference, matching, progress)?;
+    let of = Of::new(logs, Some((reference, matching)));
     Ok(Opened { of, agreement })
 }
 

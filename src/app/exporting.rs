@@ -2,10 +2,8 @@
 
 use super::{App, Jobs, LogId, Outcome, Task};
 use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
-use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
@@ -48,30 +46,24 @@ impl App {
         self.exporting = Some(Exporting::start(&self.jobs, write));
     }
 
-    /// Writes the products that are requested, the comparison with the reference among them, and the report with the boxes as they
-    /// are decided, into a folder.
+    /// Writes one set of products of the visible logs into a folder, as `process` does: what is requested, the comparison with the
+    /// reference among it, and the report with the boxes as they are decided.
     pub(super) fn export(&mut self, folder: PathBuf) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let logs = self.processed_logs();
+        let Some(first) = logs.first() else {
             return;
         };
-        let shown = self.shown_logs();
-        if shown.len() > 1 {
-            return self.export_survey(shown.into_iter().map(|shown| shown.log).collect(), folder);
-        }
-        let (survey, mut products) = (survey.clone(), products.clone());
-        // No stage depends on it: the results are as good for any system.
-        Arc::make_mut(&mut products.settings).crs = self.log.settings.crs;
         let requested = self.requested();
-        let against = self.comparing.against(&products);
+        let against = self.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
         let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
         let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
-        let run = Some((self.log.id, folder.clone()));
+        let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
         let derived = self.deriving.results.clone();
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
-            let run = outputs::begin(&folder, &survey, reference)?;
-            let logs = [ProcessedLog { survey, products }];
+            let surveys = logs.iter().map(|log| &*log.survey);
+            let run = outputs::begin(&folder, surveys, reference)?;
             let order = Order {
                 logs: &logs,
                 derived: &derived,
@@ -91,30 +83,6 @@ impl App {
         let left_out = &self.options.left_out;
         let all = Product::ALL.into_iter();
         all.filter(|one| !left_out.contains(one)).collect()
-    }
-
-    /// Writes one set of products of several logs, as `process` does.
-    fn export_survey(&mut self, mut logs: Vec<ProcessedLog>, folder: PathBuf) {
-        for log in &mut logs {
-            Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
-        }
-        let (requested, derived) = (self.requested(), self.deriving.results.clone());
-        self.write(move |progress| {
-            let Some(first) = logs.first() else {
-                return Err("there is no log to write products of".to_owned());
-            };
-            let run = outputs::begin(&folder, &first.survey, None)?;
-            let order = Order {
-                logs: &logs,
-                derived: &derived,
-                requested: &requested,
-                reference: None,
-                search: None,
-                review: None,
-            };
-            let written = outputs::write(&order, run, progress, |_| ())?;
-            Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
-        });
     }
 
     /// Files that were written last of the log at hand and would be others with its settings of now, and their folder.

@@ -88,6 +88,18 @@ impl App {
         self.visible_logs().filter_map(shown).collect()
     }
 
+    /// The recordings and results of the visible logs, in the order of the list, for the system that the maps are in now: what is
+    /// compared and written.
+    pub(super) fn processed_logs(&self) -> Vec<ProcessedLog> {
+        let shown = self.shown_logs().into_iter();
+        let with_system = |mut log: ProcessedLog| {
+            // No stage depends on it: the results are as good for any system.
+            Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
+            log
+        };
+        shown.map(|shown| with_system(shown.log)).collect()
+    }
+
     /// How many logs are open.
     pub fn log_count(&self) -> usize {
         self.logs.order.len()

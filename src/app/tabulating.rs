@@ -3,7 +3,7 @@
 use super::{App, Outcome, Task};
 use crate::bathymetry::SurfaceSettings;
 use crate::bathymetry::compare::Matching;
-use crate::pipeline::{Agreement, Products, Reference};
+use crate::pipeline::{Agreement, ProcessedLog, Reference};
 use std::sync::Arc;
 
 /// Said when comparing was stopped, and what to do.
@@ -24,19 +24,21 @@ pub(super) struct Tabulating {
 /// What an agreement is of, or will be.
 #[derive(Clone)]
 pub(super) struct Of {
-    kept: Arc<Vec<bool>>,
-    /// Which of them count, and how wide a gap a surface spans.
-    surface: SurfaceSettings,
+    /// The points of every log, which of them count, and how wide a gap a surface spans.
+    logs: Vec<(Arc<Vec<bool>>, SurfaceSettings)>,
     /// A reference, and how points find it; without one the survey's own soundings.
     reference: Option<(Arc<Reference>, Matching)>,
 }
 
 impl Of {
-    /// The kept points of a result.
-    pub fn new(products: &Products, reference: Option<(Arc<Reference>, Matching)>) -> Self {
+    /// The kept points of some logs.
+    pub fn new(logs: &[ProcessedLog], reference: Option<(Arc<Reference>, Matching)>) -> Self {
+        let of_log = |log: &ProcessedLog| {
+            let products = &log.products;
+            (products.kept.clone(), products.settings.surface.clone())
+        };
         Self {
-            kept: products.kept.clone(),
-            surface: products.settings.surface.clone(),
+            logs: logs.iter().map(of_log).collect(),
             reference,
         }
     }
@@ -51,7 +53,9 @@ impl PartialEq for Of {
             (None, None) => true,
             _ => false,
         };
-        let same_points = Arc::ptr_eq(&self.kept, &other.kept) && self.surface == other.surface;
+        let mut pairs = self.logs.iter().zip(&other.logs);
+        let same_points = self.logs.len() == other.logs.len()
+            && pairs.all(|(one, other)| Arc::ptr_eq(&one.0, &other.0) && one.1 == other.1);
         same_points && same_reference
     }
 }
@@ -118,28 +122,26 @@ impl App {
         self.tabulating.is_busy()
     }
 
-    /// Starts comparing the result in force, unless that is done or under way.
+    /// Starts comparing the results of the visible logs, unless that is done or under way.
     pub(super) fn tabulate(&mut self) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let logs = self.processed_logs();
+        let Some(first) = logs.first() else {
             return;
         };
-        let of = Of::new(products, self.comparing.against(products));
+        let of = Of::new(&logs, self.comparing.against(&first.products.settings));
         let made = &mut self.tabulating;
         if made.of.as_ref() == Some(&of) {
             return;
         }
         made.of = Some(of.clone());
-        let (survey, products) = (survey.clone(), products.clone());
         made.task = Some(Task::start(&self.jobs, move |progress| {
             match &of.reference {
                 Some((reference, matching)) => {
-                    let found = Agreement::with_reference(
-                        &survey, &products, reference, *matching, progress,
-                    );
-                    found.map(Some)
+                    Agreement::with_reference(&logs, reference, *matching, progress).map(Some)
                 }
-                None => Agreement::with_soundings(&products, progress)
-                    .map_err(|error| error.to_string()),
+                None => {
+                    Agreement::with_soundings(&logs, progress).map_err(|error| error.to_string())
+                }
             }
         }));
     }

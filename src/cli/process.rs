@@ -4,20 +4,15 @@ mod survey;
 
 use super::folders::Folders;
 use super::settings::{Logs, SettingsArgs};
-use super::status_line::StatusLine;
-use super::{detect, found, many, output};
-use crate::app::{PIXEL_M, is_project};
-use crate::bathymetry::compare::Matching;
-use crate::detection::review::Review;
-use crate::detection::{Model, Raster};
-use crate::outputs::{self, Order, Product};
-use crate::pipeline::{self, Derived, ProcessedLog, Reference, Settings};
+use super::{detect, many, output};
+use crate::app::is_project;
+use crate::detection::Model;
+use crate::outputs::Product;
 use crate::progress::Progress;
 use crate::project;
-use crate::survey::{Identity, Survey};
+use crate::survey::Survey;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
-use std::slice;
 use std::sync::Arc;
 
 /// `bathyscope process SURVEY... -o DIR`.
@@ -39,7 +34,7 @@ pub struct ProcessArgs {
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
-    /// Also hold every log against points or another log, named as `compare` takes them: comparison.json, comparison.csv
+    /// Also hold the survey against points or another log, named as `compare` takes them: comparison.json, comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
     /// Decisions about the boxes of the log, LOG.review.json of the window: report.html shows them
@@ -83,7 +78,6 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         named => named,
     };
     let how = How {
-        settings: &logs.settings,
         model: model.as_ref(),
         requested,
         reference: args.reference.as_deref(),
@@ -117,7 +111,6 @@ fn run_project(path: &Path, args: &ProcessArgs) -> Result<(), String> {
         named => named,
     };
     let how = How {
-        settings: &first.settings,
         model: model.as_ref(),
         requested,
         reference: args.reference.as_deref(),
@@ -131,8 +124,6 @@ fn run_project(path: &Path, args: &ProcessArgs) -> Result<(), String> {
 /// What is done to every log.
 #[derive(Clone, Copy)]
 pub struct How<'a> {
-    /// All settings.
-    pub settings: &'a Settings,
     /// What searches for objects, if anything does.
     pub model: Option<&'a Model>,
     /// The products.
@@ -144,21 +135,20 @@ pub struct How<'a> {
 }
 
 impl How<'_> {
-    /// Processes logs, each opened by settings of its own: one alone, several as one survey or each for itself.
+    /// Processes logs, each opened by settings of its own: several as one survey, or each for itself.
     fn process_all(
         &self,
         surveys: &[(PathBuf, &Logs)],
         (each_alone, adjust): (bool, bool),
         output: &Path,
     ) -> Result<(), String> {
-        match surveys {
-            [(path, logs)] => self.process(logs, path, |_| output.to_owned()),
-            surveys if each_alone => each(surveys, self, output),
-            surveys => survey::process(surveys, self, adjust, output),
+        match each_alone && surveys.len() > 1 {
+            true => each(surveys, self, output),
+            false => self.process_one_survey(surveys, adjust, output),
         }
     }
 
-    /// Opens and processes a log into the folder for it.
+    /// Opens and processes a log by itself into the folder for it.
     fn process(
         &self,
         logs: &Logs,
@@ -167,11 +157,7 @@ impl How<'_> {
     ) -> Result<(), String> {
         let survey = logs.open(path, &Progress::new())?;
         let folder = folder(&survey);
-        let how = How {
-            settings: &logs.settings,
-            ..*self
-        };
-        process_into(Arc::new(survey), &how, &folder)
+        self.process_into(vec![(Arc::new(survey), &logs.settings)], false, &folder)
     }
 }
 
@@ -195,52 +181,4 @@ fn all_or(failed: usize, all: usize) -> Result<(), String> {
             "{failed} of {all} logs could not be processed, for the reasons above"
         )),
     }
-}
-
-/// Runs the pipeline on one survey, searches it with the model if one is given, writes its products and reports in a few lines
-/// what came out.
-pub fn process_into(survey: Arc<Survey>, how: &How<'_>, folder: &Path) -> Result<(), String> {
-    let How {
-        settings,
-        model,
-        requested,
-        reference,
-        review,
-    } = *how;
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    let open = |argument| Reference::open(argument, &survey, settings, &progress);
-    let reference = reference.map(open).transpose()?.map(Arc::new);
-    let review = review.map(|path| Review::open(path, &Identity::of(&survey)));
-    let review = review.transpose().map_err(|error| error.to_string())?;
-    let run = outputs::begin(folder, &survey, reference.as_deref())?;
-    let products = pipeline::run(&survey, settings, None, &progress, |stage| {
-        status.step(stage.name())
-    })
-    .map_err(|error| error.to_string())?;
-    let max_gap_m = settings.surface.max_gap_m;
-    let raster = review
-        .as_ref()
-        .map(|_| Raster::new(&survey, &products.navigation, PIXEL_M));
-    let log = ProcessedLog { survey, products };
-    let order = Order {
-        logs: slice::from_ref(&log),
-        derived: &Derived::default(),
-        requested,
-        reference: (reference.as_ref())
-            .map(|reference| (reference, Matching::Surface { max_gap_m })),
-        search: model,
-        review: review.as_ref().zip(raster.as_ref()),
-    };
-    let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
-    drop(status);
-    for warning in &written.report.warnings {
-        output::notify(format_args!("warning: {warning}"));
-    }
-    output::results(written.report.summary())?;
-    if let (Some(found), Some(model)) = (&written.found, model) {
-        let objects = found::proposed(found, model.names());
-        output::results(format_args!("proposed by the detector: {objects}"))?;
-    }
-    output::results(written.summary(folder))
 }

@@ -2,7 +2,7 @@
 
 use super::detect;
 use super::folders::Folders;
-use super::process::{How, process_into};
+use super::process::How;
 use super::{output, quiet_driver, snapshot, window};
 use crate::app::Origin;
 use crate::outputs::Product;
@@ -50,17 +50,14 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         .open(&Progress::new())
         .map_err(|error| error.to_string())?;
     let folder = folders.next(&survey.name());
-    process_into(
-        Arc::new(survey),
-        &How {
-            settings: &Settings::default(),
-            model: Some(&detect::load(None)?),
-            requested: &Product::ALL,
-            reference: None,
-            review: None,
-        },
-        &folder,
-    )?;
+    let how = How {
+        model: Some(&detect::load(None)?),
+        requested: &Product::ALL,
+        reference: None,
+        review: None,
+    };
+    let settings = Settings::default();
+    how.process_into(vec![(Arc::new(survey), &settings)], false, &folder)?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
     match snapshot::draw_into(origin, &folder) {
         Ok((files, adapter)) => {

@@ -21,7 +21,7 @@ pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
 pub use keep::keep_points;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths, without_left_out};
 pub use reduction::Reduction;
-pub use residuals::{Residuals, residuals};
+pub use residuals::{Residuals, residuals, same_ping_differences};
 
 use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};

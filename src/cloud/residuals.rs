@@ -35,7 +35,17 @@ pub fn residuals(
     correction: &Correction,
     kept: &[bool],
 ) -> Option<Residuals> {
-    let mut differences: Vec<f64> = cloud
+    Residuals::of(&mut same_ping_differences(survey, cloud, correction, kept))
+}
+
+/// The differences behind [`residuals`], metres: those of several logs are put together before statistics are made of them.
+pub fn same_ping_differences(
+    survey: &Survey,
+    cloud: &PointCloud,
+    correction: &Correction,
+    kept: &[bool],
+) -> Vec<f64> {
+    cloud
         .points
         .iter()
         .zip(kept)
@@ -45,8 +55,7 @@ pub fn residuals(
             let recorded_m = f64::from(ping.locked_depth_m());
             (recorded_m > 0.0).then(|| point.z_m + correction.depth_m(ping.time_s, recorded_m))
         })
-        .collect();
-    Residuals::of(&mut differences)
+        .collect()
 }
 
 impl Residuals {

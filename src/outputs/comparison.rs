@@ -1,13 +1,13 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
+use super::logs::{log_names, log_points};
 use super::record::{Coordinates, FileContent, write_json};
 use super::results::Results;
-use crate::bathymetry::compare::Comparison;
+use crate::bathymetry::compare::{Comparison, Match};
 use crate::export::{self, Summary};
 use crate::pipeline::{
-    Agreement, Input, NamedComparison, Products, ResidualTables, Settings, matching_in_words,
+    Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings, matching_in_words,
 };
-use crate::survey::Survey;
 use serde::Serialize;
 use std::path::Path;
 
@@ -17,6 +17,7 @@ pub struct ComparisonRecord<'a> {
     program: String,
     sign: &'static str,
     statement: String,
+    /// The first file of each log, with commas between.
     measured_file: String,
     reference_file: String,
     reference: ReferenceRecord<'a>,
@@ -25,9 +26,21 @@ pub struct ComparisonRecord<'a> {
     comparison: &'a Comparison,
     /// The same for each source of points.
     sources: Vec<NamedComparison>,
+    /// The same for each of several logs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    logs: Vec<LogComparison>,
     #[serde(flatten)]
     tables: &'a ResidualTables,
     settings: &'a Settings,
+}
+
+/// A log of several against the reference.
+#[derive(Debug, Serialize)]
+struct LogComparison {
+    log: String,
+    statement: String,
+    #[serde(flatten)]
+    comparison: Comparison,
 }
 
 #[derive(Debug, Serialize)]
@@ -41,28 +54,40 @@ struct ReferenceRecord<'a> {
 const NO_REFERENCE: &str = "the survey was not held against a reference";
 const SIGN: &str = "measured minus reference elevation, metres; positive is shallower";
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
+const MISSION_OF_LOGS: &str =
+    "The reference is another mission, processed with the settings of the first log.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
 impl<'a> ComparisonRecord<'a> {
-    /// Of an agreement with a reference, and the files that the reference was read from. The error is one sentence.
+    /// Of the agreement of logs with a reference, and the files that the reference was read from.
+    ///
+    /// # Errors
+    /// A sentence: there is no log or no reference.
     pub fn new(
-        survey: &Survey,
-        products: &'a Products,
+        logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
         inputs: &'a [Input],
     ) -> Result<Self, String> {
-        let Some(reference) = &agreement.reference else {
+        let (Some(first), Some(reference)) = (logs.first(), &agreement.reference) else {
             return Err(NO_REFERENCE.to_owned());
         };
-        let (kind, how) = match reference.is_mission() {
-            true => ("mission", MISSION),
-            false => ("points", POINTS),
+        let (kind, how) = match (reference.is_mission(), logs.len()) {
+            (true, 1) => ("mission", MISSION),
+            (true, _) => ("mission", MISSION_OF_LOGS),
+            (false, _) => ("points", POINTS),
         };
-        let log = survey.source.files.first();
+        let statement = match logs {
+            [log] => format!("{} {how}", log.products.correction.statement()),
+            _ => how.to_owned(),
+        };
+        let files = logs
+            .iter()
+            .filter_map(|log| log.survey.source.files.first());
+        let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
         Ok(Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             sign: SIGN,
-            statement: format!("{} {how}", products.correction.statement()),
-            measured_file: log.map_or_else(String::new, |log| log.display().to_string()),
+            statement,
+            measured_file: files.join(", "),
             reference_file: reference.path().display().to_string(),
             reference: ReferenceRecord {
                 kind,
@@ -71,9 +96,13 @@ impl<'a> ComparisonRecord<'a> {
             },
             by: matching_in_words(agreement.matching),
             comparison: &agreement.comparison,
-            sources: agreement.by_source(products),
+            sources: agreement.by_source(logs),
+            logs: match logs {
+                [_] => Vec::new(),
+                logs => each(logs, agreement),
+            },
             tables: &agreement.tables,
-            settings: &products.settings,
+            settings: &first.products.settings,
         })
     }
 
@@ -83,27 +112,42 @@ impl<'a> ComparisonRecord<'a> {
     }
 }
 
-/// Writes the points and how they differ, as CSV. The error is one sentence.
+/// Every log by itself.
+fn each(logs: &[ProcessedLog], agreement: &Agreement) -> Vec<LogComparison> {
+    let found = agreement.comparison_of_each(logs).into_iter();
+    let each = found.zip(logs).zip(log_names(logs));
+    each.map(|((comparison, log), name)| LogComparison {
+        log: name,
+        statement: log.products.correction.statement(),
+        comparison,
+    })
+    .collect()
+}
+
+/// Writes the points of the logs that an agreement is of and how they differ, as CSV.
+///
+/// # Errors
+/// A sentence that names the file.
 pub fn write_differences(
     path: &Path,
-    survey: &Survey,
-    products: &Products,
+    logs: &[ProcessedLog],
     agreement: &Agreement,
 ) -> Result<Summary, String> {
-    let (navigation, cloud) = (&products.navigation, &agreement.cloud);
-    export::differences_csv(path, survey, navigation, cloud, &agreement.differences)
-        .map_err(|error| error.to_string())
+    let names = log_names(logs);
+    let points = log_points(logs, &names);
+    let found = agreement.logs.iter().map(|log| log.differences.as_slice());
+    let found: Vec<&[Match]> = found.collect();
+    export::differences_csv(path, &points, &found).map_err(|error| error.to_string())
 }
 
 /// Writes `comparison.json`.
 pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
-    let (survey, products) = (results.survey, results.products);
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     let inputs = results.reference_inputs()?;
-    let record = ComparisonRecord::new(survey, products, agreement, inputs)?;
+    let record = ComparisonRecord::new(results.order.logs, agreement, inputs)?;
     write_json(path, &record)?;
     let summary = Summary {
-        count: agreement.differences.len(),
+        count: agreement.differences().count(),
         ..Summary::default()
     };
     Ok(FileContent::new(Coordinates::None, summary))
@@ -112,6 +156,6 @@ pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
 /// Writes `comparison.csv`.
 pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
-    write_differences(path, results.survey, results.products, agreement)
+    write_differences(path, results.order.logs, agreement)
         .map(|points| FileContent::new(Coordinates::Degrees, points))
 }

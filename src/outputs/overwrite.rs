@@ -23,26 +23,33 @@ pub(super) fn is_stem_of_output(stem: &str) -> bool {
 /// # Errors
 /// A sentence that names the input.
 pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), String> {
-    let files = order.logs.iter().flat_map(|log| {
-        let gauge = log.products.correction.gauge().map(|gauge| &gauge.path);
-        log.survey.source.files.iter().chain(gauge)
-    });
     let reference = order.reference.map(|(reference, _)| reference.path());
-    refuse(files.map(PathBuf::as_path).chain(reference), folder)
+    let gauges = order
+        .logs
+        .iter()
+        .filter_map(|log| log.products.correction.gauge());
+    let gauges = gauges.map(|gauge| gauge.path.as_path());
+    let surveys = order.logs.iter().map(|log| &*log.survey);
+    refuse(files_of(surveys).chain(gauges).chain(reference), folder)
 }
 
-/// Gets a folder ready for the files of a survey, before the work that they take: a folder that cannot be written into, or in which a file
+fn files_of<'a>(surveys: impl IntoIterator<Item = &'a Survey>) -> impl Iterator<Item = &'a Path> {
+    let files = surveys.into_iter().flat_map(|survey| &survey.source.files);
+    files.map(PathBuf::as_path)
+}
+
+/// Gets a folder ready for the files of a survey of one or several logs, before the work that they take: a folder that cannot be written into, or in which a file
 /// would be written over the survey or what it is to be compared with, should not cost minutes first.
 ///
 /// # Errors
 /// A sentence that names the folder or the input.
-pub fn begin(
+pub fn begin<'a>(
     folder: &Path,
-    survey: &Survey,
-    reference: Option<&Reference>,
+    surveys: impl IntoIterator<Item = &'a Survey>,
+    reference: Option<&'a Reference>,
 ) -> Result<RunFolder, String> {
-    let files = survey.source.files.iter().map(PathBuf::as_path);
-    refuse(files.chain(reference.map(Reference::path)), folder)?;
+    let reference = reference.map(Reference::path);
+    refuse(files_of(surveys).chain(reference), folder)?;
     RunFolder::begin(folder)
 }
 

@@ -38,7 +38,7 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
     });
     let mut comparisons = results.comparisons()?.to_vec();
     if let Some(agreement) = results.agreement()? {
-        comparisons.extend(agreement.by_source(products));
+        comparisons.extend(agreement.by_source(order.logs));
     }
     // Too many levels were refused with a warning when the isobaths were written.
     let isobaths = results.isobaths()?.unwrap_or_default();

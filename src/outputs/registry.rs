@@ -234,7 +234,7 @@ const fn compared(
     writer: Writer,
 ) -> OutputFile {
     OutputFile {
-        needs: &[Need::OneLog, Need::Reference],
+        needs: &[Need::Reference],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths with the reference",
         record: described(what, "points", measured),
@@ -391,11 +391,11 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         Writer::Results(depth::contours::storage),
     ),
     OutputFile {
-        needs: &[Need::OneLog, Need::Agreement],
+        needs: &[Need::Agreement],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths, all statistics",
         record: described(
-            "Side-scan points against the soundings of the same log",
+            "Side-scan points against the soundings of the survey, and crossing tracks",
             "comparisons",
             "",
         ),

@@ -1,6 +1,7 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
 use super::detections::is_left_out;
+use super::logs::{log_names, log_points};
 use super::mosaic::grid;
 use super::track::Ground;
 use super::write::Order;
@@ -10,8 +11,8 @@ use crate::export::{self, LogPoints, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
 use crate::pipeline::{
-    Agreement, Contours, DepthMap, Input, Isobaths, Mosaic, MosaicPlane, NamedComparison,
-    OwnCrosslines, Plane, ProcessedLog, Products, comparisons, mosaic_layout, own_crosslines,
+    Agreement, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic, MosaicPlane,
+    NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines, mosaic_layout,
 };
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -61,7 +62,7 @@ pub(super) struct Results<'a> {
     depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, String>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
-    crossings: OnceLock<Option<OwnCrosslines>>,
+    crossings: OnceLock<Option<Crosslines>>,
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
     found: OnceLock<Vec<Detection>>,
@@ -94,7 +95,7 @@ impl<'a> Results<'a> {
             survey,
             products,
             plane: Plane::of(survey, products)?,
-            names: names(order),
+            names: log_names(order.logs),
             progress,
             track: OnceLock::new(),
             ground: OnceLock::new(),
@@ -142,7 +143,7 @@ impl<'a> Results<'a> {
             },
             Need::Agreement if self.comparisons()?.is_empty() && self.crossings()?.is_none() => {
                 told(
-                    "no residuals: the log has no side-scan points near a sounding, and its track does not cross itself",
+                    "no residuals: there are no side-scan points near a sounding, and no track crosses itself or another",
                 )
             }
             Need::SideScan if !self.has_side_scan() => silent(),
@@ -152,7 +153,7 @@ impl<'a> Results<'a> {
             },
             Need::Reference if self.order.reference.is_none() => silent(),
             Need::OneLog if self.order.logs.len() > 1 => told(
-                "no report.html, residuals.json or detections: they show one log; process --each log by itself for them",
+                "no report.html or detections: they show one log; process --each log by itself for them",
             ),
             Need::Track
             | Need::Footprint
@@ -177,18 +178,7 @@ impl<'a> Results<'a> {
 
     /// What the tables and clouds of points are written from.
     pub fn log_points(&self) -> Vec<LogPoints<'_>> {
-        let logs = self.names.iter().zip(self.logs());
-        logs.map(|(name, (survey, products))| LogPoints {
-            name,
-            survey,
-            navigation: &products.navigation,
-            returns: &products.returns,
-            calibration: &products.calibration,
-            left_out: &products.left_out,
-            cloud: &products.cloud,
-            kept: &products.kept,
-        })
-        .collect()
+        log_points(self.order.logs, &self.names)
     }
 
     fn has_side_scan(&self) -> bool {
@@ -278,18 +268,18 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// How side-scan agrees with the soundings.
+    /// How side-scan agrees with the soundings, over all logs.
     pub fn comparisons(&self) -> Result<&[NamedComparison], String> {
         let made = once(&self.comparisons, || {
-            comparisons(self.products, &self.plane, self.progress).map_err(in_words)
+            comparisons(self.order.logs, &self.plane.map, self.progress).map_err(in_words)
         });
         made.map(Vec::as_slice)
     }
 
-    /// Where the track crosses itself.
-    pub fn crossings(&self) -> Result<Option<&OwnCrosslines>, String> {
+    /// Where tracks cross themselves and each other.
+    pub fn crossings(&self) -> Result<Option<&Crosslines>, String> {
         let made = once(&self.crossings, || {
-            own_crosslines(self.survey, self.products, self.progress).map_err(in_words)
+            crosslines(self.order.logs, &self.names, self.progress).map_err(in_words)
         });
         made.map(Option::as_ref)
     }
@@ -307,9 +297,7 @@ impl<'a> Results<'a> {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
             };
-            let (survey, products) = (self.survey, self.products);
-            Agreement::with_reference(survey, products, reference, matching, self.progress)
-                .map(Some)
+            Agreement::with_reference(self.order.logs, reference, matching, self.progress).map(Some)
         });
         made.map(Option::as_ref)
     }
@@ -338,21 +326,6 @@ impl<'a> Results<'a> {
         });
         made.map(|found| Some(found.as_slice()))
     }
-}
-
-/// What the logs are called, each otherwise: two recorders both begin with `Rec00001`.
-fn names(order: &Order<'_>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    let logs = order.logs.iter().map(|log| log.survey.name());
-    for name in logs {
-        let same = |taken: &&String| taken.split(" (").next() == Some(name.as_str());
-        let count = names.iter().filter(same).count();
-        names.push(match count {
-            0 => name,
-            count => format!("{name} ({})", count + 1),
-        });
-    }
-    names
 }
 
 /// Why there is no point to write.

@@ -22,11 +22,13 @@ mod report;
 pub mod settings;
 mod task;
 
-pub use agreement::{Agreement, Reference, ResidualTables, matching_in_words, positions};
+pub use agreement::{
+    Agreement, LogDifferences, Reference, ResidualTables, matching_in_words, positions,
+};
 pub use background::{Background, Same};
 pub use depth::{
-    Choice, Contours, NamedComparison, OwnCrosslines, Plane, choices, comparisons,
-    joint_depth_surface, own_crosslines,
+    Choice, Contours, Crosslines, NamedComparison, Plane, choices, comparisons, crosslines,
+    joint_depth_surface,
 };
 pub use derived::{
     DepthMap, DepthMapKey, Derived, FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane,

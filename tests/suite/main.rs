@@ -23,6 +23,7 @@ mod garbled;
 mod golden;
 mod handmade;
 mod hostile;
+mod lake_files;
 mod large_boxes;
 mod left_out_window;
 mod logs_window;

@@ -30,7 +30,7 @@ pub const HIGHER_M: [f64; 10] = [0.0, 0.35, -0.22, 0.61, -0.4, 0.12, -0.05, 0.5,
 /// A lake with ten logs, all in the frame of the first.
 struct Lake {
     logs: Vec<ProcessedLog>,
-    truths: Vec<Simulated>,
+    truths: Vec<Arc<Simulated>>,
 }
 
 /// Where objects lie on the bottom, metres from the lake's middle.
@@ -82,10 +82,15 @@ fn scene(index: usize, kind: BedKind) -> Scene {
     }
 }
 
-/// What is known of one of the logs.
-pub fn sailed(index: usize) -> Simulated {
-    let scene = scene(index, BedKind::Gentle);
+fn simulated(index: usize, kind: BedKind) -> Simulated {
+    let scene = scene(index, kind);
     simulate(&scene, 100 + index as u64, &Progress::new()).expect("nobody cancels")
+}
+
+/// Log `index` over gentle ground, sailed once for all tests.
+pub fn sailed(index: usize) -> &'static Arc<Simulated> {
+    static TRUTHS: [OnceLock<Arc<Simulated>>; HIGHER_M.len()] = [const { OnceLock::new() }; _];
+    TRUTHS[index].get_or_init(|| Arc::new(simulated(index, BedKind::Gentle)))
 }
 
 /// Writes some of the logs into a folder: `lake-0.sl2` and so on.
@@ -108,8 +113,10 @@ impl Lake {
         let mut frame = None;
         let (mut logs, mut truths) = (Vec::new(), Vec::new());
         for index in 0..count {
-            let truth = simulate(&scene(index, kind), 100 + index as u64, &progress)
-                .expect("nobody cancels");
+            let truth = match kind {
+                BedKind::Gentle => sailed(index).clone(),
+                _ => Arc::new(simulated(index, kind)),
+            };
             let survey = formats::open_bytes("simulated.sl2", truth.sl2_bytes(), &progress)
                 .expect("a log that opens");
             let frame = frame.get_or_insert_with(|| survey.track.frame.clone());
@@ -152,7 +159,7 @@ impl Lake {
 }
 
 /// What the offsets should be: the logs that hang higher over the ground measure deeper.
-fn true_offsets_m(count: usize) -> Vec<f64> {
+pub fn true_offsets_m(count: usize) -> Vec<f64> {
     let higher_m = &HIGHER_M[..count];
     let mean_m = higher_m.iter().sum::<f64>() / count as f64;
     higher_m.iter().map(|higher_m| higher_m - mean_m).collect()

@@ -88,7 +88,7 @@ fn no_input_is_written_over_whatever_file_of_a_run_it_is_named_after() {
         fs::write(&path, "somebody's own").expect("a file");
         let mut survey = survey.clone();
         survey.source.files = vec![path];
-        let refused = outputs::begin(temporary.path(), &survey, None).expect_err(row.name);
+        let refused = outputs::begin(temporary.path(), [&survey], None).expect_err(row.name);
         assert!(refused.contains(row.name), "{refused}");
     }
 }

@@ -45,7 +45,11 @@ fn assert_same(by_window: &Path, by_process: &Path, rows: impl Fn(&&OutputFile) 
     for name in names(by_window) {
         let [one, other] =
             [by_window, by_process].map(|folder| std::fs::read(folder.join(&name)).unwrap());
-        assert!(one == other, "{name} differs");
+        let lines = one.split(|byte| *byte == b'\n');
+        let mut pairs = lines.zip(other.split(|byte| *byte == b'\n'));
+        let first = pairs.find(|(one, other)| one != other);
+        let first = first.map(|(one, other)| [one, other].map(String::from_utf8_lossy));
+        assert!(one == other, "{name} differs: {first:?}");
     }
 }
 
@@ -191,23 +195,26 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let folder = folder.path();
     let mut app = survey_of_two(folder);
     app.apply(Command::SaveProject);
+    write_logs(folder, &[("reference.sl2", 0.10)]);
+    let process = "process reference.sl2 --no-objects --products cloud -o reference";
+    run(folder, &process.split(' ').collect::<Vec<_>>());
+    let reference = folder.join("reference/cloud.ply");
+    app.apply(Command::CompareWith(reference.clone()));
+    settle(&mut app);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));
     app.apply(Command::Export(by_window.clone()));
     settle(&mut app);
-    run(
-        folder,
-        &[
-            "process",
-            "survey.bathyscope",
-            "--no-objects",
-            "-o",
-            "process",
-        ],
-    );
-    let is_written = |row: &&OutputFile| {
-        let of_one_log = row.needs.contains(&Need::OneLog);
-        !of_one_log && ![When::Searched, When::Compared].contains(&row.when)
-    };
+    let process = [
+        "process",
+        "survey.bathyscope",
+        "--no-objects",
+        "-o",
+        "process",
+    ];
+    let compared = ["--reference", &reference.to_string_lossy()];
+    run(folder, &[&process[..], &compared].concat());
+    let is_written =
+        |row: &&OutputFile| !row.needs.contains(&Need::OneLog) && row.when != When::Searched;
     assert_same(&by_window, &by_process, is_written);
     let report = report(&by_window);
     let logs = report["logs"]["logs"].as_array().expect("logs");
@@ -215,4 +222,8 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     assert_eq!(logs[1]["counts"]["left_out_pings"], 40);
     let statement = |log: usize| logs[log]["statement"].to_string();
     assert!(statement(1).contains("0.3 m") && !statement(0).contains("0.3 m"));
+    let own = logs[1]["own_settings"].as_object().expect("settings");
+    let keys: Vec<&str> = own.keys().map(String::as_str).collect();
+    assert_eq!(keys[..2], ["bottom", "draft_m"], "{own:?}");
+    assert!(own["bottom"].is_null(), "only the first was drawn on");
 }

@@ -6,9 +6,8 @@ use crate::cli::settings::{Logs, SettingsArgs};
 use crate::cli::status_line::StatusLine;
 use crate::formats::points::{Elevations, Plane};
 use crate::outputs::{ComparisonRecord, write_differences};
-use crate::pipeline::{self, Agreement, Products, Reference};
+use crate::pipeline::{self, Agreement, ProcessedLog, Reference};
 use crate::progress::Progress;
-use crate::survey::Survey;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -18,16 +17,17 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     let logs = Logs::new(args.settings.resolve()?)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let (survey, products) = processed(&args.measured, &logs, &status, &progress)?;
+    let measured = [processed(&args.measured, &logs, &status, &progress)?];
     status.step("comparing");
-    let reference = Reference::open(&args.reference, &survey, &logs.settings, &progress)?;
+    let survey = &measured[0].survey;
+    let reference = Reference::open(&args.reference, survey, &logs.settings, &progress)?;
     let (reference, matching) = (Arc::new(reference), args.matching());
-    let agreement = Agreement::with_reference(&survey, &products, &reference, matching, &progress)?;
+    let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
-        write_differences(path, &survey, &products, &agreement)?;
+        write_differences(path, &measured, &agreement)?;
     }
     let inputs = reference.inputs(&progress)?;
-    let record = ComparisonRecord::new(&survey, &products, &agreement, &inputs)?;
+    let record = ComparisonRecord::new(&measured, &agreement, &inputs)?;
     drop(status);
     for note in &reference.notes {
         let path = reference.path().display();
@@ -44,7 +44,7 @@ pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevation
     let logs = Logs::new(settings.resolve()?)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let (survey, products) = processed(argument, &logs, &status, &progress)?;
+    let ProcessedLog { survey, products } = processed(argument, &logs, &status, &progress)?;
     Ok(Elevations {
         path: argument.into(),
         points: pipeline::positions(&survey, &products),
@@ -59,8 +59,8 @@ fn processed(
     logs: &Logs,
     status: &StatusLine,
     progress: &Progress,
-) -> Result<(Survey, Products), String> {
-    let survey = logs.open(Path::new(argument), progress)?;
+) -> Result<ProcessedLog, String> {
+    let survey = Arc::new(logs.open(Path::new(argument), progress)?);
     let products = logs.process(&survey, status, progress)?;
-    Ok((survey, products))
+    Ok(ProcessedLog { survey, products })
 }

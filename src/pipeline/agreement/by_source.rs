@@ -2,8 +2,8 @@
 
 use super::{Agreement, matching_in_words};
 use crate::bathymetry::compare::{Comparison, Match};
-use crate::cloud::PointSource;
-use crate::pipeline::{NamedComparison, Products};
+use crate::cloud::{CloudPoint, PointSource};
+use crate::pipeline::{NamedComparison, ProcessedLog};
 
 const PARTS: [(&str, &[PointSource]); 5] = [
     (
@@ -21,23 +21,32 @@ const PARTS: [(&str, &[PointSource]); 5] = [
 ];
 
 impl Agreement {
-    /// The comparison of all points, and of those of each source that has some.
-    pub fn by_source(&self, products: &Products) -> Vec<NamedComparison> {
-        let counted = super::counted(products);
-        let points = &self.cloud.points;
-        let level_m = products.correction.middle_level_m();
+    /// The comparison of all points of the logs that it was made of, and of those of each source that has some.
+    pub fn by_source(&self, logs: &[ProcessedLog]) -> Vec<NamedComparison> {
+        let counted: Vec<Vec<usize>> = logs
+            .iter()
+            .map(|log| super::counted(&log.products))
+            .collect();
         let reference = self.reference.as_ref();
         let name = reference.map_or_else(|| "down-scan".to_owned(), |one| one.name());
         let part = |(source, sources): (&'static str, &[PointSource])| {
-            let is_of = |index: usize| sources.contains(&points[index].source);
-            let measured = counted.iter().filter(|index| is_of(**index)).count();
-            let matches = self.differences.iter();
-            let matches: Vec<Match> = matches.filter(|one| is_of(one.measured)).copied().collect();
+            let is_of = |point: &CloudPoint| sources.contains(&point.source);
+            let of_log = |(log, counted): (&ProcessedLog, &Vec<usize>)| {
+                let points = &log.products.cloud.points;
+                counted
+                    .iter()
+                    .filter(|index| is_of(&points[**index]))
+                    .count()
+            };
+            let measured = logs.iter().zip(&counted).map(of_log).sum();
+            let matches = self.differences();
+            let matches = matches.filter(|(cloud, one)| is_of(&cloud.points[one.measured]));
+            let matches: Vec<Match> = matches.map(|(_, one)| *one).collect();
             (!matches.is_empty()).then(|| NamedComparison {
                 source,
                 reference: name.clone(),
                 matching: matching_in_words(self.matching),
-                comparison: Comparison::new(measured, &matches, level_m),
+                comparison: Comparison::new(measured, &matches, super::level_m(logs)),
             })
         };
         PARTS.into_iter().filter_map(part).collect()

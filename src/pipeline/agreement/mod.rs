@@ -1,4 +1,4 @@
-//! How the points of a survey agree with a reference, one by one.
+//! How the points of a survey, of one log or of several, agree with a reference, one by one.
 //!
 //! `reference` is what can be held against it: a file of points or another mission. `tables` sorts the differences by what they may
 //! hang on, `by_source` tells the sources of points apart.
@@ -10,59 +10,85 @@ mod tables;
 pub use reference::{Reference, positions};
 pub use tables::ResidualTables;
 
-use super::Products;
+use super::{ProcessedLog, Products};
 use crate::bathymetry::compare::{self, Comparison, Match, Matching};
 use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::Survey;
 use reference::{bounds, distance_m};
 use std::sync::Arc;
 
-/// Points and how they differ from a reference, measured minus reference elevation: up is positive.
+/// Points of one or several logs and how they differ from a reference, measured minus reference elevation: up is positive.
 #[derive(Clone, Debug)]
 pub struct Agreement {
-    /// The cloud that the points are of.
-    pub cloud: Arc<PointCloud>,
+    /// The points, log by log.
+    pub logs: Vec<LogDifferences>,
     /// What they were held against; `None` for the survey's own soundings.
     pub reference: Option<Arc<Reference>>,
     /// How a point found its reference.
     pub matching: Matching,
-    /// The points that have a reference, in the cloud's order: `measured` is the index there. Never empty.
-    pub differences: Vec<Match>,
-    /// Their statistics.
+    /// Statistics of all differences.
     pub comparison: Comparison,
     /// What the differences hang on.
     pub tables: ResidualTables,
 }
 
+/// The points of a log that have a reference.
+#[derive(Clone, Debug)]
+pub struct LogDifferences {
+    /// The cloud that they are of.
+    pub cloud: Arc<PointCloud>,
+    /// Points that were held against the reference.
+    pub measured: usize,
+    /// Those that have one, in the cloud's order: `measured` of each is the index there. Empty where the reference is elsewhere.
+    pub differences: Vec<Match>,
+}
+
+/// A point of one of the logs. As small as it can be: there are millions.
+#[derive(Clone, Copy)]
+struct Chosen {
+    log: u32,
+    point: u32,
+}
+
 impl Agreement {
-    /// Of the kept side-scan points with the triangulated soundings at their place; `None` where no point lies over them.
+    /// Of the kept side-scan points of all logs with the triangulated soundings of all of them at their place; `None` where no point lies
+    /// over them. The logs lie in one frame.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
     pub fn with_soundings(
-        products: &Products,
+        logs: &[ProcessedLog],
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
+        let Some(first) = logs.first() else {
+            return Ok(None);
+        };
         let is_sounding = |point: &CloudPoint| point.source == PointSource::DownScan;
-        let points = &products.cloud.points;
-        let soundings = kept(products, is_sounding);
-        let soundings = soundings.iter().map(|index| place(&points[*index]));
-        let max_gap_m = products.settings.surface.max_gap_m;
-        let chosen = kept(products, |point| !is_sounding(point));
+        let soundings = chosen(logs, |products| kept(products, is_sounding));
+        let soundings = soundings.iter().map(|one| place(point(logs, *one)));
+        let max_gap_m = first.products.settings.surface.max_gap_m;
+        let side_scan = chosen(logs, |products| kept(products, |point| !is_sounding(point)));
         let matching = Matching::Surface { max_gap_m };
-        Self::of(products, &chosen, soundings, matching, progress)
+        Self::of(logs, &side_scan, soundings, matching, progress)
     }
 
-    /// Of the kept points that a depth map is made of with a reference. The error is one sentence.
+    /// Of the kept points of all logs that a depth map is made of with a reference. The logs lie in one frame.
+    ///
+    /// # Errors
+    /// A sentence: there is no log, the reference lies elsewhere, or the work was cancelled.
     pub fn with_reference(
-        survey: &Survey,
-        products: &Products,
+        logs: &[ProcessedLog],
         reference: &Arc<Reference>,
         matching: Matching,
         progress: &Progress,
     ) -> Result<Self, String> {
-        let chosen = counted(products);
-        let points = chosen.iter().map(|index| &products.cloud.points[*index]);
+        let Some(first) = logs.first() else {
+            return Err("there is no log to compare with the reference".to_owned());
+        };
+        let counted = chosen(logs, counted);
+        let points = counted.iter().map(|one| point(logs, *one));
         let there = bounds(points.map(|point| [point.east_m, point.north_m]));
-        let mut places = reference.places(survey, products, progress)?;
+        let mut places = reference.places(first, progress)?;
         let all = bounds(places.iter().map(|&[x, y, _]| [x, y]));
         // No triangle that the surface keeps, and no radius, reaches farther: what is left out changes nothing.
         let reach_m = match matching {
@@ -71,7 +97,7 @@ impl Agreement {
         };
         places.retain(|&[x, y, _]| distance_m(there, [x, y, x, y]) <= reach_m);
         let places = places.iter().copied();
-        let made = Self::of(products, &chosen, places, matching, progress);
+        let made = Self::of(logs, &counted, places, matching, progress);
         match made.map_err(|error| error.to_string())? {
             Some(agreement) => Ok(Self {
                 reference: Some(reference.clone()),
@@ -81,37 +107,99 @@ impl Agreement {
         }
     }
 
-    /// Of chosen points of the cloud with points in the survey's plane.
+    /// Of chosen points of the logs, one log after the other, with points in their plane.
     fn of(
-        products: &Products,
-        chosen: &[usize],
+        logs: &[ProcessedLog],
+        chosen: &[Chosen],
         reference: impl Iterator<Item = [f64; 3]> + Clone,
         matching: Matching,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
-        let points = &products.cloud.points;
         let reference = compare::Reference::new(reference, matching);
         progress.check()?;
-        let at = |index: &usize| place(&points[*index]);
-        let mut differences = reference.matches(chosen, at, progress)?;
+        let at = |one: &Chosen| place(point(logs, *one));
+        let differences = reference.matches(chosen, at, progress)?;
         drop(reference);
         if differences.is_empty() {
             return Ok(None);
         }
-        for one in &mut differences {
-            one.measured = chosen[one.measured];
-        }
         progress.check()?;
-        let level_m = products.correction.middle_level_m();
+        let measured = |one: &Match| {
+            let chosen = chosen[one.measured];
+            let products = &logs[chosen.log as usize].products;
+            (products, point(logs, chosen))
+        };
         Ok(Some(Self {
-            cloud: products.cloud.clone(),
             reference: None,
             matching,
-            comparison: Comparison::new(chosen.len(), &differences, level_m),
-            tables: tables::tables(products, &differences),
-            differences,
+            comparison: Comparison::new(chosen.len(), &differences, level_m(logs)),
+            tables: tables::tables(&differences, measured),
+            logs: by_log(logs, chosen, &differences),
         }))
     }
+
+    /// All differences, log by log, each with the cloud that its `measured` is the index in.
+    pub fn differences(&self) -> impl Iterator<Item = (&PointCloud, &Match)> {
+        let logs = self.logs.iter();
+        logs.flat_map(|log| log.differences.iter().map(|one| (&*log.cloud, one)))
+    }
+
+    /// The statistics of each log by itself.
+    pub fn comparison_of_each(&self, logs: &[ProcessedLog]) -> Vec<Comparison> {
+        let each = self.logs.iter().zip(logs);
+        each.map(|(found, log)| {
+            let level_m = log.products.correction.middle_level_m();
+            Comparison::new(found.measured, &found.differences, level_m)
+        })
+        .collect()
+    }
+}
+
+/// The elevation of the water that the depths of all points are counted from: the first log's.
+fn level_m(logs: &[ProcessedLog]) -> f64 {
+    let first = logs.first();
+    first.map_or(0.0, |log| log.products.correction.middle_level_m())
+}
+
+/// Points of all logs, in the order of logs and of points.
+fn chosen(logs: &[ProcessedLog], of: impl Fn(&Products) -> Vec<usize>) -> Vec<Chosen> {
+    let mut all = Vec::new();
+    for (log, one) in (0..).zip(logs) {
+        let points = of(&one.products);
+        all.reserve_exact(points.len());
+        // A cloud numbers its pings in 32 bits, too.
+        all.extend(points.into_iter().map(|point| Chosen {
+            log,
+            point: point as u32,
+        }));
+    }
+    all
+}
+
+fn point(logs: &[ProcessedLog], chosen: Chosen) -> &CloudPoint {
+    &logs[chosen.log as usize].products.cloud.points[chosen.point as usize]
+}
+
+/// Differences whose `measured` counts the chosen points, with each log.
+fn by_log(logs: &[ProcessedLog], chosen: &[Chosen], differences: &[Match]) -> Vec<LogDifferences> {
+    let with = |(number, log): (u32, &ProcessedLog)| {
+        let first = chosen.partition_point(|one| one.log < number);
+        let end = chosen.partition_point(|one| one.log <= number);
+        let from = differences.partition_point(|one| one.measured < first);
+        let to = differences.partition_point(|one| one.measured < end);
+        let own = differences[from..to].iter();
+        LogDifferences {
+            cloud: log.products.cloud.clone(),
+            measured: end - first,
+            differences: own
+                .map(|one| Match {
+                    measured: chosen[one.measured].point as usize,
+                    ..*one
+                })
+                .collect(),
+        }
+    };
+    (0..).zip(logs).map(with).collect()
 }
 
 /// How a point finds its reference, in words.

@@ -1,11 +1,12 @@
 //! What a survey can be held against: points of a file, or another mission over the same water.
 
 use crate::cloud::Correction;
+use crate::first_return::BottomSettings;
 use crate::formats::points::{Elevations, Plane};
 use crate::formats::{ReferenceFile, open_reference};
 use crate::geo::{Crs, LocalFrame, LonLat};
 use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
-use crate::pipeline::{Products, Settings, run};
+use crate::pipeline::{ProcessedLog, Products, Settings, run};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -100,13 +101,16 @@ impl Reference {
         matches!(self.held, Held::Mission { .. })
     }
 
-    /// East, north and elevation of its points in the plane of a survey, metres. The error is one sentence.
+    /// East, north and elevation of its points in the plane of a log, metres. Another mission is processed with the settings of that log.
+    ///
+    /// # Errors
+    /// A sentence: it cannot be processed so, or the work was cancelled.
     pub(super) fn places(
         &self,
-        survey: &Survey,
-        products: &Products,
+        log: &ProcessedLog,
         progress: &Progress,
     ) -> Result<Vec<[f64; 3]>, String> {
+        let ProcessedLog { survey, products } = log;
         let place = |&[lon_deg, lat_deg, z_m]: &Position| {
             let at = LonLat { lon_deg, lat_deg };
             let [east_m, north_m] = products.navigation.to_plane(&survey.track, at);
@@ -139,7 +143,7 @@ impl Reference {
     }
 }
 
-/// What the pipeline makes of another mission. A flat spot that was picked in the one survey means nothing in the other.
+/// What the pipeline makes of another mission. A flat spot, strokes, stretches and a height offset of the one log mean nothing in the other.
 fn processed(
     survey: &Survey,
     settings: &Settings,
@@ -148,6 +152,10 @@ fn processed(
 ) -> Result<Products, String> {
     let mut settings = settings.clone();
     settings.calibration.pings = None;
+    settings.bottom = BottomSettings::default();
+    settings.left_out.log = None;
+    settings.left_out.stretches.clear();
+    settings.height_offset_m = 0.0;
     if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
         return Err(sentence.to_owned());
     }

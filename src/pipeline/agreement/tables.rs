@@ -24,9 +24,11 @@ const SECTOR_DEG: f64 = 45.0;
 /// Where all points lie at one distance from the track.
 const ANY_WIDTH_M: f64 = 0.5;
 
-/// Sorts differences whose `measured` is the index of the point in the cloud.
-pub(super) fn tables(products: &Products, differences: &[Match]) -> ResidualTables {
-    let points = &products.cloud.points;
+/// Sorts differences; `measured` tells the point of each, and the results that it is of.
+pub(super) fn tables<'a>(
+    differences: &[Match],
+    measured: impl Fn(&Match) -> (&'a Products, &'a CloudPoint),
+) -> ResidualTables {
     let by = |variable: &dyn Fn(&Match) -> f64, width: Option<f64>| {
         let mut values: Vec<f64> = differences.iter().map(variable).collect();
         values.retain(|value| value.is_finite());
@@ -37,13 +39,17 @@ pub(super) fn tables(products: &Products, differences: &[Match]) -> ResidualTabl
         binned(pairs, width.unwrap_or(ANY_WIDTH_M))
     };
     let all: Vec<f64> = differences.iter().map(|one| one.difference_m).collect();
+    let of_point = |of: fn(&Products, &CloudPoint) -> f64| {
+        let measured = &measured;
+        move |one: &Match| {
+            let (products, point) = measured(one);
+            of(products, point)
+        }
+    };
     ResidualTables {
         by_depth_m: by(&|one| -one.reference_z_m, None),
-        by_across_m: by(&|one| across_m(products, &points[one.measured]), None),
-        by_heading_deg: by(
-            &|one| heading_deg(products, &points[one.measured]),
-            Some(SECTOR_DEG),
-        ),
+        by_across_m: by(&of_point(across_m), None),
+        by_heading_deg: by(&of_point(heading_deg), Some(SECTOR_DEG)),
         histogram: Histogram::of(&all),
     }
 }

@@ -10,7 +10,7 @@ mod surface;
 
 pub use choices::{Choice, choices};
 pub use contours::Contours;
-pub use crosslines::{OwnCrosslines, own_crosslines};
+pub use crosslines::{Crosslines, crosslines};
 pub use plane::Plane;
 pub use residuals::{NamedComparison, comparisons};
 pub use surface::joint_depth_surface;

@@ -1,10 +1,12 @@
-//! Side-scan points against the soundings of the same log.
+//! Side-scan points against the soundings of the same survey.
 
 use super::plane::Plane;
 use crate::bathymetry::compare::{Comparison, Matching, match_points};
 use crate::cloud::{CloudPoint, PointSource};
-use crate::pipeline::Products;
+use crate::geo::MapPlane;
+use crate::pipeline::{ProcessedLog, Products};
 use crate::progress::{Cancelled, Progress};
+use crate::survey::Survey;
 use serde::Serialize;
 
 /// Farthest sounding that a side-scan point is held against by place, metres.
@@ -24,16 +26,29 @@ pub struct NamedComparison {
     pub comparison: Comparison,
 }
 
-/// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding; empty
-/// where there is no side-scan point or no sounding.
+/// Port, starboard and both against the surface of the soundings at their place, and against the nearest sounding, of all logs
+/// together in the plane of a map; empty where there is no side-scan point or no sounding.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn comparisons(
-    products: &Products,
-    plane: &Plane<'_>,
+    logs: &[ProcessedLog],
+    map: &MapPlane,
     progress: &Progress,
 ) -> Result<Vec<NamedComparison>, Cancelled> {
     use PointSource::{DownScan, Port, Starboard};
-    let reference = plane.points(products, |point| point.source == DownScan);
-    let max_gap_m = products.settings.surface.max_gap_m;
+    let Some(first) = logs.first() else {
+        return Ok(Vec::new());
+    };
+    let points = |chosen: &dyn Fn(&Survey, &CloudPoint) -> bool| {
+        let of_log = |log: &ProcessedLog| {
+            let plane = Plane::new(&log.survey, &log.products, map.clone());
+            plane.points(&log.products, |point| chosen(&log.survey, point))
+        };
+        logs.iter().flat_map(of_log).collect::<Vec<_>>()
+    };
+    let reference = points(&|_, point| point.source == DownScan);
+    let max_gap_m = first.products.settings.surface.max_gap_m;
     let ways = [
         (
             Matching::Surface { max_gap_m },
@@ -45,7 +60,8 @@ pub fn comparisons(
         ),
     ];
     // Where the recorder had lost the bottom, depth rests on these alone: what soundings there are nearby is held against them.
-    let is_lost = |point: &CloudPoint| plane.survey.locked_depth_m(point.ping as usize).is_nan();
+    let is_lost =
+        |survey: &Survey, point: &CloudPoint| survey.locked_depth_m(point.ping as usize).is_nan();
     let sides: [(&'static str, &[PointSource], bool); 4] = [
         ("side-scan", &[Port, Starboard], false),
         ("port", &[Port], false),
@@ -56,11 +72,12 @@ pub fn comparisons(
             true,
         ),
     ];
+    let level_m = first.products.correction.middle_level_m();
     let mut found = Vec::new();
     for (matching, how) in ways {
         for (source, sources, only_lost) in sides {
-            let points = plane.points(products, |point| {
-                sources.contains(&point.source) && (!only_lost || is_lost(point))
+            let points = points(&|survey, point| {
+                sources.contains(&point.source) && (!only_lost || is_lost(survey, point))
             });
             let matches = match_points(&points, &reference, matching, progress)?;
             if !matches.is_empty() {
@@ -68,11 +85,7 @@ pub fn comparisons(
                     source,
                     reference: "down-scan".to_owned(),
                     matching: how.clone(),
-                    comparison: Comparison::new(
-                        points.len(),
-                        &matches,
-                        products.correction.middle_level_m(),
-                    ),
+                    comparison: Comparison::new(points.len(), &matches, level_m),
                 });
             }
         }

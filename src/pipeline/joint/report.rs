@@ -3,12 +3,13 @@
 use super::{CrosslineAnalysis, compare_logs, crossline_analysis, height_offsets};
 use crate::bathymetry::compare::Comparison;
 use crate::bathymetry::height_offsets::{Datum, LogOffset, PairDifference};
-use crate::cloud::{Residuals, TrackShare};
+use crate::cloud::{Residuals, TrackShare, same_ping_differences};
 use crate::pipeline::report::Counts;
-use crate::pipeline::{CalibrationReport, Input, ProcessedLog, Report};
+use crate::pipeline::{CalibrationReport, Input, ProcessedLog, Report, Settings, setting_values};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::LeftOutStretch;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// All logs of a survey, and how they agree.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +35,8 @@ pub struct LogReport {
     pub format: String,
     /// Unix seconds of its time zero.
     pub start_unix_s: Option<f64>,
+    /// Its settings that differ from those of the first log, which stand above.
+    pub own_settings: BTreeMap<String, Option<toml::Value>>,
     /// What is added to its elevations (`height_offset_m`).
     pub height_offset_in_force_m: f64,
     /// The offset that its meetings with other logs show, in force or not.
@@ -76,7 +79,7 @@ pub fn joint_report(
     let found = height_offsets(logs, Datum::Mean, progress)?;
     all.inputs = Vec::new();
     all.left_out = Vec::new();
-    all.residuals = None;
+    all.residuals = Residuals::of(&mut same_ping(logs));
     all.warnings = Vec::new();
     let mut listed = Vec::new();
     for (index, (single, offset)) in singles.into_iter().zip(found.logs).enumerate() {
@@ -99,6 +102,7 @@ pub fn joint_report(
             inputs: single.inputs,
             format: single.format,
             start_unix_s: single.start_unix_s,
+            own_settings: own_settings(&logs[0].products.settings, &logs[index].products.settings),
             height_offset_in_force_m: logs[index].products.correction.height_offset_m(),
             offset,
             against_the_others: compare_logs(&[&logs[index]], &others, progress)?,
@@ -118,6 +122,32 @@ pub fn joint_report(
         crosslines: crossline_analysis(logs, progress)?,
     });
     Ok(Some(all))
+}
+
+/// Elevations of the side-scan points of all logs minus those of the recorded depths at the same pings.
+fn same_ping(logs: &[ProcessedLog]) -> Vec<f64> {
+    let of_log = |log: &ProcessedLog| {
+        let made = &log.products;
+        same_ping_differences(&log.survey, &made.cloud, &made.correction, &made.kept)
+    };
+    logs.iter().flat_map(of_log).collect()
+}
+
+/// What another log is set to where that differs from the first: `None` where it leaves a setting without a value.
+fn own_settings(first: &Settings, own: &Settings) -> BTreeMap<String, Option<toml::Value>> {
+    let [values, others] = [first, own].map(setting_values);
+    let keys = values.keys().chain(others.keys());
+    // Which log the stretches were named for is known where they stand here.
+    let keys = keys.filter(|key| key.as_str() != "left_out.log");
+    let differ = keys.filter(|key| values.get(*key) != others.get(*key));
+    let differ = differ.map(|key| (key.clone(), others.get(key).cloned()));
+    let mut differ: BTreeMap<_, _> = differ.collect();
+    if own.bottom.lines != first.bottom.lines {
+        let edits = Some(&own.bottom).filter(|bottom| !bottom.is_empty());
+        let edits = edits.and_then(|bottom| toml::Value::try_from(bottom).ok());
+        differ.insert("bottom".to_owned(), edits);
+    }
+    differ
 }
 
 /// Says which logs cannot be compared in height with the first.

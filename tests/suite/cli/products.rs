@@ -512,8 +512,8 @@ fn several_logs_are_one_survey() {
                 "process",
                 "a.sl2",
                 "b.sl2",
-                "--reference",
-                "a.sl2",
+                "--review",
+                "a.review.json",
                 "-o",
                 "no"
             ],

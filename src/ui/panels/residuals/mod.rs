@@ -30,7 +30,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         let figures = context.app.log.figures.as_ref();
         let same_ping = figures
-            .filter(|_| agreement.reference.is_none())
+            .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
             .and_then(|figures| figures.residuals.as_ref());
         figures::ui(ui, &agreement.comparison, same_ping);
         let id = egui::Id::unique("residuals over");

@@ -18,6 +18,8 @@ const STEPS: u8 = 255;
 /// The points of an agreement, ready to paint and to search.
 pub struct ResidualLayer {
     agreement: Arc<Agreement>,
+    /// Of each dot.
+    differences_m: Vec<f32>,
     dots: Arc<Dots>,
     /// The colours end at plus and minus this, metres.
     pub reach_m: f64,
@@ -29,12 +31,15 @@ impl ResidualLayer {
     pub fn new(agreement: Arc<Agreement>, progress: &Progress) -> Option<Option<Self>> {
         let p95_m = agreement.comparison.residuals.map(|found| found.p95_m);
         let reach_m = difference_reach_m(p95_m.unwrap_or(0.0));
-        let mut dots = Vec::with_capacity(agreement.differences.len());
-        for (index, one) in agreement.differences.iter().enumerate() {
+        let count = agreement.logs.iter().map(|log| log.differences.len()).sum();
+        let mut dots = Vec::with_capacity(count);
+        let mut differences_m = Vec::with_capacity(count);
+        for (index, (cloud, one)) in agreement.differences().enumerate() {
             if index % CHECK == 0 {
                 progress.check().ok()?;
             }
-            let point = &agreement.cloud.points[one.measured];
+            let point = &cloud.points[one.measured];
+            differences_m.push(one.difference_m as f32);
             let share = 0.5 + 0.5 * (one.difference_m / reach_m).clamp(-1.0, 1.0);
             dots.push(Dot {
                 east_m: point.east_m,
@@ -49,6 +54,7 @@ impl ResidualLayer {
         let dots = Dots::new(dots, (0..STEPS).map(colour).collect());
         Some(dots.map(|dots| Self {
             agreement,
+            differences_m,
             dots: Arc::new(dots),
             reach_m,
         }))
@@ -62,8 +68,7 @@ impl ResidualLayer {
     /// How the point nearest to a place differs from its reference, if one is within `reach_m`, metres.
     pub fn at(&self, place: [f64; 2], reach_m: f64) -> Option<f64> {
         let dot = self.dots.nearest(place, reach_m)?;
-        let found = self.agreement.differences.get(dot)?;
-        Some(found.difference_m)
+        self.differences_m.get(dot).copied().map(f64::from)
     }
 
     /// What the legend says.
@@ -96,7 +101,7 @@ mod tests {
     use super::*;
     use crate::bathymetry::compare::{Comparison, Match, Matching};
     use crate::cloud::{CloudPoint, PointCloud, PointSource};
-    use crate::pipeline::ResidualTables;
+    use crate::pipeline::{LogDifferences, ResidualTables};
     use crate::ui::views::map::tiles::{SIDE, TileKey};
 
     /// Points 10 m apart on a line eastwards, each with its difference from a reference.
@@ -122,14 +127,17 @@ mod tests {
         });
         let differences: Vec<Match> = differences.collect();
         let agreement = Agreement {
-            cloud: Arc::new(PointCloud {
-                points: (0..differences.len()).map(point).collect(),
-                zero_heading: 0,
-            }),
             reference: None,
             matching: Matching::Nearest { radius_m: 1.0 },
             comparison: Comparison::new(differences.len(), &differences, 0.0),
-            differences,
+            logs: vec![LogDifferences {
+                cloud: Arc::new(PointCloud {
+                    points: (0..differences.len()).map(point).collect(),
+                    zero_heading: 0,
+                }),
+                measured: differences.len(),
+                differences,
+            }],
             tables: ResidualTables {
                 by_depth_m: Vec::new(),
                 by_across_m: Vec::new(),
@@ -145,7 +153,7 @@ mod tests {
     fn the_difference_under_the_pointer_is_shown_and_shallower_is_red() {
         let layer = layer(&[0.3, 0.0, -0.3, 0.01]);
         assert!((layer.reach_m - 0.3).abs() < 1e-12);
-        assert_eq!(layer.at([20.4, 5.3], 1.0), Some(-0.3));
+        assert_eq!(layer.at([20.4, 5.3], 1.0), Some(f64::from(-0.3_f32)));
         assert_eq!(layer.at([24.9, 5.0], 1.0), None, "none is near");
         let key = TileKey {
             level: -3,
