@@ -35,6 +35,9 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
 
 /// Runs all of a program's work. A panic becomes an error that names its cause, and its place in the source where the program's hook
 /// asked [`is_to_be_printed`].
+///
+/// # Errors
+/// The message of the panic.
 pub fn panic_as_error<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     *reporting() = Reporting::Under(None);
     let outcome = panic::catch_unwind(AssertUnwindSafe(work));

@@ -9,11 +9,32 @@
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles
-//! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
-//! manual holds the pages of the manual with tables derived from the program.
 //! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
-//! base_map is a picture of the analyst's own under the map.
+//! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
 //! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file and system_words serve them all.
+//! ```
+//!
+//! From a log to its points, and to the depth map of all logs of a survey:
+//!
+//! ```
+//! use bathyscope::formats;
+//! use bathyscope::pipeline::{self, Derived, ProcessedLog, Settings};
+//! use bathyscope::progress::Progress;
+//! use std::{path::Path, sync::Arc};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let progress = Progress::new();
+//! let survey = Arc::new(formats::open(Path::new("assets/demo.sl2"), &progress)?);
+//! let products = pipeline::run(&survey, &Settings::default(), None, &progress, |_| ())?;
+//! assert!(products.cloud.points.len() > 1000);
+//!
+//! let logs = [ProcessedLog { survey, products }];
+//! let depth_map = Derived::default().depth_map(&logs, &progress)?;
+//! let depth_map = depth_map.expect("the depths span a surface");
+//! let [shallowest_m, deepest_m] = depth_map.surface.range_m();
+//! assert!(1.0 < shallowest_m && deepest_m < 3.0);
+//! # Ok(())
+//! # }
 //! ```
 //!
 //! Every stage is a pure function `fn(&input, &settings, &Progress) -> Result<output>`; outputs are immutable and shared

@@ -58,6 +58,9 @@ impl Progress {
     }
 
     /// `Err` once cancelled, so that a loop can stop with `?`.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() {
             Err(Cancelled)

@@ -33,6 +33,9 @@ enum Kind {
 
 impl Coding {
     /// Of the picture that the decoder is at. The error is a sentence without the path.
+    ///
+    /// # Errors
+    /// A sentence without the path.
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
         let colours = decoder.colortype().map_err(super::unusable)?;
         let (kind, bytes) = match colours {

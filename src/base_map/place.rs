@@ -38,6 +38,9 @@ impl Place {
     }
 
     /// Reads keys and transform of the picture that the decoder is at. The error is a sentence without the path.
+    ///
+    /// # Errors
+    /// A sentence without the path.
     pub fn read<R: Read + Seek>(decoder: &mut Decoder<R>) -> Result<Self, String> {
         let keys = GeoKeys::read(decoder);
         let code = match keys.is_geographic() {

@@ -69,6 +69,9 @@ const SQUARE_M: f64 = 5.0;
 const MOST: usize = 1_000_000;
 
 /// Crossings of tracks, each in time order, with themselves and each other, in the order of their first pass.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn crossings(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,

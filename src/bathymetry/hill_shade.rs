@@ -64,6 +64,9 @@ impl Light {
 /// The slope is Horn's (1981, Proc. IEEE 69): with cells `a b c / d e f / g h i` from the north-west, the elevation rises
 /// eastwards by `((c + 2f + i) - (a + 2d + g)) / 8` a cell and northwards by `((a + 2b + c) - (g + 2h + i)) / 8`. Its cosine to
 /// the light is spread over 1 to 255, as `gdaldem hillshade` does.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn hill_shade(
     surface: &Surface,
     light: &Light,

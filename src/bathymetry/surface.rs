@@ -121,6 +121,9 @@ impl Surface {
 /// all on one line).
 ///
 /// The points are given away, since a log has millions: they are gone before the triangles are made.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn surface(
     points: Vec<DepthPoint>,
     settings: &SurfaceSettings,

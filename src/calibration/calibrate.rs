@@ -18,6 +18,9 @@ const MIN_FIT_PICKS: usize = 50;
 /// Measures all scales and picks the one that the settings ask for. `spots` are the ranked stretches.
 ///
 /// Where the flat spot gives no scale the header's is in force, and a warning says so.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn calibrate(
     survey: &Survey,
     navigation: &Navigation,

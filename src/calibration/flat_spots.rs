@@ -21,6 +21,9 @@ const MIN_PINGS: usize = 20;
 /// calibrate on both sides, all of them in one proportion to the depth ([`Agreement`]). With a quarter of the weight the same
 /// is asked of three times its length: many stretches tie where the recorder rounds depths to 0.1 m, and the middle of a
 /// plain is the safest.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn flat_spots(
     survey: &Survey,
     navigation: &Navigation,

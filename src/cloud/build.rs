@@ -31,6 +31,9 @@ pub fn slant_range_m(
 ///
 /// Every sounding and every pick of a ping with a heading gives a point. Each point lies on its own beam's side of the
 /// track: starboard is `(h_y, -h_x) / |h|`. Ranges and depths are corrected before any geometry.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn build(
     survey: &Survey,
     navigation: &Navigation,

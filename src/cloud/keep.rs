@@ -6,6 +6,9 @@ use crate::progress::{Cancelled, Progress};
 /// Radius outlier removal over the side-scan points of the cloud as the published code does; soundings are kept unless
 /// [`super::CloudPoint::reliable`] says no. Side-scan points less sure than `min_confidence` are not kept, and nobody's neighbours.
 /// One flag per point.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn keep_points(
     cloud: &PointCloud,
     min_confidence: f32,

@@ -42,6 +42,9 @@ pub struct SoFar {
 /// Searches both sides of a survey from its start to its end, tiles in parallel. `on_found` receives what was found up to some
 /// ping, from any thread, each time with more pings; a search that is cancelled has reported what can be kept of it. The result has
 /// each object once (see `merge`), in order of the pings.
+///
+/// # Errors
+/// When the work was cancelled, or the model cannot be used on this picture.
 pub fn find(
     survey: &Survey,
     navigation: &Navigation,
@@ -102,6 +105,9 @@ pub fn find(
 }
 
 /// Searches a picture, whole or in tiles of the network's own size; boxes by falling score, in the picture's pixels.
+///
+/// # Errors
+/// When the work was cancelled, or the model cannot be used on this picture.
 pub fn find_in_picture(
     picture: &Picture,
     model: &Model,

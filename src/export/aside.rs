@@ -29,6 +29,9 @@ pub fn is_same_file(one: &Path, other: &Path) -> bool {
 /// Writes a file under a passing name beside its place and renames it when `write` has succeeded, so that a reader never
 /// sees half a file and an old one stays until the new one is whole. `write` must flush what it buffers; what it returns is
 /// handed on.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn write_aside<T>(
     path: &Path,
     write: impl FnOnce(File) -> io::Result<T>,

@@ -21,6 +21,9 @@ pub enum ChipError {
 }
 
 /// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of a survey.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
 pub fn chips(
     folder: &Path,
     survey: &Survey,
@@ -61,6 +64,9 @@ pub fn chip(survey: &Survey, raster: &Raster, mark: &Mark) -> Picture {
 }
 
 /// The same for a picture of another program.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn picture_chips(
     folder: &Path,
     picture: &Picture,

@@ -6,6 +6,9 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Writes every point, kept or not, log by log in the cloud's order; of several logs with the column `log` before the others.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     let column = LogColumn::of(logs);
     write_aside(path, |file| {

@@ -6,6 +6,9 @@ use std::path::Path;
 
 /// Writes the kept points as binary little-endian PLY: x east, y north, z up, metres from the survey's origin in the
 /// plane of the cloud, as doubles; red, green, blue as bytes.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn cloud_ply(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());

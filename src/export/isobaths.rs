@@ -59,6 +59,9 @@ pub fn depth_areas_geojson(
 }
 
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summary, ExportError> {
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());

@@ -10,6 +10,9 @@ const HEADER: [&str; 9] = [
 ];
 
 /// Writes the boxes, in the picture's pixels; `file` is the picture's name, `names` are the class names.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn picture_boxes_csv(
     path: &Path,
     file: &str,

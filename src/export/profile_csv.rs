@@ -29,6 +29,9 @@ pub fn profile_csv(survey: &Survey, navigation: &Navigation, stations: &[Station
 }
 
 /// Writes [`profile_csv`] into a file.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn write_profile_csv(path: &Path, text: &str) -> Result<(), ExportError> {
     write_aside(path, |mut file| file.write_all(text.as_bytes()))
 }

@@ -208,6 +208,9 @@ impl BottomSettings {
     }
 
     /// Refuses edits that cannot be, in one sentence.
+    ///
+    /// # Errors
+    /// A sentence that says what cannot be.
     pub fn check(&self) -> Result<(), &'static str> {
         if self.lines.len() > MOST_LINES {
             return Err("bottom.lines may hold 100000 stretches at most");

@@ -165,6 +165,9 @@ impl FirstReturns {
 
 /// Finds the first return on both sides of every ping. None is in the noise that a unit without a side-scan transducer
 /// records: whatever passed a threshold there would be a point at a made-up depth.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn detect(
     survey: &Survey,
     image: &ImageSettings,
@@ -242,6 +245,9 @@ fn locked_depths_m(survey: &Survey, pings: Range<usize>) -> Vec<f32> {
 ///
 /// For the preview while the threshold is dragged: `normalisation` is the one of the whole picture, kept by the caller
 /// ([`ThresholdIndex::normalisation`] has it). The result has one entry per ping of `pings`.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn track_range(
     survey: &Survey,
     normalisation: &Normalisation,

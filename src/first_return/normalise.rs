@@ -27,6 +27,9 @@ pub struct Normalisation {
 
 impl Normalisation {
     /// Reads the whole picture once.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
     pub fn measure(
         survey: &Survey,
         image: &ImageSettings,

@@ -30,6 +30,9 @@ enum Maxima {
 
 impl ThresholdIndex {
     /// Reads the whole picture twice: once for its scale, once for the running maxima.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
     pub fn build(
         survey: &Survey,
         image: &ImageSettings,

@@ -114,17 +114,26 @@ impl Opened {
 }
 
 /// Opens a log: an SL2 or SL3 file, a Humminbird DAT, folder or SON, an XTF file. The file is only ever read.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
 pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
     open_on(&FileSource::Disk, path, progress)
 }
 
 /// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
 /// `name` stands for the file in messages.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
 pub fn open_bytes(name: &str, bytes: Vec<u8>, progress: &Progress) -> Result<Survey, OpenError> {
     open_files(vec![(PathBuf::from(name), bytes)], progress)
 }
 
 /// Reads a log of several files in memory, as a Humminbird recording is; the first is the one to open.
+///
+/// # Errors
+/// When the files cannot be read or are no log; the error names the file.
 pub fn open_files(
     files: Vec<(PathBuf, Vec<u8>)>,
     progress: &Progress,

@@ -79,6 +79,9 @@ impl From<CrsChoice> for String {
 
 impl CrsChoice {
     /// Refuses what is not known, not in metres, or on another datum.
+    ///
+    /// # Errors
+    /// When the system is not known, has no metres, or does not fit.
     pub fn check(self) -> Result<(), CrsError> {
         match self {
             CrsChoice::Epsg(number) => Crs::from_epsg(number).map(|_| ()),
@@ -87,6 +90,9 @@ impl CrsChoice {
     }
 
     /// The system for a survey that begins at a position; refused where it does not reach that far.
+    ///
+    /// # Errors
+    /// When the system is not known, has no metres, or does not fit.
     pub fn at(self, position: LonLat) -> Result<Crs, CrsError> {
         let number = match self {
             CrsChoice::Utm => return Ok(Crs::utm(position)),
@@ -129,6 +135,9 @@ impl Crs {
     ///
     /// Projections other than web Mercator are those of `proj4rs`. Datums are not shifted, so only those are known
     /// that PROJ takes for WGS84 (ETRS89, GDA, NZGD2000, most of NAD83 ...): they differ from it by less than fish-finders do.
+    ///
+    /// # Errors
+    /// When the system is not known, has no metres, or does not fit.
     pub fn from_epsg(epsg: u16) -> Result<Self, CrsError> {
         let known = crs_definitions::from_code(epsg);
         let unknown = || {

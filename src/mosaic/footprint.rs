@@ -12,6 +12,9 @@ const SQUARE_M: f64 = 0.5;
 const MOST_SQUARES: f64 = 2000.0;
 
 /// The ground that any strip of the logs covers, in the plane that their layouts share; to half a square. Empty where nothing is shown.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn footprint(layouts: &[Layout], progress: &Progress) -> Result<Vec<Polygon>, Cancelled> {
     let Some(bounds) = bounds_of(layouts.iter()) else {
         return Ok(Vec::new());

@@ -120,6 +120,9 @@ fn obliqueness(range_m: f64, altitude_m: f64) -> f64 {
 }
 
 /// Means over the pings that the mosaic shows, at most 20 000 of them, evenly spread.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn gain_table(
     survey: &Survey,
     layout: &Layout,

@@ -112,6 +112,9 @@ fn tile_of<'a>(
 
 /// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
 /// what it shows.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn window(
     survey: &Survey,
     layout: &Layout,

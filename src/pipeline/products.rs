@@ -130,6 +130,9 @@ fn depth_range_m(
 const FLAT_SPOTS: usize = 8;
 
 /// Runs the stages whose results differ from `previous` (same survey), or all of them.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn run(
     survey: &Survey,
     settings: &Settings,

@@ -132,6 +132,9 @@ const STATEMENT: &str = "Agreement with the recorded depth is repeatability with
 
 impl Report {
     /// Collects the report; reads every input byte once for its hash.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
     pub fn new(
         survey: &Survey,
         products: &Products,

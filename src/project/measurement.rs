@@ -61,6 +61,9 @@ impl MeasurementRow {
     }
 
     /// The measurement; the error says what no map has.
+    ///
+    /// # Errors
+    /// What no map has.
     pub fn read(self) -> Result<Measurement, &'static str> {
         let is_place = |[lon_deg, lat_deg]: &[f64; 2]| {
             (-180.0..=180.0).contains(lon_deg) && (-90.0..=90.0).contains(lat_deg)

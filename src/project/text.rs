@@ -55,6 +55,9 @@ pub fn read(text: &str) -> Result<Rows, ProjectError> {
 }
 
 /// The rows as they stand in the file, and the version that they are of.
+///
+/// # Errors
+/// When the text is no project, or one of a newer version.
 pub fn read_as_written(text: &str) -> Result<(Rows, u32), ProjectError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     // First of all: of a newer file nothing else need make sense here.

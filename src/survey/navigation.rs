@@ -136,6 +136,9 @@ impl Navigation {
 ///
 /// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
 /// position from the fitted track. A boat at rest has neither course nor fitted heading.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn navigate(
     survey: &Survey,
     settings: &HeadingSettings,

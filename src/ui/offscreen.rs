@@ -29,6 +29,9 @@ pub struct Studio {
 
 impl Studio {
     /// Opens the first usable adapter; the error says what to install when there is none.
+    ///
+    /// # Errors
+    /// What to install where there is no adapter.
     pub fn new() -> Result<Self, String> {
         gpu().map(|gpu| Self { gpu })
     }
@@ -63,6 +66,9 @@ impl Studio {
 }
 
 /// Writes a picture as PNG, aside and then renamed: an error never leaves half of it.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn write_picture(picture: &RgbaImage, path: &Path) -> Result<(), String> {
     let written = write_aside(path, |file| {
         let mut out = BufWriter::new(file);

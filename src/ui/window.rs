@@ -8,6 +8,9 @@ use std::sync::Arc;
 /// Opens the window on the first of `paths`, on the demo survey, or empty, with the `truth` about it; returns when it is closed.
 ///
 /// Errors say what is missing: a display, or a graphics driver.
+///
+/// # Errors
+/// What is missing: a display, or a graphics driver.
 pub fn open_window(paths: Vec<PathBuf>, demo: bool, truth: Option<PathBuf>) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()

@@ -29,6 +29,9 @@ impl DepthArea {
 
 /// The areas between each level and the next (`levels_m` ascends). Their borders are the isobaths ([`super::isobaths`],
 /// unsmoothed) and the edge of the surface.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn depth_areas(
     surface: &Surface,
     levels_m: &[f64],

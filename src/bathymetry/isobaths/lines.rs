@@ -31,6 +31,9 @@ impl Isobath {
 }
 
 /// The isobaths of a surface at some depths, in the order of these. Lines end where the surface ends: none follows its edge.
+///
+/// # Errors
+/// When the work was cancelled.
 pub fn isobaths(
     surface: &Surface,
     levels_m: &[f64],

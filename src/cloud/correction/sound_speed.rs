@@ -44,6 +44,9 @@ impl SoundSpeedSettings {
     }
 
     /// Refuses what says two things at once, in a sentence.
+    ///
+    /// # Errors
+    /// A sentence that says what contradicts what.
     pub fn check(&self) -> Result<(), &'static str> {
         match (self.m_s, self.temperature_c) {
             (Some(_), Some(_)) => Err(

@@ -59,6 +59,9 @@ impl fmt::Display for Number {
 }
 
 /// Reads a data set of true boxes.
+///
+/// # Errors
+/// When a file cannot be read or is not of this format; the error names it.
 pub fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
     let text = text(file, LONGEST)?;
     if text.trim_start().starts_with('[') {
@@ -72,6 +75,9 @@ pub fn read_truth(file: &Path) -> Result<LabelSet, LabelError> {
 }
 
 /// Reads predictions: a list of results by the truth's numbers, or a data set whose annotations have scores.
+///
+/// # Errors
+/// When a file cannot be read or is not of this format; the error names it.
 pub fn read_predicted(file: &Path, truth: &LabelSet) -> Result<LabelSet, LabelError> {
     let text = text(file, LONGEST)?;
     let (mut set, annotations) = if text.trim_start().starts_with('[') {

@@ -16,6 +16,9 @@ pub fn is_names(file: &Path) -> bool {
 }
 
 /// Reads the label files of a folder; class names from a file in it or in the folder above.
+///
+/// # Errors
+/// When a file cannot be read or is not of this format; the error names it.
 pub fn read(folder: &Path, texts: &[PathBuf], predicted: bool) -> Result<LabelSet, LabelError> {
     let mut set = LabelSet::empty(LabelFormat::Yolo, folder);
     set.names = names(folder)?;

@@ -18,6 +18,9 @@ const UNSIZED: [&str; 2] = ["Compress", "NonZero"];
 
 /// Refuses a graph whose constants grow beyond measure. The facts that come to light are kept in it; what stays open here is
 /// for the compilation, and so is what is wrong.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn check_constants(model: &mut InferenceModel) -> Result<(), Unusable> {
     let mut in_all = 0_u64;
     for node in model.eval_order().unwrap_or_default() {

@@ -15,6 +15,9 @@ const MOST_ELEMENTS_AT_ONCE: u64 = 1 << 28;
 const MOST_ELEMENTS_IN_ALL: u64 = 1 << 31;
 
 /// Refuses a network that asks for more memory or work than a detector needs.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn check_cost(model: &TypedModel) -> Result<(), Unusable> {
     let (mut in_all, mut multiplications) = (0_u64, 0_u64);
     for node in model.nodes() {

@@ -11,6 +11,9 @@ const STACK_BYTES: usize = 64 << 20;
 
 /// Runs `work` on a thread of its own and waits `limit` for it. `what` names the work in the message. A thread that is late is
 /// left to itself: what it may cost is bounded before it starts, and its result is dropped.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn guarded<T: Send + 'static>(
     what: &'static str,
     limit: Duration,

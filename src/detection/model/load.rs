@@ -30,6 +30,9 @@ const LARGEST_INPUT: usize = 4096;
 const USUAL_INPUT: usize = 416;
 
 /// Loads the file and its sidecar.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn from_path(path: &Path) -> Result<Model, Unusable> {
     let bytes =
         regular_file::read(path, LARGEST_MIB << 20).map_err(|error| match error.kind() {
@@ -53,6 +56,9 @@ struct Opened {
 }
 
 /// Loads a model; `folder` is where weights outside the file may lie.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn from_bytes(
     onnx: Vec<u8>,
     sidecar: Option<&str>,

@@ -68,6 +68,9 @@ impl std::fmt::Debug for Model {
 impl Model {
     /// Loads `MODEL.onnx`, with `MODEL.json` beside it where there is one. The file may come from anywhere: whatever it holds,
     /// this ends in a model that has run once, or in a sentence.
+    ///
+    /// # Errors
+    /// When the model cannot be used; the error names its file and says why.
     pub fn load(path: &Path) -> Result<Model, ModelError> {
         load::from_path(path).map_err(|reason| ModelError {
             reason,
@@ -76,6 +79,9 @@ impl Model {
     }
 
     /// Loads a model from the bytes of an ONNX file and the text of its sidecar.
+    ///
+    /// # Errors
+    /// Why the model cannot be used.
     pub fn from_bytes(onnx: Vec<u8>, sidecar: Option<&str>) -> Result<Model, Unusable> {
         load::from_bytes(onnx, sidecar, None)
     }
@@ -123,6 +129,9 @@ impl Model {
     /// The objects in one picture, of at least that score, by falling score, in the picture's pixels. For a network of one
     /// channel the picture is made grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets its
     /// colours as they are.
+    ///
+    /// # Errors
+    /// Why the model cannot be used.
     pub fn detect(&self, picture: &Picture, score: f32, iou: f32) -> Result<Vec<Scored>, Unusable> {
         let grey = self.input.channels == 1;
         let mut copy;

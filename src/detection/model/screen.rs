@@ -80,6 +80,9 @@ pub struct Declared {
 }
 
 /// Looks through the graph; gives its input.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn screen(proto: &ModelProto) -> Result<Declared, Unusable> {
     let graph = proto.graph.as_ref().ok_or(Unusable::NotOnnx)?;
     if graph.node.is_empty() || graph.output.is_empty() {

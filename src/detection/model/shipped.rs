@@ -9,6 +9,9 @@ const ONNX: &[u8] = include_bytes!("../../../assets/detector/default.onnx");
 const SIDECAR: &str = include_str!("../../../assets/detector/default.json");
 
 /// The model that comes with the program: compiled into it, so that nothing is downloaded.
+///
+/// # Errors
+/// When the model cannot be used; the error names its file and says why.
 pub fn shipped() -> Result<Model, ModelError> {
     Model::from_bytes(ONNX.to_vec(), Some(SIDECAR)).map_err(|reason| ModelError {
         reason,

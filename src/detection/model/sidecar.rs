@@ -186,6 +186,9 @@ impl From<NmsEntry> for Overlap {
 
 impl Sidecar {
     /// Reads the file's text.
+    ///
+    /// # Errors
+    /// Why the model cannot be used.
     pub fn parse(text: &str) -> Result<Self, Unusable> {
         let sidecar: Self =
             serde_json::from_str(text).map_err(|error| Unusable::Sidecar(error.to_string()))?;

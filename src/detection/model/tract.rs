@@ -21,6 +21,9 @@ pub struct Network {
 }
 
 /// Reads the protobuf.
+///
+/// # Errors
+/// Why the model cannot be used.
 pub fn parse(bytes: &[u8]) -> Result<ModelProto, Unusable> {
     let mut bytes = bytes;
     tract_onnx::onnx()

@@ -33,6 +33,9 @@ const HEADER: [&str; 22] = [
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
 /// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn objects_csv(
     path: &Path,
     survey: &Survey,

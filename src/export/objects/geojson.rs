@@ -7,6 +7,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes boxes as points with everything that is known about them. Boxes without a place are left out.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn objects_geojson(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
     let features: Vec<Value> = rows.iter().filter_map(feature).collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });

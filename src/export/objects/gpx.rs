@@ -8,6 +8,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes boxes as waypoints. Boxes without a place are left out.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn objects_gpx(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",

@@ -8,6 +8,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 /// Writes boxes as placemarks, by class in folders of the map program's own sorting. Boxes without a place are left out.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn objects_kml(path: &Path, name: &str, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",

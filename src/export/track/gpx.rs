@@ -8,6 +8,9 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
 /// Writes the pieces as segments of one track; with times where it is known when the log began (Unix seconds).
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn track_gpx(
     path: &Path,
     name: &str,

@@ -14,6 +14,9 @@ use std::path::Path;
 const LABELLED_DEG: f64 = 1e-4;
 
 /// Writes lines, the longer ones with their label in the middle.
+///
+/// # Errors
+/// When the file cannot be written.
 pub fn lines_kmz(path: &Path, name: &str, lines: &[Line]) -> Result<Summary, ExportError> {
     archive(path, name, |out| {
         let mut summary = Summary::default();
