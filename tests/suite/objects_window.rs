@@ -8,6 +8,7 @@ use bathyscope::app::{Action, Command, LogBox, LogId, ObjectState, SurveyObject}
 use bathyscope::detection::Detection;
 use bathyscope::detection::review::{Review, State};
 use bathyscope::survey::Identity;
+use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
@@ -208,6 +209,28 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
     assert_eq!(left.boxes.len(), object.boxes.len() - 1);
 }
 
+#[test]
+fn a_note_stays_with_the_box_of_its_log() {
+    let (_folder, mut window) = proposed();
+    let object = object_of(&window, 1);
+    let mine = object.boxes[0];
+    let other = *object.boxes.last().expect("a box");
+    assert_ne!(mine.log, other.log);
+    (window.state_mut().app).apply(Command::SelectLogBox(mine));
+    settle(&mut window);
+    let line = "Note on the box";
+    (window.get_by_role_and_label(Role::TextInput, line)).focus();
+    window.run();
+    (window.get_by_role_and_label(Role::TextInput, line)).type_text("a tyre");
+    window.run();
+    // The place of the log that is shown, and with it the box, are others before the line has lost the keyboard.
+    (window.state_mut().app).apply(Command::SelectLogBox(other));
+    settle(&mut window);
+    let note = |id: LogBox| app(&window).log_box(id).expect("a box").note.clone();
+    assert_eq!([note(mine), note(other)], ["a tyre", ""]);
+    assert_eq!(selected(&window), other);
+}
+
 /// Log and number of every box that Tab comes to from the first one on.
 fn walk(window: &mut Window, count: usize) -> Vec<LogBox> {
     let mut walked = Vec::new();
@@ -316,7 +339,7 @@ fn a_search_goes_through_all_logs_as_one_step() {
 #[test]
 fn the_window_with_an_object_of_four_logs_looks_as_it_did() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let window = drawn_window([1400.0, 1000.0]);
+    let window = drawn_window([1400.0, 1220.0]);
     let mut window = opened_in(window, folder.path(), 4);
     propose(&mut window, folder.path());
     let object = object_of(&window, 0);
