@@ -4,13 +4,14 @@ use super::external::Instrument;
 use super::loader::Place;
 use super::project::is_project;
 use super::{
-    Action, App, Command, FigureKind, LogId, MapLayer, Mark, Orientation, Origin, Reveal,
-    SideColours, ThemeChoice, Tool,
+    Action, App, Command, LogId, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
+    ThemeChoice, Tool,
 };
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::{LogSettings, Preset, Settings};
+use crate::project::MeasurementKind;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -332,9 +333,9 @@ impl App {
             Action::LeaveTool if self.leave_measuring() => {}
             Action::LeaveTool if self.log.reviewing.is_in_use() => self.leave_tool(),
             Action::LeaveTool => self.remove_figure(),
-            Action::MeasureDistance => self.take_measuring_tool(FigureKind::Distance),
-            Action::MeasureArea => self.take_measuring_tool(FigureKind::Area),
-            Action::DepthProfile => self.take_measuring_tool(FigureKind::Profile),
+            Action::MeasureDistance => self.take_measuring_tool(MeasurementKind::Distance),
+            Action::MeasureArea => self.take_measuring_tool(MeasurementKind::Area),
+            Action::DepthProfile => self.take_measuring_tool(MeasurementKind::Profile),
             Action::TakeCornerBack => self.take_corner_back(),
             Action::EndFigure => self.end_figure(),
             Action::RemoveFigure => self.remove_figure(),

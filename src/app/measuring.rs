@@ -4,79 +4,18 @@ use super::reviewing::{Step, Tool};
 use super::{App, ProfileLine};
 use crate::bathymetry::Station;
 use crate::export;
-use crate::geo::{LonLat, area_m2, distance_m};
+use crate::geo::LonLat;
+use crate::project::{Measurement, MeasurementKind};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What a figure is drawn for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FigureKind {
-    /// Length along a line.
-    Distance,
-    /// Area of a polygon.
-    Area,
-    /// Depths along a line.
-    Profile,
-}
-
-impl FigureKind {
-    /// Corners that there is something to measure between.
-    fn least(self) -> usize {
-        match self {
-            Self::Distance | Self::Profile => 2,
-            Self::Area => 3,
-        }
-    }
-}
-
-/// A drawn line. It is kept as positions, so that it stays on its ground when the plane of the survey changes.
+/// What is drawn on the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it is drawn for.
-    pub kind: FigureKind,
-    /// Its corners in the order of drawing; an area is closed from the last to the first.
-    pub corners: Vec<LonLat>,
+    /// What it measures, and between which corners.
+    pub measurement: Measurement,
     /// The next corner begins another figure.
     pub done: bool,
-}
-
-impl Figure {
-    /// Metres along the line from its start to each of its corners, on the ellipsoid.
-    pub fn distances_m(&self) -> Vec<f64> {
-        let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
-            *sum_m += distance_m(leg[0], leg[1]);
-            Some(*sum_m)
-        });
-        let start = self.corners.first().map(|_| 0.0);
-        start.into_iter().chain(legs).collect()
-    }
-
-    /// Metres along the line; around an area.
-    pub fn length_m(&self) -> f64 {
-        let along_m = self.distances_m().last().copied().unwrap_or(0.0);
-        match (self.kind, self.corners.first(), self.corners.last()) {
-            (FigureKind::Area, Some(first), Some(last)) => along_m + distance_m(*last, *first),
-            _ => along_m,
-        }
-    }
-
-    /// Square metres of an area, on the ellipsoid.
-    pub fn area_m2(&self) -> f64 {
-        area_m2(&self.corners)
-    }
-
-    /// The figure with one more corner.
-    pub fn with(&self, corner: LonLat) -> Self {
-        let corners = self.corners.iter().copied().chain([corner]);
-        Self {
-            corners: corners.collect(),
-            ..self.clone()
-        }
-    }
-
-    pub(super) fn is_measurable(&self) -> bool {
-        self.corners.len() >= self.kind.least()
-    }
 }
 
 /// A request about the figure.
@@ -92,7 +31,7 @@ pub enum Measure {
 #[derive(Default)]
 pub struct Measuring {
     /// What a click on the map draws.
-    pub tool: Option<FigureKind>,
+    pub tool: Option<MeasurementKind>,
     /// What was drawn last.
     pub figure: Option<Arc<Figure>>,
     /// Where the next corner would be.
@@ -125,20 +64,20 @@ impl Measuring {
 
     /// Whether the plot of a depth profile is requested.
     pub fn shows_profile(&self) -> bool {
-        let drawn = self.figure.as_ref().map(|figure| figure.kind);
-        self.tool.or(drawn) == Some(FigureKind::Profile)
+        let drawn = self.figure.as_ref().map(|figure| figure.measurement.kind);
+        self.tool.or(drawn) == Some(MeasurementKind::Profile)
     }
 
     /// Whether a corner would go on with the figure there is.
     pub fn is_drawing(&self) -> bool {
         let open = self.figure.as_ref().filter(|figure| !figure.done);
-        open.is_some_and(|figure| Some(figure.kind) == self.tool)
+        open.is_some_and(|figure| Some(figure.measurement.kind) == self.tool)
     }
 }
 
 impl App {
     /// Takes a measuring tool in hand, or lays it down.
-    pub(super) fn take_measuring_tool(&mut self, kind: FigureKind) {
+    pub(super) fn take_measuring_tool(&mut self, kind: MeasurementKind) {
         let again = self.measuring.tool == Some(kind);
         self.end_figure();
         self.measuring.tool = (!again && self.log.survey.is_some()).then_some(kind);
@@ -174,13 +113,16 @@ impl App {
                     .figure
                     .as_ref()
                     .filter(|_| self.measuring.is_drawing());
-                let none = || Figure {
+                let none = || Measurement {
                     kind,
                     corners: Vec::new(),
-                    done: false,
+                    note: String::new(),
                 };
-                let figure = open.map_or_else(none, |figure| (**figure).clone());
-                self.draw(Some(figure.with(at)));
+                let begun = open.map_or_else(none, |figure| figure.measurement.clone());
+                self.draw(Some(Figure {
+                    measurement: begun.with(at),
+                    done: false,
+                }));
             }
             Measure::Next(place) => self.measuring.next = place,
         }
@@ -190,16 +132,18 @@ impl App {
     pub(super) fn take_corner_back(&mut self) {
         if let Some(figure) = &self.measuring.figure {
             let mut figure = (**figure).clone();
-            figure.corners.pop();
+            let corners = &mut figure.measurement.corners;
+            corners.pop();
+            let is_left = !corners.is_empty();
             figure.done = false;
-            self.draw((!figure.corners.is_empty()).then_some(figure));
+            self.draw(is_left.then_some(figure));
         }
     }
 
     /// Ends the figure: the next corner begins another one. What cannot be measured goes.
     pub(super) fn end_figure(&mut self) {
         match &self.measuring.figure {
-            Some(figure) if !figure.is_measurable() => self.draw(None),
+            Some(figure) if !figure.measurement.is_measurable() => self.draw(None),
             Some(figure) if !figure.done => {
                 self.measuring.figure = Some(Arc::new(Figure {
                     done: true,

@@ -45,7 +45,7 @@ pub use leaving_out::{Extent, FoundLeftOut, Leave};
 pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
-pub use measuring::{Figure, FigureKind, Measure, Measuring};
+pub use measuring::{Figure, Measure, Measuring};
 pub use objects::{ObjectState, SurveyObject};
 pub use open_log::{LogBox, LogId, OpenLog};
 pub use options::{

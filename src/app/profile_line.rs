@@ -1,9 +1,10 @@
 //! The depths along the line of a depth profile, taken from the depth map.
 
-use super::{App, Figure, FigureKind};
+use super::App;
 use crate::bathymetry::{Corner, Station, transect};
 use crate::geo::LonLat;
 use crate::pipeline::DepthMap;
+use crate::project::{Measurement, MeasurementKind};
 use std::sync::Arc;
 
 /// Most places that a line is looked at at.
@@ -12,7 +13,7 @@ const MOST_STATIONS: usize = 2000;
 /// The depths along a line, and what they were taken from.
 #[derive(Clone)]
 pub struct ProfileLine {
-    figure: Figure,
+    line: Measurement,
     map: Option<Arc<DepthMap>>,
     /// Places along the line with their depths.
     pub stations: Vec<Station>,
@@ -26,17 +27,17 @@ impl ProfileLine {
         self.map.is_none()
     }
 
-    fn is_of(&self, figure: &Figure, map: Option<&Arc<DepthMap>>) -> bool {
-        self.figure == *figure && self.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
+    fn is_of(&self, line: &Measurement, map: Option<&Arc<DepthMap>>) -> bool {
+        self.line == *line && self.map.as_ref().map(Arc::as_ptr) == map.map(Arc::as_ptr)
     }
 
     fn new(
-        figure: Figure,
+        line: Measurement,
         map: Option<&Arc<DepthMap>>,
         place: impl Fn(LonLat) -> [f64; 2],
     ) -> Self {
-        let corners_m = figure.distances_m();
-        let corners: Vec<Corner> = (figure.corners.iter().zip(&corners_m))
+        let corners_m = line.distances_m();
+        let corners: Vec<Corner> = (line.corners.iter().zip(&corners_m))
             .map(|(at, distance_m)| Corner {
                 place: place(*at),
                 distance_m: *distance_m,
@@ -47,7 +48,7 @@ impl ProfileLine {
         let depth_at = |place| map?.depth_at(place);
         Self {
             stations: transect(&corners, step_m, MOST_STATIONS, depth_at),
-            figure,
+            line,
             map: map.cloned(),
             corners_m,
         }
@@ -57,12 +58,14 @@ impl ProfileLine {
 impl App {
     /// Looks at the depths along the line again where the line or the depth map is another one.
     pub(super) fn follow_profile(&mut self) {
-        let is_profile = |figure: &Figure| figure.kind == FigureKind::Profile;
-        let set = self.measuring.figure.as_deref().cloned().filter(is_profile);
+        let is_profile = |line: &Measurement| line.kind == MeasurementKind::Profile;
+        let figure = self.measuring.figure.as_deref();
+        let set = figure.map(|figure| figure.measurement.clone());
+        let set = set.filter(is_profile);
         let next = self.measuring.next.filter(|_| self.measuring.is_drawing());
-        let drawn = set.clone().map(|figure| match next {
-            Some(next) => figure.with(next),
-            None => figure,
+        let drawn = set.clone().map(|line| match next {
+            Some(next) => line.with(next),
+            None => line,
         });
         self.measuring.set = self.profile_line(set, self.measuring.set.as_ref());
         self.measuring.drawn = match drawn {
@@ -72,7 +75,7 @@ impl App {
                     .measuring
                     .set
                     .as_ref()
-                    .is_some_and(|set| set.figure == drawn) =>
+                    .is_some_and(|set| set.line == drawn) =>
             {
                 self.measuring.set.clone()
             }
@@ -82,15 +85,15 @@ impl App {
 
     fn profile_line(
         &self,
-        figure: Option<Figure>,
+        line: Option<Measurement>,
         before: Option<&Arc<ProfileLine>>,
     ) -> Option<Arc<ProfileLine>> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
-        let (figure, map) = (figure?, self.depth_map().flatten());
-        if let Some(before) = before.filter(|before| before.is_of(&figure, map)) {
+        let (line, map) = (line?, self.depth_map().flatten());
+        if let Some(before) = before.filter(|before| before.is_of(&line, map)) {
             return Some(before.clone());
         }
         let place = |at| products.navigation.to_plane(&survey.track, at);
-        Some(Arc::new(ProfileLine::new(figure, map, place)))
+        Some(Arc::new(ProfileLine::new(line, map, place)))
     }
 }

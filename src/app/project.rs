@@ -2,13 +2,11 @@
 //! at once, so that a crash costs the last gesture at most.
 
 use super::loader::hold_log;
-use super::measuring::{Figure, FigureKind};
+use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
 use crate::pipeline::Settings;
 use crate::progress::Progress;
-use crate::project::{
-    ENDING, Found, LogFile, Measurement, MeasurementKind, Opened, Project, ProjectLog, Store, find,
-};
+use crate::project::{ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, find};
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -206,11 +204,8 @@ impl App {
         }
         match self.measuring.figure.as_ref().filter(|figure| figure.done) {
             Some(figure) => {
-                let kept = project.measurements.get(&MEASUREMENT);
-                let note = kept.map_or_else(String::new, |kept| kept.note.clone());
-                project
-                    .measurements
-                    .insert(MEASUREMENT, measurement(figure, note));
+                let measurement = figure.measurement.clone();
+                project.measurements.insert(MEASUREMENT, measurement);
             }
             None => {
                 project.measurements.remove(&MEASUREMENT);
@@ -302,8 +297,11 @@ impl App {
             let id = self.add_log(survey);
             self.with_log(id, |app| app.take_project_log(&log, settings));
         }
-        self.measuring.figure =
-            (project.measurements.get(&MEASUREMENT)).map(|one| Arc::new(figure(one)));
+        let measured = project.measurements.get(&MEASUREMENT).cloned();
+        self.measuring.figure = measured.map(|measurement| {
+            let done = true;
+            Arc::new(Figure { measurement, done })
+        });
         self.keeping.project = project;
         self.keeping.store = Some(store);
         self.is_waiting = false;
@@ -374,28 +372,4 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
         logs,
         notes,
     })
-}
-
-fn measurement(figure: &Figure, note: String) -> Measurement {
-    Measurement {
-        kind: match figure.kind {
-            FigureKind::Distance => MeasurementKind::Distance,
-            FigureKind::Area => MeasurementKind::Area,
-            FigureKind::Profile => MeasurementKind::Profile,
-        },
-        corners: figure.corners.clone(),
-        note,
-    }
-}
-
-fn figure(kept: &Measurement) -> Figure {
-    Figure {
-        kind: match kept.kind {
-            MeasurementKind::Distance => FigureKind::Distance,
-            MeasurementKind::Area => FigureKind::Area,
-            MeasurementKind::Profile => FigureKind::Profile,
-        },
-        corners: kept.corners.clone(),
-        done: true,
-    }
 }

@@ -1,21 +1,22 @@
 //! What was measured on the map, on its way into a file.
 
-use super::{App, FigureKind};
+use super::App;
 use crate::export::{self, MeasuredFigure};
+use crate::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 
 impl App {
     /// What is measured on the map, once there is something between its corners.
     pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
-        let figure = self.measuring.figure.as_deref()?;
+        let figure = &self.measuring.figure.as_deref()?.measurement;
         if !figure.is_measurable() {
             return None;
         }
-        let (kind, area_m2, stations) = match figure.kind {
-            FigureKind::Distance => ("distance", None, &[][..]),
-            FigureKind::Area => ("area", Some(figure.area_m2()), &[][..]),
-            FigureKind::Profile => ("profile", None, self.measuring.stations()),
+        let (area_m2, stations) = match figure.kind {
+            MeasurementKind::Distance => (None, &[][..]),
+            MeasurementKind::Area => (Some(figure.area_m2()), &[][..]),
+            MeasurementKind::Profile => (None, self.measuring.stations()),
         };
         let stations = stations.iter().map(|station| {
             let [east_m, north_m] = station.place;
@@ -26,7 +27,7 @@ impl App {
         });
         Some(MeasuredFigure {
             log: survey.name(),
-            kind,
+            kind: figure.kind.name(),
             corners: figure.corners.clone(),
             distances_m: figure.distances_m(),
             length_m: figure.length_m(),

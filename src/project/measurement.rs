@@ -1,6 +1,6 @@
 //! What was measured on the map.
 
-use crate::geo::LonLat;
+use crate::geo::{LonLat, area_m2, distance_m};
 use serde::{Deserialize, Serialize};
 
 /// What a line was drawn for.
@@ -24,9 +24,18 @@ impl MeasurementKind {
             Self::Profile => "profile",
         }
     }
+
+    /// Corners that there is something to measure between.
+    fn least_corners(self) -> usize {
+        match self {
+            Self::Distance | Self::Profile => 2,
+            Self::Area => 3,
+        }
+    }
 }
 
-/// A line that was drawn to measure. What it measures follows from it, so only the line is kept.
+/// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It is kept as positions, so that it
+/// stays on its ground when the plane of the survey changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// What it was drawn for.
@@ -35,6 +44,46 @@ pub struct Measurement {
     pub corners: Vec<LonLat>,
     /// The analyst's remark.
     pub note: String,
+}
+
+impl Measurement {
+    /// Metres along the line from its start to each of its corners, on the ellipsoid.
+    pub fn distances_m(&self) -> Vec<f64> {
+        let legs = self.corners.windows(2).scan(0.0, |sum_m, leg| {
+            *sum_m += distance_m(leg[0], leg[1]);
+            Some(*sum_m)
+        });
+        let start = self.corners.first().map(|_| 0.0);
+        start.into_iter().chain(legs).collect()
+    }
+
+    /// Metres along the line; around an area.
+    pub fn length_m(&self) -> f64 {
+        let along_m = self.distances_m().last().copied().unwrap_or(0.0);
+        match (self.kind, self.corners.first(), self.corners.last()) {
+            (MeasurementKind::Area, Some(first), Some(last)) => along_m + distance_m(*last, *first),
+            _ => along_m,
+        }
+    }
+
+    /// Square metres of an area, on the ellipsoid.
+    pub fn area_m2(&self) -> f64 {
+        area_m2(&self.corners)
+    }
+
+    /// The measurement with one more corner.
+    pub fn with(&self, corner: LonLat) -> Self {
+        let corners = self.corners.iter().copied().chain([corner]);
+        Self {
+            corners: corners.collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Whether there is something between its corners.
+    pub fn is_measurable(&self) -> bool {
+        self.corners.len() >= self.kind.least_corners()
+    }
 }
 
 /// A measurement as the file keeps it.

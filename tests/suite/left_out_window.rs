@@ -66,7 +66,7 @@ pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     let survey = log.survey.as_ref().expect("a log");
     let navigation = &log.products.as_ref().expect("results").navigation;
     let [one, other] = [0, 1].map(|index| {
-        let corner = figure.corners[index];
+        let corner = figure.measurement.corners[index];
         navigation.to_plane(&survey.track, corner)
     });
     let per_point = (other[0] - one[0]) / 40.0;

@@ -92,7 +92,7 @@ fn click(window: &mut Window, at: Pos2) {
 
 fn corners(window: &Window) -> Vec<LonLat> {
     let figure = app(window).measuring.figure.as_ref();
-    figure.map_or_else(Vec::new, |figure| figure.corners.clone())
+    figure.map_or_else(Vec::new, |figure| figure.measurement.corners.clone())
 }
 
 #[test]
@@ -130,6 +130,7 @@ fn a_distance_is_measured_by_mouse_and_taken_back() {
         .figure
         .as_ref()
         .unwrap()
+        .measurement
         .distances_m();
     assert!(
         (distances_m[2] - legs[0] - legs[1]).abs() < 1e-6,
@@ -171,11 +172,14 @@ fn an_area_is_drawn_by_keys_alone() {
     press(&mut window, Modifiers::NONE, Key::Enter);
     window.step();
     let figure = app(&window).measuring.figure.clone().expect("a figure");
-    assert!(figure.done && figure.corners.len() == 3, "{figure:?}");
-    let distances_m = figure.distances_m();
+    assert!(
+        figure.done && figure.measurement.corners.len() == 3,
+        "{figure:?}"
+    );
+    let distances_m = figure.measurement.distances_m();
     let legs = [distances_m[1], distances_m[2] - distances_m[1]];
     assert!((legs[1] / legs[0] - 2.0).abs() < 1e-3, "{legs:?}");
-    let area_m2 = figure.area_m2();
+    let area_m2 = figure.measurement.area_m2();
     assert!(
         (area_m2 / (0.5 * legs[0] * legs[1]) - 1.0).abs() < 1e-3,
         "half of a rectangle"
@@ -224,7 +228,7 @@ fn a_depth_profile_is_plotted_marked_and_saved() {
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), stations.len());
     let number = |row: usize, column: usize| rows[row][column].parse::<f64>();
-    assert!((number(rows.len() - 1, 0).unwrap() - figure.length_m()).abs() < 1e-3);
+    assert!((number(rows.len() - 1, 0).unwrap() - figure.measurement.length_m()).abs() < 1e-3);
     assert!((1..rows.len()).all(|row| number(row, 0).unwrap() > number(row - 1, 0).unwrap()));
     let depths: Vec<f64> = (0..rows.len())
         .filter_map(|row| number(row, 5).ok())
@@ -232,7 +236,7 @@ fn a_depth_profile_is_plotted_marked_and_saved() {
     let gaps = rows.iter().filter(|row| row[5].is_empty()).count();
     assert!(gaps > 10 && depths.len() > 40 && gaps + depths.len() == rows.len());
     assert!(depths.iter().all(|depth_m| (1.2..2.8).contains(depth_m)));
-    let end = figure.corners.last().unwrap();
+    let end = figure.measurement.corners.last().unwrap();
     assert!((number(rows.len() - 1, 1).unwrap() - end.lon_deg).abs() < 1e-8);
 }
 
@@ -414,7 +418,10 @@ fn a_measured_area_is_saved_as_what_it_is() {
     let properties = &read["features"][0]["properties"];
     assert_eq!(properties["measured"], "area");
     let area_m2 = properties["area_m2"].as_f64().unwrap();
-    assert!((area_m2 - figure.area_m2()).abs() < 1e-3, "{area_m2}");
+    assert!(
+        (area_m2 - figure.measurement.area_m2()).abs() < 1e-3,
+        "{area_m2}"
+    );
     let ring = read["features"][0]["geometry"]["coordinates"][0].as_array();
     assert_eq!(ring.unwrap().len(), 5);
     let table = std::fs::read_to_string(folder.path().join("area.csv")).unwrap();

@@ -1,7 +1,8 @@
 //! The buttons on the map. What is drawn is chosen in the view's title.
 
 use super::pointer::Pointer;
-use crate::app::{Action, Command, FigureKind};
+use crate::app::{Action, Command};
+use crate::project::MeasurementKind;
 use crate::ui::views::legend;
 use crate::ui::{ViewContext, ViewRequest, theme};
 use egui::{Rect, Ui, UiBuilder, vec2};
@@ -53,9 +54,9 @@ fn buttons(ui: &mut Ui, request: &mut Option<ViewRequest>, pointer: &mut Pointer
 
 fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let tools = [
-        (Action::MeasureDistance, FigureKind::Distance),
-        (Action::MeasureArea, FigureKind::Area),
-        (Action::DepthProfile, FigureKind::Profile),
+        (Action::MeasureDistance, MeasurementKind::Distance),
+        (Action::MeasureArea, MeasurementKind::Area),
+        (Action::DepthProfile, MeasurementKind::Profile),
     ];
     let tool = context.app.measuring.tool;
     let title = egui::RichText::new("Measure");

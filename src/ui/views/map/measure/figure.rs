@@ -1,22 +1,23 @@
 //! What is drawn to measure, on the map and in words.
 
-use crate::app::{App, Figure, FigureKind};
+use crate::app::App;
 use crate::bathymetry::Station;
 use crate::geo::{course_rad, distance_m};
+use crate::project::{Measurement, MeasurementKind};
 use crate::ui::views::legend;
 use crate::ui::views::map::overlay::Scene;
 use crate::ui::{text, theme};
 use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
 
 /// Line, corners, and the numbers beside the last one.
-pub fn paint(painter: &Painter, scene: &Scene<'_>, figure: &Figure) {
+pub fn paint(painter: &Painter, scene: &Scene<'_>, figure: &Measurement) {
     let navigation = &scene.products.navigation;
     let place = |at: &crate::geo::LonLat| scene.at(navigation.to_plane(&scene.survey.track, *at));
     let corners: Vec<Pos2> = figure.corners.iter().map(place).collect();
     let colour = theme::measure_colour();
     let casing = theme::canvas_colour(scene.options);
     let mut line = corners.clone();
-    if figure.kind == FigureKind::Area && corners.len() > 2 {
+    if figure.kind == MeasurementKind::Area && corners.len() > 2 {
         line.push(corners[0]);
     }
     painter.add(Shape::line(
@@ -59,12 +60,12 @@ pub fn station(painter: &Painter, scene: &Scene<'_>, station: &Station) {
 }
 
 /// The whole, and the last leg with its course.
-fn beside(figure: &Figure) -> Option<String> {
+fn beside(figure: &Measurement) -> Option<String> {
     let [.., from, to] = figure.corners[..] else {
         return None;
     };
     let whole = measured(figure)?;
-    if figure.corners.len() == 2 || figure.kind == FigureKind::Area {
+    if figure.corners.len() == 2 || figure.kind == MeasurementKind::Area {
         return Some(whole);
     }
     let leg = text::length(distance_m(from, to));
@@ -73,12 +74,12 @@ fn beside(figure: &Figure) -> Option<String> {
 }
 
 /// What is measured; `None` while there is nothing between the corners.
-fn measured(figure: &Figure) -> Option<String> {
+fn measured(figure: &Measurement) -> Option<String> {
     let length = text::length(figure.length_m());
     match (figure.kind, &figure.corners[..]) {
         (_, [] | [_]) => None,
-        (FigureKind::Area, [_, _]) => Some(text::length(0.5 * figure.length_m())),
-        (FigureKind::Area, _) => Some(format!(
+        (MeasurementKind::Area, [_, _]) => Some(text::length(0.5 * figure.length_m())),
+        (MeasurementKind::Area, _) => Some(format!(
             "{}, around it {length}",
             text::area(figure.area_m2())
         )),
@@ -91,20 +92,20 @@ fn measured(figure: &Figure) -> Option<String> {
 }
 
 /// What is measured, or else what the tool waits for.
-pub fn words(app: &App, shown: Option<&Figure>) -> Option<String> {
+pub fn words(app: &App, shown: Option<&Measurement>) -> Option<String> {
     let measured = shown.and_then(|figure| Some((figure.kind, measured(figure)?)));
     if let Some((kind, measured)) = measured {
         return Some(match kind {
-            FigureKind::Distance => format!("Distance {measured}"),
-            FigureKind::Area => format!("Area {measured}"),
-            FigureKind::Profile => format!("Depth profile over {measured}"),
+            MeasurementKind::Distance => format!("Distance {measured}"),
+            MeasurementKind::Area => format!("Area {measured}"),
+            MeasurementKind::Profile => format!("Depth profile over {measured}"),
         });
     }
     app.measuring.tool.map(|kind| {
         let what = match kind {
-            FigureKind::Distance => "Measure distance: click the corners of a line.",
-            FigureKind::Area => "Measure area: click its corners.",
-            FigureKind::Profile => "Depth profile: click the corners of a line.",
+            MeasurementKind::Distance => "Measure distance: click the corners of a line.",
+            MeasurementKind::Area => "Measure area: click its corners.",
+            MeasurementKind::Profile => "Depth profile: click the corners of a line.",
         };
         what.to_owned()
     })
@@ -121,10 +122,10 @@ mod tests {
             lon_deg,
             lat_deg: 36.9,
         };
-        let figure = |corners: &[LonLat]| Figure {
-            kind: FigureKind::Distance,
+        let figure = |corners: &[LonLat]| Measurement {
+            kind: MeasurementKind::Distance,
             corners: corners.to_vec(),
-            done: false,
+            note: String::new(),
         };
         let (here, there) = (at(-111.5), at(-111.4999));
         assert_eq!(beside(&figure(&[here, here])).as_deref(), Some("0.00 m"));

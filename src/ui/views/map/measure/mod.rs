@@ -7,9 +7,10 @@ mod frame;
 mod profile;
 
 use super::overlay::Scene;
-use crate::app::{Action, App, Command, Figure, Measure};
+use crate::app::{Action, App, Command, Measure};
 use crate::bathymetry::Station;
 use crate::geo::LonLat;
+use crate::project::Measurement;
 use crate::ui::ViewContext;
 use crate::ui::views::legend;
 use egui::{FocusDirection, Key, Modifiers, Pos2, Rect, Response, RichText, Ui, UiBuilder};
@@ -194,9 +195,9 @@ fn arrows(ui: &mut Ui) -> [f64; 2] {
 }
 
 /// The figure as it is on the map: with the next corner while it is being drawn.
-fn shown(app: &App, next: Option<LonLat>) -> Option<Figure> {
+fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
     let measuring = &app.measuring;
-    let figure = measuring.figure.as_deref()?;
+    let figure = &measuring.figure.as_deref()?.measurement;
     Some(match next.filter(|_| measuring.is_drawing()) {
         Some(next) => figure.with(next),
         None => figure.clone(),
@@ -209,7 +210,12 @@ fn stations(app: &App) -> &[Station] {
 }
 
 /// What is measured or how to, and what can be done with it.
-fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>, shown: Option<&Figure>) {
+fn strip(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    scene: &Scene<'_>,
+    shown: Option<&Measurement>,
+) {
     const KEYS: &str =
         "Enter or a double-click ends it, Backspace takes a corner back, Esc leaves.";
     let Some(text) = figure::words(context.app, shown) else {
