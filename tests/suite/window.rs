@@ -18,7 +18,7 @@ pub(crate) type Window = Harness<'static, Shell>;
 pub(crate) fn empty_window() -> Window {
     let mut window = Harness::builder()
         .with_size([1400.0, 1000.0])
-        .with_max_steps(12)
+        .with_max_steps(24)
         .build_eframe(|_| Shell::new(App::new(Jobs::Inline)));
     window.run();
     window
