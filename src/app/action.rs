@@ -36,7 +36,7 @@ macro_rules! actions {
 actions! {
     Open, "Open survey…", Some("Ctrl+O"), "Opens one log or several as one survey: SL2, SL3, Humminbird DAT or SON, XTF.";
     AddLog, "Add survey…", Some("Ctrl+Shift+O"), "Opens a log beside those that are open: one map, one cloud, one set of products.";
-    CloseLog, "Close this log", Some("Ctrl+W"), "Closes the log that the waterfall shows; the other logs stay open.";
+    CloseLog, "Close this log", Some("Ctrl+W"), "Closes the log that the waterfall shows; the other logs stay open, and undo opens it again.";
     NextLog, "Next log", Some("Ctrl+PageDown"), "Shows the next log of the list in waterfall, profile and panels.";
     PreviousLog, "Previous log", Some("Ctrl+PageUp"), "Shows the log before it in the list.";
     OpenFolder, "Open folder…", None, "Opens all logs of a folder as one survey.";
@@ -63,6 +63,7 @@ actions! {
     ForgetTruth, "Leave the truth", None, "Compares the boxes with no truth any more.";
     Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
+    History, "History…", Some("Ctrl+H"), "Lists what was changed, step by step; a click on a step goes there, back or forward.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
     Manual, "Manual…", Some("F1"), "Shows the manual: how to, keys, settings and files, with a search.";
     Update, "Update results", Some("Ctrl+R"), "Runs the steps whose results are missing or older than their settings.";

@@ -10,8 +10,10 @@ use super::{
 use crate::calibration::PingRange;
 use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
+use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
 use crate::project::MeasurementKind;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -38,6 +40,7 @@ impl App {
             Command::MoveLog(id, by) => self.move_log(id, by),
             Command::SetLogVisible(id, is_visible) => self.set_log_visible(id, is_visible),
             Command::RevealIn(id, mark) => self.reveal_in(id, mark),
+            Command::GoToStep(count) => self.go_to_step(count),
             Command::SetOwn { key, own } => self.set_own_key(&key, own),
             Command::OpenDemo => self.start_loading(Origin::Demo),
             Command::Change {
@@ -106,7 +109,12 @@ impl App {
         }
     }
 
-    pub(super) fn change(&mut self, settings: Settings, label: &'static str, live: bool) {
+    pub(super) fn change(
+        &mut self,
+        settings: Settings,
+        label: impl Into<Cow<'static, str>>,
+        live: bool,
+    ) {
         let allowed = settings.check().map_err(|error| error.to_string());
         let allowed = allowed.and_then(|()| self.follow_track(&settings.track));
         let parts = allowed.and_then(|()| {
@@ -196,12 +204,12 @@ impl App {
         let owning = Arc::new(owning);
         self.log.own = owning.clone();
         let after = self.step_now();
-        let label = if own {
-            "setting of one log"
-        } else {
-            "setting of all logs"
+        let what = row(key).map_or(key, |row| row.name);
+        let title = match own {
+            true => format!("{what} for {} alone", self.log.name()),
+            false => format!("{what} for all logs again"),
         };
-        self.record_step(&before, &after, label, false);
+        self.record_named(&before, &after, title);
         self.set_own(owning, false);
     }
 
@@ -225,16 +233,8 @@ impl App {
     fn act(&mut self, action: Action) {
         match action {
             Action::OpenDemo => self.start_loading(Origin::Demo),
-            Action::Undo => {
-                if let Some(step) = self.history.undo(&self.step_now()) {
-                    self.take_step(step);
-                }
-            }
-            Action::Redo => {
-                if let Some(step) = self.history.redo(&self.step_now()) {
-                    self.take_step(step);
-                }
-            }
+            Action::Undo => self.undo(),
+            Action::Redo => self.redo(),
             Action::Update => self.update(),
             Action::NextLog => self.step_log(1),
             Action::PreviousLog => self.step_log(-1),

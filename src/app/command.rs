@@ -42,6 +42,8 @@ pub enum Command {
     SetLogVisible(LogId, bool),
     /// Show a log, and a place of it in all views.
     RevealIn(LogId, Mark),
+    /// Go to the state after so many steps of the history, of those taken back as well.
+    GoToStep(usize),
     /// Make a setting one of the shown log alone, or one that all logs share again.
     SetOwn {
         /// Its key.

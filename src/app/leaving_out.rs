@@ -19,12 +19,16 @@ pub enum Leave {
 }
 
 impl Leave {
-    /// Undo's name for it.
-    fn label(self) -> &'static str {
-        match self {
+    /// Undo's name for it: `leave out pings 120..240`.
+    fn label(self, part: LogPart) -> String {
+        let what = match self {
             Self::Out => "leave out",
             Self::In => "take back in",
-            Self::AsFound => "search for turns and stops",
+            Self::AsFound => "leave to the search",
+        };
+        match part {
+            LogPart::Pings([first, last]) => format!("{what} pings {first}..{last}"),
+            LogPart::Time(_) => format!("{what} a stretch"),
         }
     }
 }
@@ -140,17 +144,21 @@ impl App {
     }
 
     fn leave_out_here(&mut self, part: LogPart, leave: Leave) {
-        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+        let Some(survey) = &self.log.survey else {
             return;
         };
         let mut settings = Settings::clone(&self.log.settings);
         let left_out = &settings.left_out;
         settings.left_out = match leave {
             Leave::Out => left_out.leaving_out(survey, part),
-            Leave::In => left_out.taking_in(survey, &products.navigation, part),
+            // Until it is known where the boat was nothing is found, and nothing has to be kept in.
+            Leave::In => match &self.log.products {
+                Some(products) => left_out.taking_in(survey, &products.navigation, part),
+                None => left_out.as_found(survey, part),
+            },
             Leave::AsFound => left_out.as_found(survey, part),
         };
-        self.change(settings, leave.label(), false);
+        self.change(settings, leave.label(part), false);
     }
 
     /// The stretch that a ping of a log is left out with.

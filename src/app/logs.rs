@@ -8,11 +8,13 @@ use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
 use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
 use crate::project::History;
-use crate::survey::Survey;
+use crate::survey::{Identity, Survey};
 use std::sync::Arc;
 
 /// Reviews of closed logs kept at hand while the window is open.
 const PARKED: usize = 10;
+/// Closed logs that undo can open again.
+const CLOSED: usize = 10;
 
 /// A log that takes part in maps and clouds, with its results.
 #[derive(Clone, Debug)]
@@ -34,6 +36,8 @@ pub(super) struct Logs {
     /// The one that is shown. [`App::log`] is another one only inside [`App::with_log`].
     pub shown: LogId,
     last: u64,
+    /// Logs that were closed, the last one at the end: undo opens them again.
+    pub closed: Vec<OpenLog>,
     /// What was decided about boxes of logs that are closed and have no file.
     pub parked: Vec<Parked>,
 }
@@ -52,6 +56,15 @@ impl Logs {
             shown: self.shown,
             ..Self::default()
         }
+    }
+
+    /// Keeps a log that is being closed for undo.
+    fn close(&mut self, mut log: OpenLog) {
+        self.park(&mut log);
+        self.order.retain(|id| *id != log.id);
+        self.closed.push(log.at_rest());
+        let surplus = self.closed.len().saturating_sub(CLOSED);
+        self.closed.drain(..surplus);
     }
 
     /// Keeps what was decided about the boxes of a log that is being closed.
@@ -149,6 +162,7 @@ impl App {
         for id in std::mem::take(&mut self.logs.order) {
             self.search.leave(id);
         }
+        self.logs.closed.clear();
         self.log.settings = self.shared.clone();
         self.take_over(&mut last);
         self.history = History::default();
@@ -163,6 +177,10 @@ impl App {
     fn open_first(&mut self, survey: Arc<Survey>) {
         self.plane = survey.track.frame.clone();
         self.plane_serial += 1;
+        // What was closed before lay in another plane.
+        self.logs.closed.clear();
+        self.history = History::default();
+        self.measuring = super::Measuring::default();
         let log = self.opened(survey);
         let mut last = std::mem::replace(&mut self.log, log);
         self.take_over(&mut last);
@@ -199,6 +217,13 @@ impl App {
     fn opened(&mut self, survey: Arc<Survey>) -> OpenLog {
         let id = self.logs.next_id();
         self.logs.order.push(id);
+        // Opened again by its file, it is not opened once more by undo.
+        let own = Identity::of(&survey);
+        let is_other = |log: &OpenLog| {
+            let closed = log.survey.as_ref().map(|survey| Identity::of(survey));
+            closed.is_none_or(|closed| closed != own)
+        };
+        self.logs.closed.retain(is_other);
         let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());
         log.colour = log_colour(self.logs.order.len() - 1);
         // Boxes of all logs are sorted and filtered alike.
@@ -238,9 +263,23 @@ impl App {
         self.keep_project("close");
     }
 
-    /// Closes a log; what was decided about it stays in its files.
+    /// Closes a log, as an undo step; what was decided about it stays in its files.
     pub(super) fn close_log(&mut self, id: LogId) {
+        if self.open_log(id).is_none() {
+            return;
+        }
+        let before = self.step_now();
+        let title = format!("close {}", self.name_of(id));
+        self.put_away(id);
+        let after = self.step_now();
+        self.record_named(&before, &after, title);
+        self.schedule();
+    }
+
+    /// Takes a log out of the open ones; another one is shown where it was.
+    fn put_away(&mut self, id: LogId) {
         self.with_log(id, App::keep_decisions);
+        self.search.leave(id);
         let order = &self.logs.order;
         let Some(place) = order.iter().position(|one| *one == id) else {
             return;
@@ -251,17 +290,55 @@ impl App {
         match next.copied() {
             Some(next) if id == self.log.id => self.show_log(next),
             Some(_) => {}
-            None => self.close_all(),
+            None => {
+                let mut last = std::mem::take(&mut self.log);
+                self.log.settings = self.shared.clone();
+                self.take_over(&mut last);
+                self.logs.close(last);
+                self.comparing.leave();
+                self.meet_log();
+            }
         }
-        self.logs.order.retain(|one| *one != id);
         let closed = self.logs.others.iter().position(|log| log.id == id);
         if let Some(closed) = closed {
-            self.search.leave(id);
-            let mut closed = self.logs.others.remove(closed);
-            self.logs.park(&mut closed);
+            let closed = self.logs.others.remove(closed);
+            self.logs.close(closed);
         }
-        self.keep_project("close log");
-        self.schedule();
+    }
+
+    /// The logs that were closed and can be opened again.
+    pub(super) fn closed_logs(&self) -> impl Iterator<Item = LogId> {
+        self.logs.closed.iter().map(|log| log.id)
+    }
+
+    /// Closes the logs that were closed at another moment, and opens again those that were not.
+    pub(super) fn open_and_close(&mut self, closed: &[LogId]) {
+        let wakes: Vec<LogId> = self
+            .closed_logs()
+            .filter(|id| !closed.contains(id))
+            .collect();
+        for id in wakes {
+            self.open_again(id);
+        }
+        for id in closed {
+            self.put_away(*id);
+        }
+    }
+
+    fn open_again(&mut self, id: LogId) {
+        let Some(place) = self.logs.closed.iter().position(|log| log.id == id) else {
+            return;
+        };
+        let log = self.logs.closed.remove(place);
+        self.logs.order.push(id);
+        match self.log.survey.is_none() {
+            true => {
+                let mut empty = std::mem::replace(&mut self.log, log);
+                self.take_over(&mut empty);
+                self.meet_log();
+            }
+            false => self.logs.others.push(log),
+        }
     }
 
     /// Lets a log take part in maps, clouds and products, or leaves it out, as an undo step.
@@ -269,8 +346,8 @@ impl App {
         let before = self.step_now();
         self.with_log(id, |app| app.log.is_visible = is_visible);
         let after = self.step_now();
-        let label = if is_visible { "show log" } else { "hide log" };
-        self.record_step(&before, &after, label, false);
+        let what = if is_visible { "show" } else { "hide" };
+        self.record_named(&before, &after, format!("{what} {}", self.name_of(id)));
         self.schedule();
     }
 
@@ -285,7 +362,12 @@ impl App {
         let moved = order.remove(from);
         order.insert(to, moved);
         let after = self.step_now();
-        self.record_step(&before, &after, "order of logs", false);
+        let way = if by < 0 { "up" } else { "down" };
+        self.record_named(&before, &after, format!("move {} {way}", self.name_of(id)));
+    }
+
+    fn name_of(&self, id: LogId) -> String {
+        self.open_log(id).map_or_else(String::new, OpenLog::name)
     }
 
     /// Puts the logs into the order of an earlier moment; those opened since stay at the end.

@@ -149,6 +149,7 @@ impl App {
                     done: true,
                     ..(**figure).clone()
                 }));
+                self.keep_project("measurement");
             }
             _ => {}
         }
@@ -165,8 +166,8 @@ impl App {
             Some(_) => "corner",
             None => "measurement",
         };
+        self.measuring.figure = after.figure.clone();
         self.record_step(&before, &after, label, false);
-        self.measuring.figure = after.figure;
     }
 
     /// The depth profile as a table; `None` while there is none.

@@ -15,6 +15,7 @@ mod exporting;
 mod external;
 mod figures;
 mod heights;
+mod history;
 mod leaving_out;
 mod loader;
 mod logs;

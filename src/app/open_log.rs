@@ -146,6 +146,25 @@ impl OpenLog {
             || self.leaving_out.is_busy()
     }
 
+    /// The same log without its results and what is under way: what is kept of one that is closed.
+    pub(super) fn at_rest(self) -> Self {
+        Self {
+            id: self.id,
+            survey: self.survey,
+            colour: self.colour,
+            is_visible: self.is_visible,
+            depth_span_m: self.depth_span_m,
+            lost_soundings: self.lost_soundings,
+            file: self.file,
+            own: self.own,
+            settings: self.settings,
+            external: self.external,
+            reviewing: self.reviewing,
+            bottom_file: self.bottom_file,
+            ..Self::default()
+        }
+    }
+
     /// What is drawn of it.
     pub(super) fn for_picture(&self) -> Self {
         Self {

@@ -188,16 +188,6 @@ impl App {
         self.log.is_behind() && self.engine_status() == EngineStatus::Idle
     }
 
-    /// Name of the change that undo would take back.
-    pub fn undo_label(&self) -> Option<&str> {
-        self.history.undo_label()
-    }
-
-    /// Name of the change that redo would do again.
-    pub fn redo_label(&self) -> Option<&str> {
-        self.history.redo_label()
-    }
-
     /// How work off the window's thread is run.
     pub fn jobs(&self) -> &Jobs {
         &self.jobs

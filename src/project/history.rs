@@ -53,6 +53,19 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
+    /// Where the step began that a change of this name from `before` ends: the state before its drag, if one is under way.
+    pub fn start_of<'a>(&'a self, label: &str, before: &'a T) -> &'a T {
+        let open = self.open.as_ref().filter(|(_, open)| open == label);
+        open.map_or(before, |(start, _)| start)
+    }
+
+    /// Gives the last step its full name: `threshold 0.41`, where its drag was a `threshold`.
+    pub fn name_last(&mut self, label: impl Into<Label>) {
+        if let Some((_, last)) = self.undo.back_mut() {
+            *last = label.into();
+        }
+    }
+
     fn close(&mut self, now: &T) {
         if let Some((start, label)) = self.open.take()
             && start != *now
@@ -143,6 +156,18 @@ mod tests {
         assert_eq!(history.undo(&0), None);
         assert_eq!(history.redo(&0), Some(3));
         assert_eq!(history.redo(&3), Some(9));
+    }
+
+    #[test]
+    fn a_step_is_named_by_where_its_drag_began() {
+        let mut history = History::default();
+        history.record(&0, &1, "threshold", true);
+        assert_eq!(*history.start_of("threshold", &1), 0);
+        assert_eq!(*history.start_of("preset", &1), 1);
+        history.record(&1, &2, "threshold", false);
+        history.name_last("threshold 2");
+        assert_eq!(history.undo_label(), Some("threshold 2"));
+        assert_eq!(*history.start_of("threshold", &2), 2);
     }
 
     #[test]

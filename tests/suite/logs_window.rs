@@ -203,6 +203,59 @@ fn error_of_depth_map_m(app: &App, mean_m: f64) -> f64 {
 }
 
 #[test]
+fn a_log_that_was_closed_comes_back_with_undo() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = opened(folder.path(), 2);
+    let path = folder.path().join("lake.bathyscope");
+    let save = Command::SaveProjectAs(path.clone());
+    window.state_mut().app.apply(save);
+    settle(&mut window);
+    change(&mut window, "draft_m=0.7");
+    let kept = |path: &Path| {
+        let project = bathyscope::project::Store::open(path)
+            .expect("a project")
+            .project;
+        let drafts = project.logs().iter();
+        let draft = |log: &std::sync::Arc<bathyscope::project::ProjectLog>| {
+            let draft = log.settings.own().get("draft_m").map(ToString::to_string);
+            (log.name.clone(), draft)
+        };
+        drafts.map(draft).collect::<Vec<_>>()
+    };
+    let whole = pings(&window);
+    window.get_by_label("Close lake-0").click_accesskit();
+    settle(&mut window);
+    assert_eq!(app(&window).undo_label(), Some("close lake-0"));
+    // The other one, and nothing is open.
+    press(&mut window, Modifiers::COMMAND, Key::W);
+    assert_eq!(app(&window).log_count(), 0);
+    for count in [1, 2] {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+        settle(&mut window);
+        assert_eq!(app(&window).log_count(), count);
+    }
+    assert_eq!(names(&window), ["lake-0", "lake-1"]);
+    assert_eq!(pings(&window), whole);
+    assert_eq!(app(&window).shown_logs().len(), 2, "with its results");
+    let first = app(&window).logs().next().expect("two logs");
+    assert_eq!(first.settings.draft_m, 0.7);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut window);
+    assert_eq!(names(&window), ["lake-1"]);
+    // Opened again by its file it is there once, also after undo.
+    drop_file(&mut window, folder.path().join("lake-0.sl2"));
+    settle(&mut window);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    settle(&mut window);
+    assert_eq!(app(&window).log_count(), 2);
+    drop(window);
+    let [(first, _), (second, _)] = &kept(&path)[..] else {
+        panic!("two logs")
+    };
+    assert_eq!([first.as_str(), second.as_str()], ["lake-1", "lake-0"]);
+}
+
+#[test]
 fn heights_are_compared_and_applied_as_one_step() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut window = opened(folder.path(), HIGHER_M.len());

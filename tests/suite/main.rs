@@ -22,6 +22,7 @@ mod formats;
 mod garbled;
 mod golden;
 mod handmade;
+mod history_window;
 mod hostile;
 mod lake_files;
 mod large_boxes;

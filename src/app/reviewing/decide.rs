@@ -1,10 +1,11 @@
 //! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
-use super::{LogStep, Reviewing, Step, Tool, middle};
-use crate::app::{App, LogBox, OpenLog, Orientation};
+use super::{Reviewing, Step, Tool, middle};
+use crate::app::{App, LogBox, Orientation};
 use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::survey::Side;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A step of the arrow keys on the screen.
@@ -31,38 +32,10 @@ impl Reviewing {
 }
 
 impl App {
-    /// What undo would come back to.
-    pub(in crate::app) fn step_now(&self) -> Step {
-        let log = |log: &OpenLog| LogStep {
-            id: log.id,
-            is_visible: log.is_visible,
-            own: log.own.clone(),
-            review: log.reviewing.review.clone(),
-        };
-        Step {
-            shared: self.shared.clone(),
-            logs: self.logs().map(log).collect(),
-            figure: self.measuring.figure.clone(),
-        }
-    }
-
-    /// Notes a change as a step that undo takes back, and keeps it in the project.
-    pub(in crate::app) fn record_step(
-        &mut self,
-        before: &Step,
-        after: &Step,
-        label: &'static str,
-        live: bool,
-    ) {
-        self.history.record(before, after, label, live);
-        if !live {
-            self.keep_project(label);
-        }
-    }
-
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
         self.measuring.figure = step.figure;
+        self.open_and_close(&step.closed);
         self.reorder(step.logs.iter().map(|log| log.id));
         let shared = std::mem::replace(&mut self.shared, step.shared);
         let same_shared = Arc::ptr_eq(&shared, &self.shared);
@@ -88,7 +61,7 @@ impl App {
     pub(in crate::app) fn take_review(
         &mut self,
         review: Arc<Review>,
-        label: &'static str,
+        label: impl Into<Cow<'static, str>>,
         live: bool,
     ) {
         let before = self.step_now();
@@ -105,7 +78,12 @@ impl App {
         let is_new = matches!(edit, Edit::Add { .. }) && after.is_some();
         // The end of a drag moves nothing and still ends its step.
         let after = after.map_or_else(|| now.clone(), Arc::new);
-        self.take_review(after, edit.label(), live);
+        let target = edit.target().or(is_new.then_some(next_id));
+        let label = match target {
+            Some(BoxId(number)) => Cow::Owned(format!("{} {number}", edit.label())),
+            None => Cow::Borrowed(edit.label()),
+        };
+        self.take_review(after, label, live);
         match edit {
             Edit::Relabel(_, class) => self.log.reviewing.class = *class,
             Edit::Add { .. } if is_new => {

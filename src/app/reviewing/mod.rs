@@ -22,7 +22,7 @@ pub(super) use detect::Search;
 pub(super) use places::Entries;
 
 use super::measuring::Figure;
-use super::{LogId, Mark};
+use super::{LogId, Mark, OpenLog};
 use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
 use crate::pipeline::{LogSettings, Settings};
@@ -58,6 +58,8 @@ pub(super) struct Step {
     pub shared: Arc<Settings>,
     /// The logs in the order of the list.
     pub logs: Vec<LogStep>,
+    /// Logs that were closed and can be opened again.
+    pub closed: Vec<LogId>,
     pub figure: Option<Arc<Figure>>,
 }
 
@@ -68,6 +70,18 @@ pub(super) struct LogStep {
     pub is_visible: bool,
     pub own: Arc<LogSettings>,
     pub review: Arc<Review>,
+}
+
+impl LogStep {
+    /// What undo would go back to of a log as it is.
+    pub fn of(log: &OpenLog) -> Self {
+        Self {
+            id: log.id,
+            is_visible: log.is_visible,
+            own: log.own.clone(),
+            review: log.reviewing.review.clone(),
+        }
+    }
 }
 
 /// A review is the same when it is the same version, which undo brings back as it was.

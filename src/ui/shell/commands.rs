@@ -63,6 +63,7 @@ impl Shell {
             Action::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             Action::Palette => self.palette.open(),
             Action::Manual => self.manual.open = !self.manual.open,
+            Action::History => self.history.open = !self.history.open,
             Action::Play => self.play.toggle(&self.app),
             Action::FocusWaterfall => self.layout.focus(View::Waterfall),
             Action::FocusMap => self.layout.focus(View::Map),

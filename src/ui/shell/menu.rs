@@ -197,6 +197,7 @@ fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
         };
         titled(ui, context, action, &title, label.is_some());
     }
+    entry(ui, context, Action::History);
 }
 
 fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {

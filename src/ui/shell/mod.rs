@@ -2,6 +2,7 @@
 
 mod commands;
 mod drop;
+mod history;
 mod keys;
 mod layout;
 mod manual;
@@ -21,6 +22,7 @@ use super::{ViewContext, ViewRequest, theme};
 use crate::app::{App, Command, View};
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, Panel, Ui};
+use history::HistoryList;
 use layout::Layout;
 use manual::Manual;
 use palette::Palette;
@@ -103,6 +105,7 @@ pub struct Shell {
     play: Play,
     printing: Printing,
     manual: Manual,
+    history: HistoryList,
     alone: Option<Alone>,
     started: bool,
     /// The analyst knows that closing loses decisions.
@@ -127,6 +130,7 @@ impl Shell {
             play: Play::default(),
             printing: Printing::default(),
             manual: Manual::default(),
+            history: HistoryList::default(),
             alone: None,
             started: false,
             warned_of_loss: false,
@@ -312,6 +316,7 @@ impl Shell {
         panels::notices::show(ui.ctx(), &mut context);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
+        self.history.ui(ui.ctx(), &mut context);
         self.dialogs.ui(ui.ctx(), &mut context);
         drop::overlay(ui);
         self.printing.ui(ui.ctx(), &mut context, &self.views)

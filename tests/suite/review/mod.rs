@@ -195,11 +195,13 @@ fn decisions_are_undone_one_by_one_and_share_the_history_with_settings() {
     let first = selected(&window);
     press(&mut window, Modifiers::NONE, Key::A);
     press(&mut window, Modifiers::NONE, Key::CloseBracket);
+    let BoxId(second) = selected(&window);
     press(&mut window, Modifiers::NONE, Key::R);
     let after = states(&window);
-    assert_eq!(app(&window).undo_label(), Some("reject box"));
+    let rejected = format!("reject box {second}");
+    assert_eq!(app(&window).undo_label(), Some(&*rejected));
     press(&mut window, Modifiers::COMMAND, Key::Z);
-    assert_eq!(app(&window).undo_label(), Some("threshold"));
+    assert_eq!(app(&window).undo_label(), Some("threshold 0.31"));
     assert_eq!(threshold(&window), 0.31);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(threshold(&window), 0.30);

@@ -99,7 +99,7 @@ fn the_threshold_line_can_be_dragged() {
         .collect();
     assert!(changes.contains(&(0.45, true)), "{changes:?}");
     assert_eq!(changes.last(), Some(&(0.60, false)), "{changes:?}");
-    assert_eq!(window.state().app.undo_label(), Some("threshold"));
+    assert_eq!(window.state().app.undo_label(), Some("threshold 0.60"));
 }
 
 #[test]

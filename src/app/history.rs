@@ -1,0 +1,160 @@
+//! The history of what an analyst changes: what each step is called, and going to any of them.
+
+use super::reviewing::{LogStep, Step};
+use super::{App, LogId};
+use crate::pipeline::settings::{Kind, row};
+use crate::pipeline::{Settings, setting_values};
+use crate::project;
+use std::borrow::Cow;
+use std::sync::Arc;
+use toml::Value;
+
+impl App {
+    /// What undo would come back to.
+    pub(super) fn step_now(&self) -> Step {
+        Step {
+            shared: self.shared.clone(),
+            logs: self.logs().map(LogStep::of).collect(),
+            closed: self.closed_logs().collect(),
+            figure: self.measuring.figure.clone(),
+        }
+    }
+
+    /// Notes a change as a step that undo takes back, and keeps it in the project. Its full name says what became of what: `threshold
+    /// 0.41`, `bottom of pond`.
+    pub(super) fn record_step(
+        &mut self,
+        before: &Step,
+        after: &Step,
+        label: impl Into<Cow<'static, str>>,
+        live: bool,
+    ) {
+        let label = label.into();
+        let start = self.history.start_of(&label, before).clone();
+        self.history.record(before, after, label.clone(), live);
+        if live {
+            return;
+        }
+        let title = self.title(&label, &start, after);
+        if start != *after {
+            self.history.name_last(title.clone());
+        }
+        self.keep_project(&title);
+    }
+
+    /// Notes a change whose name says all.
+    pub(super) fn record_named(&mut self, before: &Step, after: &Step, title: String) {
+        self.history.record(before, after, title.clone(), false);
+        self.keep_project(&title);
+    }
+
+    /// Steps in the order in which they were done, and after them those that were taken back.
+    pub fn history(&self) -> impl Iterator<Item = project::Step<'_>> {
+        self.history.steps()
+    }
+
+    /// Name of the change that undo would take back.
+    pub fn undo_label(&self) -> Option<&str> {
+        self.history.undo_label()
+    }
+
+    /// Name of the change that redo would do again.
+    pub fn redo_label(&self) -> Option<&str> {
+        self.history.redo_label()
+    }
+
+    /// Takes the last step back.
+    pub(super) fn undo(&mut self) {
+        if let Some(step) = self.history.undo(&self.step_now()) {
+            self.take_step(step);
+        }
+    }
+
+    /// Does again what was taken back last.
+    pub(super) fn redo(&mut self) {
+        if let Some(step) = self.history.redo(&self.step_now()) {
+            self.take_step(step);
+        }
+    }
+
+    /// Goes to the state after so many of the steps.
+    pub(super) fn go_to_step(&mut self, count: usize) {
+        if let Some(step) = self.history.go_to(count, &self.step_now()) {
+            self.take_step(step);
+        }
+    }
+
+    fn title(&self, label: &str, before: &Step, after: &Step) -> String {
+        let mut title = label.to_owned();
+        if let Some(value) = value_of_change(before, after) {
+            title += &format!(" {value}");
+        }
+        let name = |id: LogId| self.open_log(id).map(|log| log.name());
+        let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
+        match changed[..] {
+            [] => {}
+            [one] if self.log_count() > 1 => {
+                title += &name(one).map_or_else(String::new, |name| format!(" of {name}"));
+            }
+            [_] => {}
+            _ => title += &format!(" of {} logs", changed.len()),
+        }
+        title
+    }
+}
+
+fn changed_logs<'a>(
+    before: &'a Step,
+    after: &'a Step,
+) -> impl Iterator<Item = (&'a LogStep, &'a LogStep)> {
+    let pairs = after.logs.iter().filter_map(|log| {
+        let was = before.logs.iter().find(|was| was.id == log.id)?;
+        Some((was, log))
+    });
+    pairs.filter(|(was, log)| was != log)
+}
+
+/// What the one setting became that differs, as its control writes it; `None` where none or several do.
+fn value_of_change(before: &Step, after: &Step) -> Option<String> {
+    let (was, is) = match Arc::ptr_eq(&before.shared, &after.shared) {
+        false => (
+            setting_values(&before.shared),
+            setting_values(&after.shared),
+        ),
+        true => {
+            let mut changed = changed_logs(before, after);
+            let (was, log) = changed.next().filter(|_| changed.next().is_none())?;
+            (was.own.own().clone(), log.own.own().clone())
+        }
+    };
+    if after.shared.matching_preset().is_some() && !Arc::ptr_eq(&before.shared, &after.shared) {
+        return preset_of(&before.shared, &after.shared);
+    }
+    let keys = was.keys().chain(is.keys());
+    let mut keys = keys.filter(|key| was.get(*key) != is.get(*key));
+    let key = keys.next()?;
+    // A key that both have stands in the list twice.
+    if keys.any(|other| other != key) {
+        return None;
+    }
+    match (&row(key)?.kind, is.get(key)) {
+        (Kind::Number(number), Some(value)) => {
+            let value = value
+                .as_float()
+                .or(value.as_integer().map(|whole| whole as f64))?;
+            Some(format!("{value:.*}{}", number.decimals, number.suffix()))
+        }
+        (Kind::Number(number), None) if number.without.is_some() => Some("none".to_owned()),
+        (Kind::Choice(choice), Some(Value::String(chosen))) => {
+            let named = choice.names.iter().find(|name| name.value == chosen);
+            Some(named.map_or(chosen.as_str(), |name| name.label).to_owned())
+        }
+        _ => None,
+    }
+}
+
+/// The preset that the settings became.
+fn preset_of(before: &Settings, after: &Settings) -> Option<String> {
+    let preset = after.matching_preset()?;
+    (before.matching_preset() != Some(preset)).then(|| preset.name().to_owned())
+}
