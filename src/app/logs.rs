@@ -261,6 +261,7 @@ impl App {
     pub fn keep_all(&mut self) {
         self.each_log(App::keep_decisions);
         self.keep_project("close");
+        self.finish_keeping();
     }
 
     /// Closes a log, as an undo step; what was decided about it stays in its files.

@@ -4,9 +4,12 @@
 use super::loader::hold_log;
 use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
+use crate::export::is_same_file;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
-use crate::project::{ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, find};
+use crate::project::{
+    ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, StoreError, Written, find,
+};
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,20 +33,48 @@ pub(super) struct Keeping {
     opening: Option<Task<Result<OpenedLogs, String>>>,
     /// A project that is about to be written for the first time: where, and what the open logs' files are.
     naming: Option<(PathBuf, Task<Hashed>)>,
+    /// It is being written for the first time, with this in it.
+    creating: Option<(Project, Task<Result<Store, StoreError>>)>,
+    /// It is being written into its file.
+    saving: Option<Task<Written>>,
+    /// It is to be saved again after that.
+    saves_again: bool,
     /// It cannot be written; it was said.
     failed: bool,
 }
 
 impl Keeping {
-    /// Whether a project is being opened or named.
+    /// Whether a project is being opened or written.
     pub fn is_busy(&self) -> bool {
-        self.opening.is_some() || self.naming.is_some()
+        self.opening.is_some() || self.is_writing()
     }
 
-    /// Drops what is under way.
+    fn is_writing(&self) -> bool {
+        self.naming.is_some() || self.creating.is_some() || self.saving.is_some()
+    }
+
+    /// Drops what is under way; what is being written is written.
     pub fn stop(&mut self) {
         self.opening = None;
         self.naming = None;
+    }
+
+    /// Waits for what is being written: nothing else may use the file before.
+    fn finish_writing(&mut self) {
+        self.naming = None;
+        self.saves_again = false;
+        if let Some((project, task)) = self.creating.take()
+            && let Some(Ok(store)) = task.wait()
+        {
+            self.store = Some(store);
+            self.project = project;
+        }
+        if let (Some(task), Some(store)) = (self.saving.take(), &mut self.store)
+            && let Some(written) = task.wait()
+        {
+            // What could not be written is in the journal.
+            store.end_save(written).ok();
+        }
     }
 }
 
@@ -78,6 +109,7 @@ impl App {
         self.loading = None;
         self.to_load.clear();
         self.keep_project("close");
+        self.keeping.finish_writing();
         // The window itself may have it open.
         self.keeping.store = None;
         self.keeping.opening = Some(Task::start(&self.jobs, move |progress| {
@@ -123,14 +155,51 @@ impl App {
             let text = "nothing is kept as a project yet; save it under a name first";
             return self.notify(text.to_owned(), true);
         };
-        match store.save(&self.keeping.project) {
-            Ok(()) => {
-                self.keeping.failed = false;
-                let text = format!("Saved the project: {}", store.path().display());
-                self.notify(text, false);
+        if self.keeping.saving.is_some() {
+            self.keeping.saves_again = true;
+            return;
+        }
+        match store.begin_save(&self.keeping.project) {
+            Ok(saving) => {
+                let task = Task::start(&self.jobs, move |_| saving.write());
+                self.keeping.saving = Some(task);
             }
             Err(error) => self.notify(error.to_string(), true),
         }
+    }
+
+    /// Collects a project that was saved.
+    fn poll_saving(&mut self) {
+        let written = match self.keeping.saving.as_ref().map(Task::poll) {
+            Some(Outcome::Done(written)) => Some(written),
+            Some(Outcome::Failed) => None,
+            Some(Outcome::Pending) | None => return,
+        };
+        self.keeping.saving = None;
+        match (written, &mut self.keeping.store) {
+            (Some(written), Some(store)) => match store.end_save(written) {
+                Ok(()) => {
+                    self.keeping.failed = false;
+                    let text = format!("Saved the project: {}", store.path().display());
+                    self.notify(text, false);
+                }
+                Err(error) => self.notify(error.to_string(), true),
+            },
+            _ => self.notify("saving the project failed unexpectedly".to_owned(), true),
+        }
+        if std::mem::take(&mut self.keeping.saves_again) {
+            self.save_project();
+        }
+    }
+
+    /// Whether the project is being written into its file.
+    pub fn is_keeping(&self) -> bool {
+        self.keeping.is_writing()
+    }
+
+    /// Waits until the project is written: the window closes.
+    pub(super) fn finish_keeping(&mut self) {
+        self.keeping.finish_writing();
     }
 
     /// Writes what changed into the journal of the open project.
@@ -155,6 +224,7 @@ impl App {
     /// Leaves the project: what is opened next is none of its logs.
     pub(super) fn leave_project(&mut self) {
         self.keep_project("close");
+        self.keeping.finish_writing();
         self.keeping = Keeping::default();
     }
 
@@ -225,6 +295,8 @@ impl App {
 
     /// Collects a project that was read or is to be written.
     pub(super) fn poll_project(&mut self) {
+        self.poll_saving();
+        self.poll_creating();
         match self.keeping.opening.as_ref().map(Task::poll) {
             Some(Outcome::Done(read)) => {
                 self.keeping.opening = None;
@@ -256,19 +328,42 @@ impl App {
                 app.leave_sidecars();
             });
         }
+        if self
+            .project_path()
+            .is_some_and(|kept| is_same_file(kept, path))
+        {
+            return self.save_project();
+        }
         let project = self.as_project(&self.keeping.project);
-        // The lock of the file that it was kept in until now.
-        self.keeping.store = None;
-        match Store::create(path, &project) {
-            Ok(store) => {
+        let (path, kept) = (path.to_owned(), project.clone());
+        let create = move |_: &Progress| Store::create(&path, &kept);
+        self.keeping.creating = Some((project, Task::start(&self.jobs, create)));
+        self.poll_creating();
+    }
+
+    /// Collects a project that was written for the first time. Until then what is changed is kept where it was kept before.
+    fn poll_creating(&mut self) {
+        let created = match self.keeping.creating.as_ref().map(|(_, task)| task.poll()) {
+            Some(Outcome::Done(created)) => Some(created),
+            Some(Outcome::Failed) => None,
+            Some(Outcome::Pending) | None => return,
+        };
+        let Some((project, _)) = self.keeping.creating.take() else {
+            return;
+        };
+        match created {
+            Some(Ok(store)) => {
                 let text = format!("Saved the project: {}", store.path().display());
                 self.remember(store.path().to_owned());
+                self.keeping.finish_writing();
                 self.keeping.store = Some(store);
                 self.keeping.project = project;
                 self.keeping.failed = false;
                 self.notify(text, false);
+                self.keep_project("save under another name");
             }
-            Err(error) => self.notify(error.to_string(), true),
+            Some(Err(error)) => self.notify(error.to_string(), true),
+            None => self.notify("saving the project failed unexpectedly".to_owned(), true),
         }
     }
 

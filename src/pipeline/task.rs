@@ -82,6 +82,11 @@ impl<T: Send + 'static> Task<T> {
         }
     }
 
+    /// Waits for the result; `None` when its thread died, or the result was taken.
+    pub fn wait(&self) -> Option<T> {
+        self.result.recv().ok()
+    }
+
     /// Done share, 0 to 1.
     pub fn fraction(&self) -> f32 {
         self.progress.fraction()

@@ -180,6 +180,20 @@ impl Keeper {
     }
 }
 
+/// Asks the disk to keep a journal.
+#[derive(Debug)]
+pub struct Syncing(File);
+
+impl Syncing {
+    /// Asks, and waits.
+    ///
+    /// # Errors
+    /// What the system said.
+    pub fn sync(&self) -> io::Result<()> {
+        self.0.sync_data()
+    }
+}
+
 impl Journal {
     /// Opens the journal at a path for this window alone, with what lies in it.
     ///
@@ -260,12 +274,12 @@ impl Journal {
         self.append(&Entry::Opened(Owner::now()))
     }
 
-    /// Asks the disk to keep all of it, and waits.
+    /// What asks the disk to keep all that was written so far, on any thread.
     ///
     /// # Errors
     /// What the system said.
-    pub fn sync(&self) -> io::Result<()> {
-        self.file.sync_data()
+    pub fn syncing(&self) -> io::Result<Syncing> {
+        self.file.try_clone().map(Syncing)
     }
 
     /// Takes the journal away: nothing in it is missing in the file.

@@ -92,7 +92,7 @@ pub use log::{LogFile, LogKey, ProjectLog};
 pub use measurement::{Measurement, MeasurementKind};
 pub use row::Key;
 pub use sidecar::{Sidecars, read_bottom, read_sidecars};
-pub use store::{ENDING, Opened, Owner, Store, StoreError, read};
+pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};
 
 use crate::pipeline::{Settings, SettingsError};
 use row::Rows;

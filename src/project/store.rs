@@ -6,7 +6,7 @@
 //! - One window has a project open at a time. Where that cannot be known, a file that another program changed meanwhile is not written
 //!   over.
 
-use super::journal::{Entry, Journal, NoJournal, Read};
+use super::journal::{Entry, Journal, NoJournal, Read, Syncing};
 use super::migrate::{VERSION, migrate};
 use super::row::Rows;
 use super::{Project, ProjectError, paths, rows, text};
@@ -225,7 +225,8 @@ impl Store {
             saved: None,
             path,
         };
-        store.write(project)?;
+        let saving = store.saving(project, None)?;
+        store.end_save(saving.write())?;
         Ok(store)
     }
 
@@ -271,41 +272,70 @@ impl Store {
     /// # Errors
     /// When another program has changed the file, or it cannot be written; what was done stays in the journal.
     pub fn save(&mut self, project: &Project) -> Result<(), StoreError> {
-        match text_of(&self.path) {
-            Ok((_, sha256)) if sha256 != self.sha256 => Err(StoreError::Changed {
-                path: self.path.clone(),
-            }),
-            // One that was removed can be written again; of one that cannot be read, the writing tells.
-            _ => self.write(project),
-        }
+        let saving = self.begin_save(project)?;
+        self.end_save(saving.write())
     }
 
-    fn write(&mut self, project: &Project) -> Result<(), StoreError> {
-        let path = self.path.clone();
-        let not_writable = |source| StoreError::NotWritable {
-            path: path.clone(),
-            source,
-        };
+    /// Begins to write the project into its file. [`Saving::write`] does so, on another thread if it may take long;
+    /// [`Store::end_save`] ends it. What is recorded in between comes after it: whenever the program ends, the journal goes with the
+    /// file that lies there.
+    ///
+    /// # Errors
+    /// When the journal cannot be written.
+    pub fn begin_save(&mut self, project: &Project) -> Result<Saving, StoreError> {
+        self.record(project, "save")?;
+        self.saving(project, Some(self.sha256.clone()))
+    }
+
+    /// Takes over that the project was written, or was not.
+    ///
+    /// # Errors
+    /// Why it was not.
+    pub fn end_save(&mut self, written: Written) -> Result<(), StoreError> {
+        let Written {
+            result,
+            sha256,
+            project,
+        } = written;
+        result?;
+        self.sha256.clone_from(&sha256);
+        let is_all = self.recorded == project;
+        self.saved = Some(project);
+        // What was done since stays in the journal, behind the line that says that the file holds all before.
+        if is_all {
+            let path = &self.path;
+            let journal = self.journal.as_mut().ok_or_else(|| closed(path))?;
+            journal
+                .restart(&sha256, VERSION)
+                .map_err(not_writable(path))?;
+        }
+        Ok(())
+    }
+
+    /// What is written of a project into the file, which must have this hash if one is given.
+    fn saving(
+        &mut self,
+        project: &Project,
+        expected: Option<String>,
+    ) -> Result<Saving, StoreError> {
         let text = project.to_text(&self.folder());
         let sha256 = in_hexadecimal(&Sha256::digest(&text));
+        let path = self.path.clone();
         let journal = self.journal.as_mut().ok_or_else(|| closed(&path))?;
         // Ended between the renaming and the new journal, the file says by its hash that it holds all of this.
         let about = Entry::Saved {
             sha256: sha256.clone(),
             version: VERSION,
         };
-        journal.append(&about).map_err(not_writable)?;
-        journal.sync().map_err(not_writable)?;
-        let written = export::write_aside(&path, |mut file| {
-            file.write_all(text.as_bytes())?;
-            file.sync_all()
-        });
-        written.map_err(|error| not_writable(error.source))?;
-        sync_folder(&folder_of(&path));
-        self.sha256.clone_from(&sha256);
-        self.recorded = project.clone();
-        self.saved = Some(project.clone());
-        journal.restart(&sha256, VERSION).map_err(not_writable)
+        journal.append(&about).map_err(not_writable(&path))?;
+        Ok(Saving {
+            journal: journal.syncing().map_err(not_writable(&path))?,
+            path,
+            expected,
+            text,
+            sha256,
+            project: project.clone(),
+        })
     }
 
     /// Leaves the project. What was done since it was saved stays in the journal for the next time if `keep`, or is forgotten.
@@ -313,6 +343,62 @@ impl Store {
         if !keep && let Some(journal) = self.journal.take() {
             journal.remove();
         }
+    }
+}
+
+/// A project that is to be written into its file.
+#[derive(Debug)]
+pub struct Saving {
+    path: PathBuf,
+    /// Hash that the file has unless another program changed it.
+    expected: Option<String>,
+    text: String,
+    sha256: String,
+    project: Project,
+    journal: Syncing,
+}
+
+/// What became of a [`Saving`].
+#[derive(Debug)]
+pub struct Written {
+    result: Result<(), StoreError>,
+    sha256: String,
+    project: Project,
+}
+
+impl Saving {
+    /// Writes it: aside, kept by the disk, renamed.
+    pub fn write(self) -> Written {
+        Written {
+            result: self.try_write(),
+            sha256: self.sha256,
+            project: self.project,
+        }
+    }
+
+    fn try_write(&self) -> Result<(), StoreError> {
+        let path = &self.path;
+        // One that was removed can be written again; of one that cannot be read, the writing tells.
+        if let (Some(expected), Ok((_, sha256))) = (&self.expected, text_of(path))
+            && sha256 != *expected
+        {
+            return Err(StoreError::Changed { path: path.clone() });
+        }
+        self.journal.sync().map_err(not_writable(path))?;
+        let written = export::write_aside(path, |mut file| {
+            file.write_all(self.text.as_bytes())?;
+            file.sync_all()
+        });
+        written.map_err(|error| not_writable(path)(error.source))?;
+        sync_folder(&folder_of(path));
+        Ok(())
+    }
+}
+
+fn not_writable(path: &Path) -> impl Fn(io::Error) -> StoreError + use<'_> {
+    |source| StoreError::NotWritable {
+        path: path.to_owned(),
+        source,
     }
 }
 

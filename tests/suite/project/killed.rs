@@ -1,85 +1,170 @@
-//! A program that edits and saves a project, killed at any moment: the project opens, what it told of is there, and at most one gesture
-//! is there of which it did not tell yet. The log's bytes stay.
+//! The program as the window drives it, killed at any moment while it edits and saves a project of two logs: the project opens, what it
+//! told of is there, and at most one gesture is there of which it did not tell yet. The bytes of the logs stay.
 //!
-//! The program is this test itself: with [`FOLDER`] in its environment it edits until it is killed.
+//! The program is this test itself: with [`FOLDER`] in its environment it edits until it is killed. What should be there is found by
+//! an own run of the same gestures that nobody kills.
 
-use super::{path, renamed, saved};
+use super::names;
+use crate::handmade::{sl2, survey_frames};
 use crate::support::Moments;
+use bathyscope::app::{Action, App, BottomStroke, Command, Ink, Jobs, Leave, LogId, Measure};
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::{BoxId, Edit};
-use bathyscope::project::{Change, Project, Store};
-use bathyscope::survey::Side;
+use bathyscope::geo::LonLat;
+use bathyscope::pipeline::Settings;
+use bathyscope::project::Store;
+use bathyscope::survey::{LogPart, Side};
 use sha2::{Digest as _, Sha256};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::Path;
-use std::process::{Command, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Kills of the test; `BATHYSCOPE_KILLS` asks for more.
 const KILLS: usize = 6;
 /// Where the program that is killed works.
 const FOLDER: &str = "BATHYSCOPE_KILLED_PROJECT";
-/// Saves after so many gestures.
-const SAVE_EVERY: usize = 5;
+/// The project that it opens, and the gesture that it begins with.
+const BEGINS: &str = "BATHYSCOPE_KILLED_BEGINS";
 /// The longest that a program edits, milliseconds.
-const LONGEST_MS: f64 = 120.0;
+const LONGEST_MS: f64 = 400.0;
+/// Kinds of gestures.
+const KINDS: usize = 28;
+/// The logs.
+const LOGS: [(&str, i32); 2] = [("pond.sl2", 60), ("lake.sl2", 75)];
 
-/// The gesture of a number. The log's name holds the number, so that every state says how far it came.
-fn gesture(project: &Project, number: usize) -> Project {
-    let project = renamed(project, &number.to_string());
-    let log = project.logs()[0].key.clone();
-    let from = number % 200;
+fn change(app: &App, assignment: &str, label: &'static str) -> Command {
+    let settings = Settings::clone(&app.log.settings);
+    let settings = settings.with_assignment(assignment).expect("a setting");
+    Command::Change {
+        settings: Box::new(settings),
+        label,
+        live: false,
+    }
+}
+
+/// The gesture of a number, as the window would ask for it. The commands depend on the number and on what is open only.
+fn gesture(app: &App, number: usize, folder: &Path) -> Command {
+    let round = number / KINDS;
+    let from = (7 * number) % 40;
+    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    let other = ids[round % ids.len()];
+    let part = LogPart::Pings([from, from + 5]);
+    let leave_out = |leave| Command::LeaveOut {
+        log: other,
+        part,
+        leave,
+    };
     let mark = Mark {
         side: Side::Port,
         pings: from..from + 3,
         near_m: 1.5,
-        far_m: 2.5 + number as f64,
+        far_m: 2.5 + 0.01 * number as f64,
     };
-    let last = project.logs()[0].review.next_id().0.saturating_sub(1);
-    let edit = match number % 3 {
-        0 => Edit::Reject(BoxId(last)),
-        _ if number > 40 => Edit::Reshape(BoxId(1 + (number % 9) as u32), mark),
-        _ => Edit::Add { mark, class: 0 },
+    let last = app.log.reviewing.review.next_id().0.saturating_sub(1);
+    let edit = |edit| Command::Edit { edit, live: false };
+    let corner = LonLat {
+        lon_deg: 0.01 * from as f64,
+        lat_deg: 0.001 * number as f64,
     };
-    let change = Change::Box { log, edit };
-    project.apply(&change).unwrap_or(project)
+    match number % KINDS {
+        0 => change(
+            app,
+            &format!("first_return.threshold=0.{}", 20 + from),
+            "threshold",
+        ),
+        1 => change(app, &format!("draft_m=0.{}", 10 + from), "draft"),
+        2 | 13 => leave_out(Leave::Out),
+        3 => Command::DrawBottom(BottomStroke {
+            side: Side::Starboard,
+            path: vec![[from as f64, 3.0], [from as f64 + 6.0, 3.5]],
+            ink: Ink::Bottom,
+        }),
+        4 | 22 => edit(Edit::Add { mark, class: 0 }),
+        5 => edit(Edit::Accept(BoxId(last))),
+        6 => Command::SetOwn {
+            key: "first_return.threshold".to_owned(),
+            own: round.is_multiple_of(2),
+        },
+        7 => Command::MoveLog(ids[0], 1),
+        8 => Command::SetLogVisible(other, !round.is_multiple_of(3)),
+        9 | 10 | 18 | 27 => Command::Do(Action::Undo),
+        26 if ids.len() > 1 => Command::CloseLog(other),
+        26 => Command::Add(LOGS.map(|(name, _)| folder.join(name)).to_vec()),
+        11 => Command::Do(Action::Redo),
+        12 => Command::Do(Action::MeasureDistance),
+        14 | 15 => Command::Measure(Measure::Corner(corner)),
+        16 => Command::Do(Action::EndFigure),
+        17 => leave_out(Leave::In),
+        19 | 24 => Command::SaveProject,
+        20 => Command::ShowLog(other),
+        21 => Command::GoToStep(from % 6),
+        23 => leave_out(Leave::AsFound),
+        _ if round.is_multiple_of(4) => {
+            let name = ["one.bathyscope", "two.bathyscope"][round / 4 % 2];
+            Command::SaveProjectAs(folder.join(name))
+        }
+        _ => Command::Do(Action::RemoveFigure),
+    }
 }
 
-fn number_of(project: &Project) -> usize {
-    project.logs()[0].name.parse().unwrap_or(0)
+fn is_idle(app: &App) -> bool {
+    app.is_idle() && app.visible_logs().all(|log| !log.is_behind())
 }
 
-/// The project that the gestures up to a number make of one.
-fn after(project: &Project, number: usize) -> Project {
-    let missing = number_of(project) + 1..=number;
-    missing.fold(project.clone(), |project, number| gesture(&project, number))
+/// A program with a project open, its results made.
+fn opened(project: &Path, jobs: Jobs) -> App {
+    let mut app = App::new(jobs);
+    app.apply(Command::Open(project.to_owned()));
+    while app.project_path().is_none() || !is_idle(&app) {
+        app.poll();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(app.log_count() > 0, "{:?}", app.notices);
+    app
 }
 
-/// Edits and saves, and tells of each gesture that it has written.
-fn edit(folder: &Path) {
-    let mut opened = Store::open(&path(folder)).expect("a project");
+/// Edits and saves, and tells of each gesture that it has done. Results are made behind it, as in the window.
+fn edit(folder: &Path, begins: &str) {
+    let (name, first) = begins.split_once(' ').expect("a project and a number");
+    let first: usize = first.parse().expect("a number");
+    let mut app = opened(&folder.join(name), Jobs::Threads(Arc::new(|| ())));
     let mut out = std::io::stdout();
-    for number in number_of(&opened.project) + 1.. {
-        opened.project = gesture(&opened.project, number);
-        opened
-            .store
-            .record(&opened.project, "gesture")
-            .expect("a line");
+    for number in first.. {
+        let command = gesture(&app, number, folder);
+        let renames = matches!(command, Command::SaveProjectAs(_));
+        let adds = matches!(command, Command::Add(_));
+        // What is found in a log is known once its results are there.
+        let finds = matches!(
+            command,
+            Command::LeaveOut {
+                leave: Leave::In,
+                ..
+            }
+        );
+        while finds && !is_idle(&app) {
+            app.poll();
+        }
+        app.apply(command);
+        app.poll();
+        // Until the other file is there, what is done is kept in the one before. Saving goes on behind the next gestures.
+        while renames && app.is_keeping() || adds && !is_idle(&app) {
+            app.poll();
+        }
         writeln!(out, "did {number}").expect("a pipe");
         out.flush().expect("a pipe");
-        if number % SAVE_EVERY == 0 {
-            opened.store.save(&opened.project).expect("a save");
-        }
     }
 }
 
 /// Starts a program that edits, kills it at a moment, and gives the last gesture that it told of.
-fn killed(folder: &Path, moment: Duration) -> Option<usize> {
+fn killed(folder: &Path, begins: &str, moment: Duration) -> Option<usize> {
     let name = "project::killed::a_killed_program_loses_its_last_gesture_at_most";
-    let mut child = Command::new(std::env::current_exe().expect("this test"))
+    let mut child = std::process::Command::new(std::env::current_exe().expect("this test"))
         .args(["--exact", name, "--nocapture", "--test-threads=1"])
         .env(FOLDER, folder)
+        .env(BEGINS, begins)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
@@ -101,55 +186,139 @@ fn told(line: &str) -> Option<usize> {
     line.rsplit_once("did ")?.1.parse().ok()
 }
 
+/// A project after a gesture.
+struct State {
+    /// File name of the project.
+    name: String,
+    text: String,
+}
+
+/// The states that gestures make of a project that nobody kills: one for each number from `first` to `last`.
+fn states(folder: &Path, (name, text): (&str, &str), first: usize, last: usize) -> Vec<State> {
+    let project = folder.join(name);
+    fs::write(&project, text).expect("a project");
+    let mut app = opened(&project, Jobs::Inline);
+    let numbers = first..=last;
+    numbers
+        .map(|number| {
+            let command = gesture(&app, number, folder);
+            app.apply(command);
+            app.poll();
+            while !is_idle(&app) {
+                app.poll();
+            }
+            app.apply(Command::SaveProject);
+            app.poll();
+            let path = app.project_path().expect("a project").to_owned();
+            State {
+                text: fs::read_to_string(&path).expect("a project"),
+                name: path
+                    .file_name()
+                    .expect("a name")
+                    .to_string_lossy()
+                    .into_owned(),
+            }
+        })
+        .collect()
+}
+
+/// Two small logs, and a project of them.
+fn written(folder: &Path) -> PathBuf {
+    for (name, pings) in LOGS {
+        fs::write(folder.join(name), sl2(&survey_frames(pings))).expect("a log");
+    }
+    let mut app = App::new(Jobs::Inline);
+    app.apply(Command::OpenAll(
+        LOGS.map(|(name, _)| folder.join(name)).to_vec(),
+    ));
+    while !is_idle(&app) {
+        app.poll();
+    }
+    let project = folder.join("one.bathyscope");
+    app.apply(Command::SaveProjectAs(project.clone()));
+    while app.is_keeping() {
+        app.poll();
+    }
+    assert_eq!(
+        app.project_path(),
+        Some(project.as_path()),
+        "{:?}",
+        app.notices
+    );
+    project
+}
+
+fn hashes(folder: &Path) -> Vec<Vec<u8>> {
+    let bytes = LOGS.map(|(name, _)| fs::read(folder.join(name)).expect("a log"));
+    bytes
+        .iter()
+        .map(|bytes| Sha256::digest(bytes).to_vec())
+        .collect()
+}
+
+/// The project's text with what is in its journal; it must open.
+fn found(folder: &Path, name: &str) -> (String, bool) {
+    let path = folder.join(name);
+    let in_file = bathyscope::project::read(&path).expect("a whole project");
+    let opened = Store::open(&path).expect("a project");
+    let text = opened.project.to_text(folder);
+    // As it was found: what is not saved stays in the journal.
+    (text.clone(), text != in_file.to_text(folder))
+}
+
 #[test]
 fn a_killed_program_loses_its_last_gesture_at_most() {
     if let Some(folder) = std::env::var_os(FOLDER) {
-        return edit(Path::new(&folder));
+        let begins = std::env::var(BEGINS).expect("where it begins");
+        return edit(Path::new(&folder), &begins);
     }
     let asked = std::env::var("BATHYSCOPE_KILLS").ok();
     let kills = asked.and_then(|text| text.parse().ok()).unwrap_or(KILLS);
-    let temporary = tempfile::tempdir().expect("a folder");
-    let folder = temporary.path();
-    let (store, mut last) = saved(folder);
-    drop(store);
-    let log = fs::read(folder.join("pond.sl2")).expect("a log");
-    let hash = Sha256::digest(&log);
+    let [temporary, own] = [0, 1].map(|_| tempfile::tempdir().expect("a folder"));
+    let [folder, own] = [temporary.path(), own.path()];
+    written(folder);
+    written(own);
+    let hash = hashes(folder);
+    let mut at = State {
+        name: "one.bathyscope".to_owned(),
+        text: found(folder, "one.bathyscope").0,
+    };
+    let mut next = 0;
     let mut moments = Moments(15);
-    let (mut unsaved, mut ahead) = (0, 0);
+    let (mut gestures, mut unsaved, mut ahead) = (0, 0, 0);
     for kill in 0..kills {
         let moment = Duration::from_secs_f64(LONGEST_MS * 0.001 * moments.share());
-        let reported =
-            killed(folder, moment).unwrap_or_else(|| panic!("kill {kill}: it did nothing"));
-        let in_file =
-            number_of(&bathyscope::project::read(&path(folder)).expect("a whole project"));
-        let opened = Store::open(&path(folder)).expect("a project");
-        let there = number_of(&opened.project);
-        // Of the last gesture it may not have reported yet.
-        assert!(
-            (reported..=reported + 1).contains(&there),
-            "kill {kill}: it reported {reported}, {there} is there"
-        );
-        unsaved += usize::from(in_file < there);
+        let begins = format!("{} {next}", at.name);
+        let reported = killed(folder, &begins, moment)
+            .unwrap_or_else(|| panic!("kill {kill}: it did nothing"));
+        let states = states(own, (&at.name, &at.text), next, reported + 1);
+        // Of the last gesture it may not have told yet.
+        let there = [reported + 1, reported].into_iter().find(|number| {
+            let state = &states[number - next];
+            folder.join(&state.name).is_file() && found(folder, &state.name).0 == state.text
+        });
+        let Some(there) = there else {
+            let state = &states[reported - next];
+            assert_eq!(
+                found(folder, &state.name).0,
+                state.text,
+                "kill {kill}, {reported}"
+            );
+            panic!("kill {kill}: it told of {reported}, which is not there");
+        };
+        gestures += there + 1 - next;
         ahead += usize::from(there > reported);
-        last = after(&last, there);
-        assert_eq!(
-            opened.project.to_text(folder),
-            last.to_text(folder),
-            "kill {kill}"
-        );
-        assert_eq!(
-            Sha256::digest(fs::read(folder.join("pond.sl2")).expect("a log")),
-            hash
-        );
-        let store = opened.store;
-        // As it was found: what is not saved stays in the journal.
-        drop(store);
+        at = states.into_iter().nth(there - next).expect("a state");
+        unsaved += usize::from(found(folder, &at.name).1);
+        next = there + 1;
+        assert_eq!(hashes(folder), hash, "kill {kill}");
     }
     println!(
-        "{kills} kills: {unsaved} with gestures that were not saved, {ahead} before it could tell"
+        "{kills} kills over {gestures} gestures: {unsaved} with gestures that were not saved, {ahead} before it could tell"
     );
+    assert!(gestures > kills, "it did nothing");
     // Each program that saves takes away what those before it left half written; of the last one it may be there.
-    let left = super::names(folder);
+    let left = names(folder);
     let is_part = |name: &&String| name.ends_with(".bathyscope-part");
     assert!(left.iter().filter(is_part).count() <= 1, "{left:?}");
 }
