@@ -5,7 +5,9 @@ use super::STATUS_HEIGHT;
 use crate::app::{Command, Notice};
 use crate::ui::{ViewContext, theme};
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align, Align2, Area, FontSelection, Frame, Id, Label, Layout, RichText, Ui, vec2};
+use egui::{
+    Align, Align2, Area, FontSelection, Frame, Id, Label, Layout, Rangef, RichText, Ui, pos2, vec2,
+};
 
 /// Notices shown at once.
 const SHOWN: usize = 4;
@@ -14,19 +16,23 @@ const LINES: usize = 4;
 /// Widest that a notice becomes, points.
 const WIDEST: f32 = 720.0;
 
-/// Draws them over the lower edge of the time line; nothing when there is no notice.
-pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>) {
+/// Draws them over the lower edge of the time line, which reaches `across` the window: the panels beside it stay free, however wide they
+/// are. Nothing when there is no notice.
+pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, across: Rangef) {
     let app = context.app;
     if app.notices.is_empty() {
         return;
     }
     let above = STATUS_HEIGHT + 6.0;
     // Beside it stay the buttons that play along the survey.
-    let room = ctx.content_rect().width() - 2.0 * theme::SIDE_PANEL_WIDTH - 160.0;
-    let area = Area::new(Id::unique("notices")).anchor(Align2::CENTER_BOTTOM, vec2(0.0, -above));
+    let room = (across.span() - 160.0).max(260.0).min(across.span());
+    let foot = pos2(across.center(), ctx.content_rect().bottom() - above);
+    let area = Area::new(Id::unique("notices"))
+        .pivot(Align2::CENTER_BOTTOM)
+        .fixed_pos(foot);
     let shown = area.show(ctx, |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
-            ui.set_width(room.clamp(260.0, WIDEST));
+            ui.set_width(room.min(WIDEST));
             let hidden = app.notices.len().saturating_sub(SHOWN);
             for (index, notice) in app.notices.iter().enumerate().skip(hidden) {
                 line(ui, context, index, notice);

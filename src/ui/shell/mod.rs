@@ -303,6 +303,7 @@ impl Shell {
                     details(ui, &mut context, &mut self.review, &mut self.views.profile);
                 });
             });
+        let across = ui.available_rect_before_wrap().x_range();
         Panel::bottom("time line")
             .exact_size(panels::timeline::HEIGHT)
             .frame(bar)
@@ -313,7 +314,7 @@ impl Shell {
         CentralPanel::no_frame().show(ui, |ui| {
             self.layout.ui(ui, &mut self.views, &mut context);
         });
-        panels::notices::show(ui.ctx(), &mut context);
+        panels::notices::show(ui.ctx(), &mut context, across);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
