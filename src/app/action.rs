@@ -120,6 +120,7 @@ actions! {
     UndecideBox, "Take the decision back", Some("U"), "Makes the selected box undecided again.";
     AcceptObject, "Accept object", Some("Shift+A"), "There is an object: accepts all boxes that show it, in all logs, and goes on to the next undecided box.";
     RejectObject, "Reject object", Some("Shift+R"), "There is nothing: rejects all boxes that show the object, in all logs, and goes on to the next undecided box.";
+    UndecideObject, "Take the decisions on the object back", Some("Shift+U"), "Makes all boxes that show the object undecided again, in all logs.";
     NextSighting, "Next sighting", Some("J"), "Shows the next box of the same object, in whichever log saw it.";
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";

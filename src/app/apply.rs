@@ -317,6 +317,9 @@ impl App {
             Action::UndecideBox => self.edit_selected(Edit::Undecide),
             Action::AcceptObject => self.decide_object(Edit::Accept, "accept object"),
             Action::RejectObject => self.decide_object(Edit::Reject, "reject object"),
+            Action::UndecideObject => {
+                self.edit_object(Edit::Undecide, "take decisions on object back");
+            }
             Action::NextSighting => self.step_sighting(),
             Action::SwapSide => self.edit_selected(Edit::SwapSide),
             Action::RemoveBox => self.remove_box(),

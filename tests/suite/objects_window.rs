@@ -1,10 +1,10 @@
 //! Boxes of several logs in one window: one queue, one list of objects, decisions about an object in all logs that saw it.
 
 use crate::logs_window::{ids, names, opened, opened_in, settle};
-use crate::many_logs::{sailed, true_box};
+use crate::many_logs::{sailed, true_box, write_logs};
 use crate::review::search::model;
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
-use bathyscope::app::{Action, Command, LogBox, LogId, ObjectState, SurveyObject};
+use bathyscope::app::{Action, App, Command, Jobs, LogBox, LogId, ObjectState, SurveyObject};
 use bathyscope::detection::Detection;
 use bathyscope::detection::review::{Review, State};
 use bathyscope::survey::Identity;
@@ -12,6 +12,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What a detector that sees all objects would propose in every log, each log with a list of classes of its own.
 fn propose(window: &mut Window, folder: &Path) {
@@ -188,6 +189,16 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         assert_eq!(app(&window).undo_label(), before.as_deref());
         assert!(object.boxes.contains(&selected(&window)), "undo leads back");
     }
+    // Taken back without undo, and without moving on.
+    press(&mut window, Modifiers::SHIFT, Key::A);
+    (window.state_mut().app).apply(Command::SelectLogBox(object.boxes[0]));
+    settle(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::U);
+    settle(&mut window);
+    let open = states(&window, &object.boxes);
+    assert!(open.iter().all(|one| *one == State::Proposed), "{open:?}");
+    assert_eq!(selected(&window), object.boxes[0]);
+
     // Every log's decisions go into the file of that log.
     press(&mut window, Modifiers::SHIFT, Key::A);
     press(&mut window, Modifiers::COMMAND, Key::S);
@@ -208,6 +219,37 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
     let left = object_of(&window, 2);
     assert_eq!(left.number, object.number);
     assert_eq!(left.boxes.len(), object.boxes.len() - 1);
+}
+
+#[test]
+fn the_list_is_sorted_by_how_often_an_object_was_seen() {
+    let (_folder, mut window) = proposed();
+    let times = |window: &Window| -> Vec<usize> {
+        let mut rows: Vec<(f32, usize)> = app(window)
+            .objects()
+            .iter()
+            .map(|object| {
+                let name = format!("Object {}, ", object.number);
+                let row = window.get_by_label_contains(&name);
+                (row.rect().top(), object.boxes.len())
+            })
+            .collect();
+        rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rows.into_iter().map(|(_, times)| times).collect()
+    };
+    let by_number: Vec<usize> = (app(&window).objects().iter())
+        .map(|object| object.boxes.len())
+        .collect();
+    assert_eq!(times(&window), by_number);
+    assert!(!by_number.is_sorted_by(|a, b| a >= b), "{by_number:?}");
+    window
+        .get_by_role_and_label(Role::ComboBox, "Order")
+        .click_accesskit();
+    window.run();
+    window.get_by_label("times seen").click_accesskit();
+    settle(&mut window);
+    let sorted = times(&window);
+    assert!(sorted.is_sorted_by(|a, b| a >= b), "{sorted:?}");
 }
 
 #[test]
@@ -335,6 +377,62 @@ fn a_search_goes_through_all_logs_as_one_step() {
     press(&mut window, Modifiers::COMMAND, Key::Z);
     settle(&mut window);
     assert_eq!(found(&window), [one, 0], "one step for all logs");
+}
+
+#[test]
+fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write_logs(folder.path(), 2);
+    let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+    let until = |app: &mut App, done: &dyn Fn(&App) -> bool| {
+        for _ in 0..6000 {
+            app.poll();
+            if done(app) {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        panic!("it takes more than a minute");
+    };
+    let logs = ["lake-0.sl2", "lake-1.sl2"].map(|name| folder.path().join(name));
+    app.apply(Command::OpenAll(logs.to_vec()));
+    // The second one is searched once it has results.
+    until(&mut app, &|app| {
+        app.log_count() == 2 && app.log.products.is_some()
+    });
+    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    app.apply(Command::UseModel(model("tianxiaomo")));
+    app.apply(Command::Do(Action::FindObjects));
+    let status = app.search_status().expect("a search");
+    assert_eq!(
+        (status.log, status.place, status.logs),
+        (Some(ids[0]), 1, 2)
+    );
+    app.apply(Command::ShowLog(ids[1]));
+    let note = app.search_note().expect("it waits");
+    assert!(note.contains("not come to this log yet"), "{note}");
+    until(&mut app, &|app| {
+        let status = app.search_status();
+        status.is_some_and(|status| status.log == Some(ids[1]))
+    });
+    let status = app.search_status().expect("a search");
+    assert!(status.place == 2 && status.share >= 0.5, "{status:?}");
+    app.apply(Command::Do(Action::Cancel));
+    until(&mut app, &App::is_idle);
+    assert_eq!(app.search_status(), None);
+    let review = |app: &App, index: usize| {
+        let log = app.open_log(ids[index]).expect("it is open");
+        log.reviewing.review.clone()
+    };
+    let first = review(&app, 0);
+    assert!(first.boxes().len() > 0 && first.unsearched().is_empty());
+    // One step for both.
+    assert_eq!(app.undo_label(), Some("find objects"));
+    app.apply(Command::Do(Action::Undo));
+    for index in 0..2 {
+        assert_eq!(review(&app, index).boxes().len(), 0);
+    }
+    assert_ne!(app.undo_label(), Some("find objects"));
 }
 
 #[test]

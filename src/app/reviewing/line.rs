@@ -114,10 +114,19 @@ impl App {
 
     /// Decides about all boxes of the selected object, in whichever logs, as one undo step, and moves on to the next undecided box.
     pub(in crate::app) fn decide_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
+        let line = self.line();
+        let here = self.selected_log_box();
+        self.edit_object(edit, label);
+        if here.is_some() {
+            self.select_next_open(&line, here);
+        }
+    }
+
+    /// Does the same to all boxes of the selected object, in whichever logs, as one undo step.
+    pub(in crate::app) fn edit_object(&mut self, edit: fn(BoxId) -> Edit, label: &'static str) {
         let Some(here) = self.selected_log_box() else {
             return self.ask_for_box();
         };
-        let line = self.line();
         let boxes = match self.object_of(here) {
             Some(object) => object.boxes.clone(),
             // It has no place, so nothing else is known to show the same object.
@@ -134,7 +143,6 @@ impl App {
         }
         let after = self.step_now();
         self.record_step(&before, &after, label, false);
-        self.select_next_open(&line, Some(here));
     }
 
     /// The next box of the selected object, in whichever log saw it; around the end.

@@ -104,6 +104,7 @@ const BOXES: &[Action] = &[
     Action::UndecideBox,
     Action::AcceptObject,
     Action::RejectObject,
+    Action::UndecideObject,
     Action::NextSighting,
     Action::EditBox,
     Action::NewBox,

@@ -1,13 +1,13 @@
 //! The object that the selected box shows, with the pictures of all boxes that show it side by side; and the list of all objects.
 
-use super::super::parts::{Section, fact, remark, section};
+use super::super::parts::{Section, fact, remark, row, section};
 use super::button;
 use super::chip::{self, Chip};
 use crate::app::{Action, App, Command, LogBox, ObjectState, SurveyObject};
 use crate::detection::review::{Filter, State};
 use crate::pipeline::Background;
 use crate::ui::{ViewContext, place, text, theme};
-use egui::{Button, Color32, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
+use egui::{Button, Color32, ComboBox, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
 /// Rows of the list in sight.
 const ROWS: f32 = 8.0;
@@ -43,6 +43,7 @@ impl ObjectPictures {
                 for (action, name) in [
                     (Action::AcceptObject, "Accept all"),
                     (Action::RejectObject, "Reject all"),
+                    (Action::UndecideObject, "Undecide all"),
                     (Action::NextSighting, "Next sighting"),
                 ] {
                     button(ui, context, action, name, true);
@@ -169,9 +170,10 @@ pub fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
     section(ui, context, &heading, |ui, context| {
         let filter = &context.app.log.reviewing.queue.filter;
         let objects = context.app.objects().iter();
-        let objects: Vec<&SurveyObject> = objects
+        let mut objects: Vec<&SurveyObject> = objects
             .filter(|object| passes(context.app, filter, object))
             .collect();
+        order(ui).sort(&mut objects);
         let all = context.app.objects().len();
         let said = text::plural(all, "object", "objects");
         remark(
@@ -183,6 +185,66 @@ pub fn list(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
         rows(ui, context, &objects);
     });
+}
+
+/// What the list is sorted by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+enum Order {
+    /// As they were found, along the first log.
+    #[default]
+    Number,
+    /// Seen most often first: what is seen every time is rarely a false alarm.
+    Seen,
+    /// Class by class.
+    Class,
+}
+
+impl Order {
+    const ALL: [Self; 3] = [Self::Number, Self::Seen, Self::Class];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Number => "number",
+            Self::Seen => "times seen",
+            Self::Class => "class",
+        }
+    }
+
+    /// Objects come by number, and stay so where they are alike.
+    fn sort(self, objects: &mut [&SurveyObject]) {
+        match self {
+            Self::Number => {}
+            Self::Seen => objects.sort_by_key(|one| std::cmp::Reverse(one.boxes.len())),
+            Self::Class => objects.sort_by(|a, b| a.joint.class.cmp(&b.joint.class)),
+        }
+    }
+}
+
+/// The order of the list, and its choice.
+fn order(ui: &mut Ui) -> Order {
+    let id = egui::Id::unique("order of objects");
+    let mut order: Order = ui.data_mut(|data| *data.get_persisted_mut_or_default(id));
+    let before = order;
+    row(
+        ui,
+        "Order",
+        "What the list of objects is sorted by.",
+        |ui| {
+            ComboBox::from_id_salt("sort objects")
+                .width(ui.available_width() - 2.0)
+                .selected_text(order.name())
+                .show_ui(ui, |ui| {
+                    for one in Order::ALL {
+                        ui.selectable_value(&mut order, one, one.name());
+                    }
+                })
+                .response
+        },
+    );
+    if order != before {
+        ui.data_mut(|data| data.insert_persisted(id, order));
+    }
+    order
 }
 
 /// Whether the filter of the queue lets an object through: by its own class and state.
@@ -219,14 +281,14 @@ fn rows(ui: &mut Ui, context: &mut ViewContext<'_>, objects: &[&SurveyObject]) {
     }
     area.show_rows(ui, height, objects.len(), |ui, rows| {
         for (index, object) in objects.iter().enumerate().take(rows.end).skip(rows.start) {
-            let command = row(ui, app, object, here == Some(index));
+            let command = object_row(ui, app, object, here == Some(index));
             context.commands.extend(command);
         }
     });
 }
 
 /// `7 rock, 3 times, 1 undecided` with the colours of the logs that saw it.
-fn row(ui: &mut Ui, app: &App, object: &SurveyObject, is_here: bool) -> Option<Command> {
+fn object_row(ui: &mut Ui, app: &App, object: &SurveyObject, is_here: bool) -> Option<Command> {
     let state = app.object_state(object);
     let (said, shown) = match state {
         ObjectState::Open(open) if open == object.boxes.len() => {
@@ -238,7 +300,7 @@ fn row(ui: &mut Ui, app: &App, object: &SurveyObject, is_here: bool) -> Option<C
     };
     let times = text::plural(object.boxes.len(), "time", "times");
     let (number, class) = (object.number, &object.joint.class);
-    let words = format!("{number} {class}, {times}, {said}");
+    let words = format!("{number} {class}, {times}");
     let logs = object.logs();
     let names: Vec<String> = (logs.iter().filter_map(|id| app.open_log(*id)))
         .map(|log| log.name())
@@ -251,9 +313,10 @@ fn row(ui: &mut Ui, app: &App, object: &SurveyObject, is_here: bool) -> Option<C
                 }
             }
             let colour = theme::box_colour_on_panel(app.options.theme, shown);
-            let words = RichText::new(&words).color(colour);
+            let [words, state] = [&words, &said].map(|text| RichText::new(text).color(colour));
             let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
-            let button = Button::selectable(is_here, words).truncate().min_size(size);
+            let button = Button::selectable(is_here, words).right_text(state);
+            let button = button.truncate().min_size(size);
             let response = ui.add(button);
             let name = format!("Object {number}, {class}, seen {times}, {said}");
             response.widget_info(|| WidgetInfo::selected(Role::Button, true, is_here, &name));
