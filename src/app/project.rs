@@ -4,6 +4,7 @@
 use super::loader::hold_log;
 use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
+use crate::detection::review::{Queue, Sort};
 use crate::export::is_same_file;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
@@ -11,11 +12,14 @@ use crate::project::{
     ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, StoreError, Written, find,
 };
 use crate::survey::Survey;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Name of the display options in the project.
 const VIEW: &str = "window";
+/// Name of order and confidence of the queue of boxes.
+const REVIEW: &str = "review";
 /// The measurement that the window shows.
 const MEASUREMENT: u32 = 1;
 /// The base map among the project's files.
@@ -290,6 +294,7 @@ impl App {
             }
         }
         project.set_view(VIEW, &self.options);
+        project.set_view(REVIEW, &KeptQueue::of(&self.log.reviewing.queue));
         project
     }
 
@@ -323,10 +328,7 @@ impl App {
 
     fn name_project(&mut self, path: &Path, files: Vec<(LogId, LogFile)>) {
         for (id, file) in files {
-            self.with_log(id, |app| {
-                app.log.file = Some(file);
-                app.leave_sidecars();
-            });
+            self.with_log(id, |app| app.log.file = Some(file));
         }
         if self
             .project_path()
@@ -361,6 +363,7 @@ impl App {
                 self.keeping.failed = false;
                 self.notify(text, false);
                 self.keep_project("save under another name");
+                self.each_log(App::leave_sidecars);
             }
             Some(Err(error)) => self.notify(error.to_string(), true),
             None => self.notify("saving the project failed unexpectedly".to_owned(), true),
@@ -388,9 +391,13 @@ impl App {
         if let Some(options) = project.view::<ViewOptions>(VIEW) {
             self.options = options;
         }
+        let queue = project.view::<KeptQueue>(REVIEW);
         for (log, survey, settings) in logs {
             let id = self.add_log(survey);
             self.with_log(id, |app| app.take_project_log(&log, settings));
+        }
+        if let Some(queue) = queue.filter(|kept| (0.0..=1.0).contains(&kept.threshold)) {
+            self.set_queue(&queue.into_queue());
         }
         let measured = project.measurements.get(&MEASUREMENT).cloned();
         self.measuring.figure = measured.map(|measurement| {
@@ -425,6 +432,30 @@ impl App {
     fn leave_sidecars(&mut self) {
         self.log.bottom_file = super::bottom::BottomFile::default();
         self.log.reviewing.keep_elsewhere();
+    }
+}
+
+/// What a project keeps of the queue of boxes: a filter is of the moment.
+#[derive(Serialize, Deserialize)]
+struct KeptQueue {
+    sort: Sort,
+    threshold: f32,
+}
+
+impl KeptQueue {
+    fn of(queue: &Queue) -> Self {
+        Self {
+            sort: queue.sort,
+            threshold: queue.threshold,
+        }
+    }
+
+    fn into_queue(self) -> Queue {
+        Queue {
+            sort: self.sort,
+            threshold: self.threshold,
+            ..Queue::default()
+        }
     }
 }
 

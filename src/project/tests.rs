@@ -376,7 +376,11 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
         ("last = 20", "last = 5", "pings of bottom.lines"),
         ("last = 40", "last = 4", "left_out.stretches"),
         ("last = 40, ", "", "has no `last`"),
-        ("reason = \"turn\"", "reason = \"fun\"", "a reason is `turn`"),
+        (
+            "reason = \"turn\"",
+            "reason = \"fun\"",
+            "a reason is `turn`",
+        ),
         (
             "first_return.threshold = 0.41",
             "first_return.threshold = 4.1",

@@ -2,6 +2,7 @@
 
 use super::ViewContext;
 use crate::app::{Command, Jobs, Outcome, Task};
+use egui::text::{CCursor, CCursorRange};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -222,7 +223,14 @@ impl Dialogs {
             }
             let label = ui.label(name);
             let line = egui::TextEdit::singleline(path).desired_width(f32::INFINITY);
-            let line = ui.add(line).labelled_by(label.id);
+            let mut shown = line.show(ui);
+            if is_new {
+                // Typing replaces what was proposed.
+                let all = CCursorRange::two(CCursor::new(0), CCursor::new(path.chars().count()));
+                shown.state.cursor.set_char_range(Some(all));
+                shown.state.store(ctx, shown.response.id);
+            }
+            let line = shown.response.response.labelled_by(label.id);
             let enter = line.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             if is_new || path.is_empty() && !enter {
                 line.request_focus();

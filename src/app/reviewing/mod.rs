@@ -320,6 +320,8 @@ impl Reviewing {
     /// Leaves it to the project to keep what is decided: no file next to the log is read or written any more.
     pub(super) fn keep_elsewhere(&mut self) {
         self.is_in_project = true;
+        // What this run wrote there for safety would be offered when the log is opened next.
+        self.autosave.clear();
         self.autosave = Autosave::default();
     }
 
