@@ -2,7 +2,7 @@
 
 use crate::logs_window::{ids, names, opened, opened_in, settle};
 use crate::many_logs::{sailed, true_box, write_logs};
-use crate::review::search::model;
+use crate::review::search::{model, until};
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
 use bathyscope::app::{Action, App, Command, Jobs, LogBox, LogId, ObjectState, SurveyObject};
 use bathyscope::detection::Detection;
@@ -384,16 +384,6 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write_logs(folder.path(), 2);
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
-    let until = |app: &mut App, done: &dyn Fn(&App) -> bool| {
-        for _ in 0..6000 {
-            app.poll();
-            if done(app) {
-                return;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        panic!("it takes more than a minute");
-    };
     let logs = ["lake-0.sl2", "lake-1.sl2"].map(|name| folder.path().join(name));
     app.apply(Command::OpenAll(logs.to_vec()));
     // The second one is searched once it has results.

@@ -211,6 +211,38 @@ pub fn file(
     });
 }
 
+/// A list of which the rows in sight are drawn, whatever its length. When `here` is another row than before, because keys walk along the
+/// list, it comes into the middle.
+pub fn list_rows(
+    ui: &mut Ui,
+    name: &'static str,
+    count: usize,
+    here: Option<usize>,
+    mut add: impl FnMut(&mut Ui, usize),
+) {
+    const ROWS: f32 = 8.0;
+    let height = ui.spacing().interact_size.y;
+    let each = height + ui.spacing().item_spacing.y;
+    let mut area = egui::ScrollArea::vertical()
+        .id_salt(name)
+        .max_height(ROWS * each)
+        .auto_shrink([false, true]);
+    let last_id = egui::Id::unique(("last row shown", name));
+    let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
+    if here != last {
+        ui.data_mut(|data| data.insert_temp(last_id, here));
+        if let Some(here) = here {
+            let offset = (here as f32 - (ROWS - 1.0) / 2.0) * each;
+            area = area.vertical_scroll_offset(offset.max(0.0));
+        }
+    }
+    area.show_rows(ui, height, count, |ui, rows| {
+        for index in rows {
+            add(ui, index);
+        }
+    });
+}
+
 /// A quiet remark.
 pub fn remark(ui: &mut Ui, text: impl Into<String>) {
     ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());

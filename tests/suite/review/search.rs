@@ -48,19 +48,21 @@ fn objects_are_found_by_a_button_and_found_again_without_losing_a_decision() {
     );
 }
 
+/// Lets workers go on until something is there.
+pub(crate) fn until(app: &mut App, done: &dyn Fn(&App) -> bool) {
+    for _ in 0..6000 {
+        app.poll();
+        if done(app) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    panic!("it takes more than a minute");
+}
+
 #[test]
 fn boxes_come_while_the_search_runs_and_stay_when_it_is_stopped() {
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
-    let until = |app: &mut App, done: &dyn Fn(&App) -> bool| {
-        for _ in 0..6000 {
-            app.poll();
-            if done(app) {
-                return;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        panic!("it takes more than a minute");
-    };
     app.apply(Command::OpenDemo);
     until(&mut app, &|app| app.log.products.is_some() && app.is_idle());
     app.apply(Command::UseModel(model("tianxiaomo")));

@@ -1,6 +1,6 @@
 //! The object that the selected box shows, with the pictures of all boxes that show it side by side; and the list of all objects.
 
-use super::super::parts::{Section, fact, remark, row, section};
+use super::super::parts::{Section, fact, list_rows, remark, row, section};
 use super::button;
 use super::chip::{self, Chip};
 use crate::app::{Action, App, Command, LogBox, ObjectState, SurveyObject};
@@ -9,8 +9,6 @@ use crate::pipeline::Background;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{Button, Color32, ComboBox, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2};
 
-/// Rows of the list in sight.
-const ROWS: f32 = 8.0;
 /// Width of a picture, points: two of them side by side, and a part of the next.
 const PICTURE_WIDTH: f32 = 124.0;
 /// Pictures that are made of one object; of one that was seen more often the others are counted.
@@ -258,29 +256,12 @@ fn passes(app: &App, filter: &Filter, object: &SurveyObject) -> bool {
     filter.class.as_ref().is_none_or(of_class) && filter.state.is_none_or(in_state)
 }
 
-/// Rows in sight are drawn, whatever the length of the list.
 fn rows(ui: &mut Ui, context: &mut ViewContext<'_>, objects: &[&SurveyObject]) {
     let app = context.app;
-    let height = ui.spacing().interact_size.y;
-    let each = height + ui.spacing().item_spacing.y;
     let number = app.selected_object().map(|object| object.number);
     let here = number.and_then(|number| objects.iter().position(|one| one.number == number));
-    let mut area = ScrollArea::vertical()
-        .id_salt("objects")
-        .max_height(ROWS * each)
-        .auto_shrink([false, true]);
-    let last_id = egui::Id::unique("last object shown");
-    let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
-    if here != last {
-        // Keys walk from object to object: the row stays in the middle of the list.
-        ui.data_mut(|data| data.insert_temp(last_id, here));
-        if let Some(here) = here {
-            let offset = (here as f32 - (ROWS - 1.0) / 2.0) * each;
-            area = area.vertical_scroll_offset(offset.max(0.0));
-        }
-    }
-    area.show_rows(ui, height, objects.len(), |ui, rows| {
-        for (index, object) in objects.iter().enumerate().take(rows.end).skip(rows.start) {
+    list_rows(ui, "objects", objects.len(), here, |ui, index| {
+        if let Some(object) = objects.get(index) {
             let command = object_row(ui, app, object, here == Some(index));
             context.commands.extend(command);
         }

@@ -1,14 +1,11 @@
 //! The list of false alarms and misses: a click, or Enter on a row, shows the place in all views.
 
-use super::super::super::parts::{remark, row};
+use super::super::super::parts::{list_rows, remark, row};
 use crate::app::{Action, Command, MistakeSort};
 use crate::detection::metrics::Cause;
 use crate::detection::truth::{Comparison, Mistake};
 use crate::ui::{ViewContext, text, theme};
-use egui::{Button, ComboBox, RichText, ScrollArea, Ui};
-
-/// Rows in sight.
-const ROWS: f32 = 8.0;
+use egui::{Button, ComboBox, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
@@ -45,38 +42,19 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison) {
     list(ui, context, comparison, mistakes);
 }
 
-/// Rows in sight are drawn, whatever the length of the list.
 fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mistakes: &[Mistake]) {
-    let height = ui.spacing().interact_size.y;
-    let each = height + ui.spacing().item_spacing.y;
     let here = context.app.log.reviewing.mistake_at();
-    let mut area = ScrollArea::vertical()
-        .id_salt("mistakes")
-        .max_height(ROWS * each)
-        .auto_shrink([false, true]);
-    let last_id = egui::Id::unique("last mistake shown");
-    let last: Option<usize> = ui.data(|data| data.get_temp(last_id)).flatten();
-    if here != last {
-        // Keys walk along the list: the row stays in its middle.
-        ui.data_mut(|data| data.insert_temp(last_id, here));
-        if let Some(here) = here {
-            let offset = (here as f32 - (ROWS - 1.0) / 2.0) * each;
-            area = area.vertical_scroll_offset(offset.max(0.0));
-        }
-    }
-    area.show_rows(ui, height, mistakes.len(), |ui, rows| {
-        for index in rows {
-            let Some(mistake) = mistakes.get(index) else {
-                continue;
-            };
-            let said = said(context, comparison, mistake);
-            let colour = colour(context, mistake);
-            let shown = RichText::new(&said).color(colour);
-            let button = Button::selectable(here == Some(index), shown)
-                .min_size(egui::vec2(ui.available_width(), height));
-            if ui.add(button).clicked() {
-                context.push(Command::ShowMistake(*mistake));
-            }
+    list_rows(ui, "mistakes", mistakes.len(), here, |ui, index| {
+        let Some(mistake) = mistakes.get(index) else {
+            return;
+        };
+        let said = said(context, comparison, mistake);
+        let colour = colour(context, mistake);
+        let shown = RichText::new(&said).color(colour);
+        let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+        let button = Button::selectable(here == Some(index), shown).min_size(size);
+        if ui.add(button).clicked() {
+            context.push(Command::ShowMistake(*mistake));
         }
     });
 }
