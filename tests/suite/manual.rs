@@ -189,7 +189,7 @@ fn the_window_shows_every_command_with_its_key_and_finds_words_in_all_pages() {
     window.run();
     assert!(
         window
-            .query_by_label_contains("no accuracy statement")
+            .query_by_label_contains("no search equipment")
             .is_some()
     );
     assert!(window.query_by_label(Action::Fit.hint()).is_none());
@@ -204,7 +204,7 @@ fn the_window_shows_every_command_with_its_key_and_finds_words_in_all_pages() {
     );
     assert!(
         window
-            .query_by_label_contains("no accuracy statement")
+            .query_by_label_contains("no search equipment")
             .is_none()
     );
     window
