@@ -417,7 +417,7 @@ fn a_search_that_is_stopped_in_the_second_log_keeps_what_it_found() {
     let first = review(&app, 0);
     assert!(first.boxes().len() > 0 && first.unsearched().is_empty());
     // One step for both.
-    assert_eq!(app.undo_label(), Some("find objects"));
+    assert_eq!(app.undo_label(), Some("find objects of lake-0"));
     app.apply(Command::Do(Action::Undo));
     for index in 0..2 {
         assert_eq!(review(&app, index).boxes().len(), 0);

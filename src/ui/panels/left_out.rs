@@ -86,9 +86,11 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
+    let height = ROWS * (ROW + ui.spacing().item_spacing.y);
     ScrollArea::vertical()
         .id_salt("left-out stretches")
-        .max_height(ROWS * (ROW + ui.spacing().item_spacing.y))
+        .max_height(height)
+        .min_scrolled_height(height)
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
             for (stretch, length_m) in &stretches[range] {
                 let way = text::way(*length_m);
