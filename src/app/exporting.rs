@@ -1,9 +1,11 @@
 //! Products and reviewed boxes on their way into a folder.
 
-use super::{App, Jobs, LogId, Outcome, Task};
+use super::{App, Jobs, LogId, OpenLog, Outcome, Task};
+use crate::detection::review::Review;
 use crate::outputs::{self, EarlierRun, Order, OutputFile, Product};
 use crate::progress::Progress;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Products or boxes being written.
 pub(super) struct Exporting {
@@ -56,8 +58,7 @@ impl App {
         let requested = self.requested();
         let against = self.comparing.against(&first.products.settings);
         let against = against.filter(|_| requested.contains(&Product::Residuals));
-        let boxes = (self.log.reviewing.has_boxes()).then_some(&self.log.reviewing.review);
-        let boxes = boxes.cloned().zip(self.log.reviewing.raster().cloned());
+        let reviews = self.reviews_of_shown();
         let run = (logs.len() == 1).then(|| (self.log.id, folder.clone()));
         let derived = self.deriving.results.clone();
         let exporting = Exporting::start(&self.jobs, move |progress| {
@@ -70,12 +71,23 @@ impl App {
                 requested: &requested,
                 reference: (against.as_ref()).map(|(reference, matching)| (reference, *matching)),
                 search: None,
-                review: (boxes.as_ref()).map(|(review, raster)| (&**review, &**raster)),
+                reviews: &reviews,
             };
             let written = outputs::write(&order, run, progress, |_| ())?;
             Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
         });
         self.exporting = Some(Exporting { run, ..exporting });
+    }
+
+    /// What is decided about the boxes of each of [`App::processed_logs`].
+    pub(super) fn reviews_of_shown(&self) -> Vec<Option<Arc<Review>>> {
+        let shown = self.visible_logs();
+        let shown = shown.filter(|log| log.survey.is_some() && log.products.is_some());
+        let review = |log: &OpenLog| {
+            let reviewing = &log.reviewing;
+            reviewing.has_boxes().then(|| reviewing.review.clone())
+        };
+        shown.map(review).collect()
     }
 
     /// The products that are ticked.

@@ -26,6 +26,7 @@ mod snapshot;
 mod snapshot;
 mod start;
 mod status_line;
+mod survey_logs;
 mod window;
 
 pub use dataset::known_objects;

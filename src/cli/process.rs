@@ -3,17 +3,13 @@
 mod survey;
 
 use super::folders::Folders;
-use super::settings::{Logs, SettingsArgs};
-use super::{detect, many, output};
-use crate::app::is_project;
-use crate::detection::Model;
+use super::settings::SettingsArgs;
+use super::survey_logs::{self, LogInput, all_or, is_of, open_all, take_reviews};
+use super::{detect, output};
 use crate::outputs::Product;
-use crate::progress::Progress;
-use crate::project;
-use crate::survey::Survey;
-use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::ffi::OsString;
+use std::path::PathBuf;
+pub use survey::{How, processed};
 
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
@@ -37,9 +33,9 @@ pub struct ProcessArgs {
     /// Also hold the survey against points or another log, named as `compare` takes them: comparison.json, comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
-    /// Decisions about the boxes of the log, LOG.review.json of the window: report.html shows them
+    /// Decisions about the boxes of a log, LOG.review.json of the window: report.html shows them. May be given again, for each of several logs
     #[arg(long, value_name = "FILE")]
-    review: Option<PathBuf>,
+    review: Vec<PathBuf>,
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
@@ -52,59 +48,11 @@ pub struct ProcessArgs {
 
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
-    match args.surveys.as_slice() {
-        [path] if is_project(path) => return run_project(path, &args),
-        paths => {
-            if let Some(path) = paths.iter().find(|path| is_project(path)) {
-                let path = path.display();
-                return Err(format!(
-                    "a project is processed by itself; name it alone: {path}"
-                ));
-            }
-        }
-    }
-    let mut settings = args.settings.resolve()?;
-    if args.track.is_some() {
-        settings.track.file = args.track;
-    }
+    let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
     // Before the work: a model that cannot be used should not cost minutes first.
-    let model = match args.no_objects {
-        true => None,
-        false => Some(detect::load(settings.detector.model.as_deref())?),
-    };
-    let logs = Logs::new(settings)?;
-    let requested = match args.products.as_slice() {
-        [] => &Product::ALL,
-        named => named,
-    };
-    let how = How {
-        model: model.as_ref(),
-        requested,
-        reference: args.reference.as_deref(),
-        review: args.review.as_deref(),
-    };
-    let paths = many::logs(&args.surveys);
-    let surveys: Vec<(PathBuf, &Logs)> = paths.into_iter().map(|path| (path, &logs)).collect();
-    how.process_all(&surveys, (args.each, args.adjust), &args.output)
-}
-
-/// Processes the visible logs of a project, each with the settings that it has there.
-fn run_project(path: &Path, args: &ProcessArgs) -> Result<(), String> {
-    if args.settings.are_given() || args.track.is_some() {
-        return Err(format!(
-            "a project brings its settings; change them in it, or name its logs: {}",
-            path.display()
-        ));
-    }
-    let inputs = project::inputs(path, &Progress::new())?;
-    let logs = inputs.iter().map(|input| Logs::new(input.settings.clone()));
-    let logs: Vec<Logs> = logs.collect::<Result<_, String>>()?;
-    let Some(first) = logs.first() else {
-        return Ok(());
-    };
-    let model = match args.no_objects {
-        true => None,
-        false => Some(detect::load(first.settings.detector.model.as_deref())?),
+    let model = match (inputs.first(), args.no_objects) {
+        (Some(first), false) => Some(detect::load(first.logs.settings.detector.model.as_deref())?),
+        _ => None,
     };
     let requested = match args.products.as_slice() {
         [] => &Product::ALL,
@@ -114,71 +62,43 @@ fn run_project(path: &Path, args: &ProcessArgs) -> Result<(), String> {
         model: model.as_ref(),
         requested,
         reference: args.reference.as_deref(),
-        review: args.review.as_deref(),
+        adjust: args.adjust,
     };
-    let paths = inputs.iter().map(|input| input.log.file.path.clone());
-    let surveys: Vec<(PathBuf, &Logs)> = paths.zip(&logs).collect();
-    how.process_all(&surveys, (args.each, args.adjust), &args.output)
-}
-
-/// What is done to every log.
-#[derive(Clone, Copy)]
-pub struct How<'a> {
-    /// What searches for objects, if anything does.
-    pub model: Option<&'a Model>,
-    /// The products.
-    pub requested: &'a [Product],
-    /// What it is held against besides.
-    pub reference: Option<&'a OsStr>,
-    /// Boxes that were decided about, for the report.
-    pub review: Option<&'a Path>,
-}
-
-impl How<'_> {
-    /// Processes logs, each opened by settings of its own: several as one survey, or each for itself.
-    fn process_all(
-        &self,
-        surveys: &[(PathBuf, &Logs)],
-        (each_alone, adjust): (bool, bool),
-        output: &Path,
-    ) -> Result<(), String> {
-        match each_alone && surveys.len() > 1 {
-            true => each(surveys, self, output),
-            false => self.process_one_survey(surveys, adjust, output),
+    match (inputs.as_slice(), args.each) {
+        ([input], _) => {
+            let mut logs = vec![input.open()?];
+            take_reviews(&mut logs, &args.review)?;
+            how.process_into(&logs, &args.output)
+        }
+        (inputs, true) => each(inputs, &how, &args),
+        (inputs, false) => {
+            let (mut logs, failed) = open_all(inputs);
+            if !logs.is_empty() {
+                take_reviews(&mut logs, &args.review)?;
+                how.process_into(&logs, &args.output)?;
+            }
+            all_or(failed, inputs.len())
         }
     }
-
-    /// Opens and processes a log by itself into the folder for it.
-    fn process(
-        &self,
-        logs: &Logs,
-        path: &Path,
-        folder: impl FnOnce(&Survey) -> PathBuf,
-    ) -> Result<(), String> {
-        let survey = logs.open(path, &Progress::new())?;
-        let folder = folder(&survey);
-        self.process_into(vec![(Arc::new(survey), &logs.settings)], false, &folder)
-    }
 }
 
-fn each(surveys: &[(PathBuf, &Logs)], how: &How<'_>, output: &Path) -> Result<(), String> {
-    let mut folders = Folders::in_folder(output);
+/// Processes each log by itself.
+fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), String> {
+    let mut folders = Folders::in_folder(&args.output);
     let mut failed = 0;
-    for (path, logs) in surveys {
-        if let Err(sentence) = how.process(logs, path, |survey| folders.next(&survey.name())) {
+    for input in inputs {
+        let processed = input.open().and_then(|log| {
+            let folder = folders.next(&log.survey.name());
+            let mut logs = [log];
+            let own = args.review.iter().filter(|path| is_of(path, &logs[0]));
+            let own: Vec<PathBuf> = own.cloned().collect();
+            take_reviews(&mut logs, &own)?;
+            how.process_into(&logs, &folder)
+        });
+        if let Err(sentence) = processed {
             failed += 1;
             output::notify(format_args!("bathyscope: {sentence}"));
         }
     }
-    all_or(failed, surveys.len())
-}
-
-/// An error where some of the logs could not be processed.
-fn all_or(failed: usize, all: usize) -> Result<(), String> {
-    match failed {
-        0 => Ok(()),
-        _ => Err(format!(
-            "{failed} of {all} logs could not be processed, for the reasons above"
-        )),
-    }
+    all_or(failed, inputs.len())
 }

@@ -1,29 +1,32 @@
-//! `bathyscope review`: what was decided about the boxes of a log, written for maps and for training.
+//! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey, written for maps and for training.
 
 use super::output;
-use super::settings::{Logs, SettingsArgs};
+use super::process::processed;
+use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
-use crate::app::PIXEL_M;
-use crate::detection::Raster;
+use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
 use crate::detection::review::Review;
 use crate::export::Part;
 use crate::outputs;
 use crate::progress::Progress;
 use crate::survey::Identity;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-/// `bathyscope review SURVEY -o DIR`.
+/// `bathyscope review SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]
 pub struct ReviewArgs {
-    /// The log
-    survey: PathBuf,
-    /// The decisions about its boxes; without it, SURVEY.review.json next to the log
+    /// The logs, or folders of logs; several are one survey, in which sightings of one object are one. Or a project, NAME.bathyscope, with
+    /// its decisions
+    #[arg(required = true)]
+    surveys: Vec<PathBuf>,
+    /// The decisions about the boxes of a log; without it, SURVEY.review.json next to each log. May be given again
     #[arg(long, value_name = "FILE")]
-    review: Option<PathBuf>,
+    review: Vec<PathBuf>,
     /// Folder for objects.csv, .geojson, .kml, .gpx and dataset; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Part of a training set that this log belongs to: train, val or test
+    /// Part of a training set that these logs belong to: train, val or test
     #[arg(long, default_value = "train", value_parser = parse_part)]
     part: Part,
     #[command(flatten)]
@@ -37,27 +40,46 @@ fn parse_part(text: &str) -> Result<Part, String> {
 
 /// Places the boxes and writes everything.
 pub fn run(args: ReviewArgs) -> Result<(), String> {
-    let logs = Logs::new(args.settings.resolve()?)?;
+    let inputs = inputs(&args.surveys, &args.settings, None)?;
+    let (mut opened, failed) = match inputs.as_slice() {
+        [input] => (vec![input.open()?], 0),
+        inputs => open_all(inputs),
+    };
+    match args.review.as_slice() {
+        [] => take_sidecars(&mut opened)?,
+        named => take_reviews(&mut opened, named)?,
+    }
     let progress = Progress::new();
-    let survey = logs.open(&args.survey, &progress)?;
-    let path = args.review.unwrap_or_else(|| {
-        let log = survey.source.files.first().unwrap_or(&args.survey);
-        log.with_extension("review.json")
-    });
-    let review = Review::open(&path, &Identity::of(&survey)).map_err(|error| error.to_string())?;
     let status = StatusLine::new(&progress);
-    let products = logs.process(&survey, &status, &progress)?;
+    let mut logs = Vec::with_capacity(opened.len());
+    for log in &opened {
+        logs.push(processed(
+            &log.survey,
+            &log.settings,
+            None,
+            &status,
+            &progress,
+        )?);
+    }
     status.step("writing");
-    let raster = Raster::new(&survey, &products.navigation, PIXEL_M);
-    let written = outputs::write_boxes(
-        &survey,
-        &products,
-        &review,
-        &raster,
-        args.part,
-        &args.output,
-        &progress,
-    )?;
+    let reviews: Vec<_> = opened.into_iter().map(|log| log.review).collect();
+    let written = outputs::write_boxes(&logs, &reviews, args.part, &args.output, &progress)?;
     drop(status);
-    output::results(written.summary(&args.output))
+    output::results(written.summary(&args.output))?;
+    all_or(failed, inputs.len())
+}
+
+/// Reads the files next to the logs that no project has boxes of. Of several logs not all need to have one; a single log must.
+fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), String> {
+    let is_single = logs.len() == 1;
+    for log in logs.iter_mut().filter(|log| log.review.is_none()) {
+        let file = log.survey.source.files.first();
+        let path = file.map(|file| file.with_extension("review.json"));
+        let Some(path) = path.filter(|path| is_single || path.is_file()) else {
+            continue;
+        };
+        let review = Review::open(&path, &Identity::of(&log.survey));
+        log.review = Some(Arc::new(review.map_err(|error| error.to_string())?));
+    }
+    Ok(())
 }

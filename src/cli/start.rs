@@ -3,6 +3,7 @@
 use super::detect;
 use super::folders::Folders;
 use super::process::How;
+use super::survey_logs::OpenedLog;
 use super::{output, quiet_driver, snapshot, window};
 use crate::app::Origin;
 use crate::outputs::Product;
@@ -54,10 +55,14 @@ fn without_display(origin: &Origin, folders: &mut Folders) -> Result<(), String>
         model: Some(&detect::load(None)?),
         requested: &Product::ALL,
         reference: None,
+        adjust: false,
+    };
+    let log = OpenedLog {
+        survey: Arc::new(survey),
+        settings: Settings::default(),
         review: None,
     };
-    let settings = Settings::default();
-    how.process_into(vec![(Arc::new(survey), &settings)], false, &folder)?;
+    how.process_into(&[log], &folder)?;
     // The products are whole without pictures: a machine without any Vulkan driver has still done the job.
     match snapshot::draw_into(origin, &folder) {
         Ok((files, adapter)) => {

@@ -20,24 +20,35 @@ pub enum ChipError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of a survey.
+/// The boxes of a log, and where chips of them are cut from.
+pub struct ChipLog<'a> {
+    /// The recording.
+    pub survey: &'a Survey,
+    /// Its raster.
+    pub raster: Raster,
+    /// The boxes.
+    pub found: &'a [Detection],
+}
+
+/// Makes `0001-rock.png` and so on for `folder`: the [`chip`] of each box of the logs, one log after the other.
 ///
 /// # Errors
-/// When a picture cannot be drawn or written.
+/// When a picture cannot be written, or the work was cancelled.
 pub fn chips(
     folder: &Path,
-    survey: &Survey,
-    raster: &Raster,
     names: &[String],
-    detections: &[Detection],
+    logs: &[ChipLog<'_>],
     progress: &Progress,
 ) -> Result<ChipFolder, ChipError> {
-    progress.start(detections.len() as u64);
+    let count: usize = logs.iter().map(|log| log.found.len()).sum();
+    progress.start(count as u64);
     let mut chips = ChipFolder::begin(folder, names)?;
-    for found in detections {
-        progress.check()?;
-        chips.add(found.class, &chip(survey, raster, &found.mark))?;
-        progress.advance(1);
+    for log in logs {
+        for found in log.found {
+            progress.check()?;
+            chips.add(found.class, &chip(log.survey, &log.raster, &found.mark))?;
+            progress.advance(1);
+        }
     }
     Ok(chips)
 }

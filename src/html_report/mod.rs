@@ -3,7 +3,8 @@
 //! ```text
 //! Survey, Products, Report, Surface --summary--> what was surveyed, how deep, how sure
 //! Surface, isobaths, mosaic --plan--> maps with scale, graticule and legend, as SVG around a raster
-//! Survey, FirstReturns --strip--> the log at a glance
+//! Survey, FirstReturns --strip--> each log at a glance
+//! LogsReport --logs--> the logs of a survey of several, and how they agree
 //! all --page--> one HTML file that asks for nothing from elsewhere
 //! ```
 //!
@@ -13,6 +14,7 @@ mod chart;
 mod depth_plan;
 mod document;
 mod frame;
+mod logs;
 mod mosaic_plan;
 mod objects;
 mod raster;
@@ -24,15 +26,23 @@ pub use document::document;
 
 use crate::detection::Raster;
 use crate::export::ObjectRow;
-use crate::geo::MapPlane;
-use crate::pipeline::{DepthMap, Isobaths, Mosaic, NamedComparison, Products, Report};
+use crate::geo::{LonLat, MapPlane};
+use crate::pipeline::{
+    DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
+};
 use crate::survey::Survey;
 
 /// What the report shows. Everything but the survey and its results may be missing; the report then says so.
 pub struct ReportData<'a> {
-    /// The log.
+    /// The logs, one or all of a survey, with what the pipeline made of them.
+    pub logs: &'a [ProcessedLog],
+    /// What each log is called.
+    pub names: &'a [String],
+    /// What the survey is called.
+    pub title: String,
+    /// The first log, in whose frame all lie.
     pub survey: &'a Survey,
-    /// What the pipeline made of it.
+    /// What the pipeline made of the first log; its settings are those that all share.
     pub products: &'a Products,
     /// The record, with the warnings of every product.
     pub report: &'a Report,
@@ -55,12 +65,33 @@ pub struct ReportData<'a> {
 /// The name of a file, and what it is.
 pub type FileLine = (&'static str, &'static str);
 
+/// An object by all its sightings.
+#[derive(Clone, Debug)]
+pub struct SeenObject {
+    /// The class that most speaks for.
+    pub class: String,
+    /// Mean of the places.
+    pub position: LonLat,
+    /// Standard deviation of that place, metres.
+    pub sigma_m: f64,
+    /// Height above the bottom, metres; NaN where no sighting has one.
+    pub height_m: f64,
+    /// How often it was seen.
+    pub sightings: usize,
+    /// Passes of the boat that covered its place, over all logs.
+    pub passes: usize,
+    /// Logs that saw it.
+    pub logs: usize,
+}
+
 /// What lies there.
 pub struct Objects<'a> {
     /// A line for each box.
     pub rows: &'a [ObjectRow<'a>],
-    /// Where chips are cut from.
-    pub raster: &'a Raster,
+    /// Where chips of each log are cut from; `None` of a log without boxes.
+    pub rasters: &'a [Option<Raster>],
+    /// The objects that the boxes show, number 1 first.
+    pub seen: &'a [SeenObject],
     /// How they came about: `proposed by the detector, not reviewed`.
     pub origin: String,
 }

@@ -4,7 +4,7 @@ use super::frame::Frame;
 use super::{ReportData, objects, raster};
 use crate::bathymetry::Grid;
 use crate::mosaic::joint_grid;
-use crate::pipeline::Mosaic;
+use crate::pipeline::{Mosaic, ProcessedLog};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ const BAND_ROWS: usize = 128;
 /// What shows where nothing was insonified.
 const PAPER: u8 = 0xf7;
 
-/// The map; `None` where no ping has side-scan, a place, a heading and an altitude.
+/// The map of all logs; `None` where no ping has side-scan, a place, a heading and an altitude.
 pub fn mosaic_plan(
     from: &ReportData<'_>,
     progress: &Progress,
@@ -81,19 +81,23 @@ fn pixels(mosaic: &Mosaic, grid: &Grid, progress: &Progress) -> Result<Vec<u8>, 
     Ok(bands.concat())
 }
 
-/// The way of the boat.
+/// The way of the boat in all logs.
 pub fn track(from: &ReportData<'_>, frame: &Frame, colour: &str, opacity: f64) -> String {
-    let navigation = &from.products.navigation;
-    let pings = match navigation.pings.is_empty() {
-        true => &navigation.soundings,
-        false => &navigation.pings,
-    };
-    let places = pings.iter().map(|place| {
-        let position = navigation.to_lon_lat(&from.survey.track, place.east_m, place.north_m);
-        from.map.place(position)
-    });
-    format!(
-        "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"1.1\"/>\n",
+    let of_log = |log: &ProcessedLog| {
+        let navigation = &log.products.navigation;
+        let pings = match navigation.pings.is_empty() {
+            true => &navigation.soundings,
+            false => &navigation.pings,
+        };
+        let places = pings.iter().map(|place| {
+            let track = &log.survey.track;
+            from.map
+                .place(navigation.to_lon_lat(track, place.east_m, place.north_m))
+        });
         frame.path(places)
+    };
+    let paths: String = from.logs.iter().map(of_log).collect();
+    format!(
+        "<path d=\"{paths}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"1.1\"/>\n"
     )
 }

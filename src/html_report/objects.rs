@@ -1,10 +1,11 @@
 //! What lies there: marks on the maps, and a table with a picture of each.
 
 use super::frame::Frame;
-use super::{ReportData, raster};
+use super::{ReportData, SeenObject, raster};
 use crate::detection::review::State;
+use crate::detection::targets::Target;
 use crate::export::{ObjectRow, chip};
-use crate::presentation::text::{decimal, position};
+use crate::presentation::text::{decimal, plural, position, typeset_count};
 use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
@@ -73,6 +74,60 @@ pub fn marks(from: &ReportData<'_>, frame: &Frame) -> String {
     drawn + "</g>\n"
 }
 
+/// The objects of several logs, one line each with the surest of its sightings.
+fn seen_table(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
+    let seen = from
+        .objects
+        .as_ref()
+        .map_or(&[][..], |objects| objects.seen);
+    let mut html = String::from(
+        "<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th class=\"text\">seen</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n",
+    );
+    for (number, object) in (1..).zip(seen).take(MOST_ROWS) {
+        progress.check()?;
+        let sightings = shown(from).filter(|row| row.object == Some(number));
+        let sure = |row: &ObjectRow<'_>| row.score.unwrap_or(1.0);
+        let surest = sightings.max_by(|a, b| sure(a).total_cmp(&sure(b)));
+        if let Some(row) = surest {
+            html += &seen_line(from, number, object, row);
+        }
+    }
+    Ok(html + "</table>\n")
+}
+
+fn seen_line(
+    from: &ReportData<'_>,
+    number: usize,
+    object: &SeenObject,
+    surest: &ObjectRow<'_>,
+) -> String {
+    let of_target = |value: fn(&Target) -> f64| {
+        let known = surest.target.as_ref().map(value);
+        known.map_or_else(String::new, |metres| decimal(metres, 2))
+    };
+    let SeenObject {
+        sightings,
+        passes,
+        logs,
+        ..
+    } = object;
+    let in_logs = plural(*logs, "log", "logs");
+    format!(
+        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{sightings} of {passes} passes, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
+        picture(from, surest),
+        xml(&object.class),
+        (surest.score).map_or(String::new(), |score| format!("{score:.2}")),
+        surest.state,
+        position(object.position),
+        of_target(|target| target.length_m),
+        of_target(|target| target.width_m),
+        decimal(object.height_m, 2),
+        of_target(|target| target.depth_m),
+        decimal(object.sigma_m, 2),
+        xml(surest.note),
+    )
+}
+
 /// The section; empty where nobody searched.
 pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
     let Some(objects) = &from.objects else {
@@ -87,6 +142,21 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
             false => "None was found.",
         };
         return Ok(html + none + "</p>\n");
+    }
+    if from.logs.len() > 1 && !objects.seen.is_empty() {
+        let boxes = typeset_count(count);
+        let seen = plural(objects.seen.len(), "object", "objects");
+        let listed = match objects.seen.len() > MOST_ROWS {
+            true => format!(" The first {MOST_ROWS} are listed; the files of this run hold all."),
+            false => String::new(),
+        };
+        // Writing to a string cannot fail.
+        writeln!(
+            html,
+            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left.</p>"
+        )
+        .ok();
+        return Ok(html + &seen_table(from, progress)?);
     }
     let mut rows: Vec<&ObjectRow<'_>> = shown(from).collect();
     // Sightings of one object beside each other, the surest first; what has no place in the world last.
@@ -133,17 +203,25 @@ fn left_out(from: &ReportData<'_>) -> String {
     }
 }
 
+/// What is seen in a box, as an image; empty where its log has no pictures.
+fn picture(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
+    let rasters = from.objects.as_ref().map(|objects| objects.rasters);
+    let raster = rasters.and_then(|rasters| rasters.get(row.log)?.as_ref());
+    let (Some(raster), Some(log)) = (raster, from.logs.get(row.log)) else {
+        return String::new();
+    };
+    let chip = chip(&log.survey, raster, row.mark);
+    format!(
+        "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
+        xml(row.class),
+        row.id,
+        chip.width.min(220),
+        raster::grey(&chip.levels, chip.width, chip.height)
+    )
+}
+
 fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
-    let picture = from.objects.as_ref().map_or(String::new(), |objects| {
-        let chip = chip(from.survey, objects.raster, row.mark);
-        format!(
-            "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
-            xml(row.class),
-            row.id,
-            chip.width.min(220),
-            raster::grey(&chip.levels, chip.width, chip.height)
-        )
-    });
+    let picture = picture(from, row);
     let at = row.target.as_ref().map_or_else(
         || {
             "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td>"

@@ -1,7 +1,8 @@
 //! The log at a glance: all echoes beside each other, port above and starboard below, with the first return.
 
-use super::{ReportData, raster};
+use super::raster;
 use crate::cloud::Reduction;
+use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use crate::waterfall::{Levels, RangeAxis};
@@ -17,17 +18,17 @@ const READ: usize = 4;
 const LEFT: usize = 40;
 
 /// The picture; `None` without side-scan.
-pub fn strip(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String>, Cancelled> {
-    let Some(axis) = RangeAxis::of(from.survey).filter(|_| from.survey.has_side_scan()) else {
+pub fn strip(log: &ProcessedLog, progress: &Progress) -> Result<Option<String>, Cancelled> {
+    let Some(axis) = RangeAxis::of(&log.survey).filter(|_| log.survey.has_side_scan()) else {
         return Ok(None);
     };
     let columns = COLUMNS.min(axis.pings);
     let strip = Strip {
-        from,
+        log,
         far_m: axis.far_m,
         columns,
     };
-    let levels = Levels::of(from.survey);
+    let levels = Levels::of(&log.survey);
     progress.start(columns as u64);
     let drawn = (0..columns).into_par_iter().map(|column| {
         progress.check()?;
@@ -46,7 +47,7 @@ pub fn strip(from: &ReportData<'_>, progress: &Progress) -> Result<Option<String
 }
 
 struct Strip<'a> {
-    from: &'a ReportData<'a>,
+    log: &'a ProcessedLog,
     far_m: f64,
     columns: usize,
 }
@@ -54,7 +55,7 @@ struct Strip<'a> {
 impl Strip<'_> {
     /// The pings of a column.
     fn pings(&self, column: usize) -> std::ops::Range<usize> {
-        let pings = self.from.survey.side_scan.len();
+        let pings = self.log.survey.side_scan.len();
         column * pings / self.columns..((column + 1) * pings / self.columns).max(1)
     }
 
@@ -67,9 +68,9 @@ impl Strip<'_> {
         for ping in pings.step_by(step) {
             read += 1;
             for side in Side::BOTH {
-                let reduction = self.from.products.reduction();
+                let reduction = self.log.products.reduction();
                 add(
-                    self.from.survey,
+                    &self.log.survey,
                     reduction,
                     ping,
                     side,
@@ -97,15 +98,15 @@ impl Strip<'_> {
 
     /// The median first return of each column.
     fn line(&self, side: Side) -> String {
-        let reduction = self.from.products.reduction();
+        let reduction = self.log.products.reduction();
         let mut path = String::new();
         let mut is_down = false;
         for column in 0..self.columns {
             let mut ranges: Vec<f64> = self
                 .pings(column)
                 .filter_map(|ping| {
-                    let pick = self.from.products.returns.side(side).get(ping)?;
-                    let span = self.from.survey.span(ping, side)?;
+                    let pick = self.log.products.returns.side(side).get(ping)?;
+                    let span = self.log.survey.span(ping, side)?;
                     let sample = f64::from(pick.sample);
                     pick.is_some().then(|| reduction.range_m(span, sample))
                 })

@@ -2,11 +2,13 @@
 
 use super::{ReportData, objects};
 use crate::calendar;
+use crate::pipeline::ProcessedLog;
 use crate::presentation::text::{
-    area, decimal, long_date, long_duration, position, typeset_count as count, way,
+    area, decimal, long_date, long_duration, position, typeset_count as count, typeset_signed, way,
 };
 use crate::printable::xml;
-use crate::survey::PingNav;
+use crate::survey::{PingNav, Survey};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// A step longer than this is a gap in the log or in the fixes, not a way that was sailed, metres.
@@ -14,10 +16,7 @@ const LONGEST_STEP_M: f64 = 50.0;
 
 /// Title, paragraph and figures.
 pub fn summary(from: &ReportData<'_>) -> String {
-    let mut html = format!(
-        "<h1>Survey {}</h1>\n<p class=\"lead\">",
-        xml(&from.survey.name())
-    );
+    let mut html = format!("<h1>Survey {}</h1>\n<p class=\"lead\">", xml(&from.title));
     html += &sentences(from);
     html += "</p>\n<div class=\"figures\">\n";
     for (value, what) in figures(from) {
@@ -27,8 +26,36 @@ pub fn summary(from: &ReportData<'_>) -> String {
     html + "</div>\n"
 }
 
-fn sentences(from: &ReportData<'_>) -> String {
-    let (survey, counts) = (from.survey, &from.report.counts);
+/// When and by what it was recorded.
+fn recorded(from: &ReportData<'_>) -> String {
+    let begin_s = |survey: &Survey| {
+        let begin_s = survey.time_span_s().unwrap_or((0.0, 0.0)).0;
+        survey.start_unix_s.map(|start_s| start_s + begin_s)
+    };
+    let logs = || from.logs.iter().map(|log| &*log.survey);
+    if from.logs.len() > 1 {
+        let formats: BTreeSet<&str> = logs().map(|survey| survey.source.format.as_str()).collect();
+        let formats: Vec<&str> = formats.into_iter().collect();
+        let known = || logs().filter_map(begin_s);
+        let days = [
+            known().fold(f64::INFINITY, f64::min),
+            known().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let when = match days.map(|day_s| day_s.is_finite().then(|| long_date(day_s))) {
+            [Some(first), Some(last)] if first == last => format!(" on {first}"),
+            [Some(first), Some(last)] => format!(" from {first} to {last}"),
+            _ => String::new(),
+        };
+        let spans = logs().filter_map(Survey::time_span_s);
+        let duration_s: f64 = spans.map(|(begin_s, end_s)| end_s - begin_s).sum();
+        return format!(
+            "Recorded in {} logs{when} ({} in all), {}.",
+            from.logs.len(),
+            long_duration(duration_s),
+            xml(&formats.join(", "))
+        );
+    }
+    let survey = from.survey;
     let (begin_s, end_s) = survey.time_span_s().unwrap_or((0.0, 0.0));
     let when = survey.start_unix_s.map_or(
         ", at a time that the log does not state".to_owned(),
@@ -42,21 +69,30 @@ fn sentences(from: &ReportData<'_>) -> String {
             )
         },
     );
-    let mut text = format!(
+    format!(
         "Recorded{when} ({}), {}.",
         long_duration(end_s - begin_s),
         xml(&survey.source.format)
-    );
+    )
+}
+
+fn sentences(from: &ReportData<'_>) -> String {
+    let (survey, counts) = (from.survey, &from.report.counts);
+    let mut text = recorded(from);
     let place = survey.track.frame.origin();
     if !survey.track.fixes.is_empty() {
-        write!(text, " The log begins at {}.", position(place)).ok();
+        let what = match from.logs.len() {
+            1 => "The log",
+            _ => "The first log",
+        };
+        write!(text, " {what} begins at {}.", position(place)).ok();
     }
     write!(
         text,
         " {} side-scan pings and {} soundings along {} of track gave {} points; {} of the {} side-scan points ({:.1} %) were set aside as outliers.",
         count(counts.pings),
         count(counts.soundings),
-        way(sailed_m(from)),
+        way(from.logs.iter().map(sailed_m).sum()),
         count(counts.points),
         count(counts.outliers_removed),
         count(counts.side_scan_points),
@@ -155,7 +191,7 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
         figures.push((
             format!(
                 "{} \u{b1} {} m",
-                signed(residuals.median_m),
+                typeset_signed(residuals.median_m, 2),
                 decimal(residuals.sd_m, 2)
             ),
             "side-scan minus recorded elevation at the same ping (above 0 is shallower), median \u{b1} standard deviation",
@@ -171,12 +207,6 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
     figures
 }
 
-fn signed(value_m: f64) -> String {
-    // Rounded first: no minus stands before a zero.
-    let rounded_m = (value_m * 100.0).round() / 100.0 + 0.0;
-    format!("{rounded_m:+.2}").replace('-', "\u{2212}")
-}
-
 fn volume(cubic_m: f64) -> String {
     match cubic_m < 1e6 {
         true => format!("{} m\u{b3}", count(cubic_m.round() as usize)),
@@ -184,9 +214,9 @@ fn volume(cubic_m: f64) -> String {
     }
 }
 
-/// Length of the fitted track.
-fn sailed_m(from: &ReportData<'_>) -> f64 {
-    let navigation = &from.products.navigation;
+/// Length of the fitted track of a log.
+pub fn sailed_m(log: &ProcessedLog) -> f64 {
+    let navigation = &log.products.navigation;
     let pings = match navigation.pings.is_empty() {
         true => &navigation.soundings,
         false => &navigation.pings,

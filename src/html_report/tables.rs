@@ -3,7 +3,7 @@
 use super::ReportData;
 use crate::calibration::ScaleMode;
 use crate::pipeline::{CalibrationReport, Preset, Settings};
-use crate::presentation::text::{bytes, typeset_count as count};
+use crate::presentation::text::{bytes, typeset_count as count, typeset_signed};
 use crate::printable::xml;
 use std::fmt::Write as _;
 
@@ -35,7 +35,7 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
     if from.comparisons.is_empty() {
         return writeln!(
             html,
-            "<p>The log holds nothing that its depths could be held against.</p>"
+            "<p>There is nothing that these depths could be held against.</p>"
         );
     }
     write!(
@@ -79,7 +79,16 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
 /// Scale, method and settings.
 pub fn method(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How it was made</h2>\n");
-    html += &scale(from);
+    match &from.report.logs {
+        None => html += &format!("<p>{}</p>\n", scale(&from.report.calibration)),
+        Some(all) => {
+            for log in &all.logs {
+                let (name, scale) = (xml(&log.log), scale(&log.calibration));
+                html += &format!("<p>{name}: {scale}</p>\n");
+            }
+        }
+    }
+    html += &own_settings(from);
     let changed = changes(&from.products.settings);
     html += &match changed.is_empty() {
         true => "<p>All settings are those of the recommended preset.</p>\n".to_owned(),
@@ -95,8 +104,28 @@ pub fn method(from: &ReportData<'_>) -> String {
     )
 }
 
-fn scale(from: &ReportData<'_>) -> String {
-    let scale = &from.report.calibration;
+/// Where the settings of one of several logs are not those of the first; nothing where all are.
+fn own_settings(from: &ReportData<'_>) -> String {
+    let logs = from.report.logs.iter().flat_map(|all| &all.logs);
+    let mut lines = String::new();
+    for log in logs {
+        for (key, value) in &log.own_settings {
+            let value = value
+                .as_ref()
+                .map_or("none".to_owned(), toml::Value::to_string);
+            lines += &format!("{}: {key} = {value}\n", log.log);
+        }
+    }
+    match lines.is_empty() {
+        true => lines,
+        false => format!(
+            "<p>Settings of a log that differ from those of the first log:</p>\n<pre>{}</pre>\n",
+            xml(lines.trim_end())
+        ),
+    }
+}
+
+fn scale(scale: &CalibrationReport) -> String {
     let flat_spot = match (scale.ppd_px_per_m, scale.ppd_spread_px_per_m) {
         (Some(ppd), Some(spread)) => Some(format!(
             "{ppd:.2} \u{b1} {spread:.2} samples a metre over {} first returns{}",
@@ -124,7 +153,7 @@ fn scale(from: &ReportData<'_>) -> String {
         (_, _, Some(header)) => format!("as the log states it, {header}"),
         _ => "as the log states it".to_owned(),
     };
-    format!("<p>Slant ranges are scaled {text}.{}</p>\n", offset(scale))
+    format!("Slant ranges are scaled {text}.{}", offset(scale))
 }
 
 /// What is taken off the ranges, or why nothing is.
@@ -132,19 +161,15 @@ fn offset(scale: &CalibrationReport) -> String {
     match (scale.offset_m, scale.offset_measured_m, scale.offset_note) {
         (0.0, Some(measured_m), Some(note)) => format!(
             " First returns lie {} m from the recorded depths; no offset is taken off the ranges ({note}).",
-            signed(measured_m)
+            typeset_signed(measured_m, 2)
         ),
         (0.0, None, Some(note)) => format!(" No offset is taken off them ({note})."),
         (0.0, ..) => String::new(),
         (offset_m, ..) => format!(
             " {} m are added to every range: by so much first returns and recorded depths differ throughout the log.",
-            signed(-offset_m)
+            typeset_signed(-offset_m, 2)
         ),
     }
-}
-
-fn signed(value_m: f64) -> String {
-    format!("{value_m:+.2}").replace('-', "\u{2212}")
 }
 
 /// `key = value` of every setting that is not the recommended one.

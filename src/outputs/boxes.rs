@@ -1,17 +1,20 @@
 //! Writes what was decided about boxes: where the objects lie, for maps and plotters, and pictures with labels, for training.
 
-use super::detections::{is_left_out, number_objects};
+use super::logs::{log_names, survey_name};
+use super::objects::ObjectRows;
 use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
-use crate::detection::review::{Review, State};
-use crate::export::{self, ObjectRow, Part};
-use crate::pipeline::{Placing, Products};
+use crate::detection::review::{PIXEL_M, Review, ReviewedTile, State};
+use crate::export::{self, ObjectLog, ObjectRow, Part};
+use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
-use crate::survey::Survey;
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
+/// Folder of the pictures for training.
+const DATASET: &str = "dataset";
 /// Name of the review's own file in the folder.
 const REVIEW: &str = "boxes.review.json";
 
@@ -39,97 +42,115 @@ impl BoxesWritten {
     }
 }
 
-/// Writes into `folder`, which is made when it is missing: `objects.csv` and `objects.geojson` with every box and its state,
-/// `objects.kml` and `objects.gpx` with the accepted and added ones, the review itself, and `dataset/` with a picture around
+/// The boxes of a log with what was decided about them.
+struct LogBoxes<'a> {
+    index: usize,
+    log: &'a ProcessedLog,
+    review: &'a Review,
+    raster: Raster,
+    tiles: Vec<ReviewedTile>,
+}
+
+/// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `reviews` has what was decided about each log,
+/// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.kml` and `objects.gpx` the accepted and added
+/// ones; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
 /// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
-/// ([`export::DatasetFolder`]); the whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
+/// ([`export::DatasetFolder`]); a whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
 /// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
+/// Of several logs each has its review, `NAME.review.json`, and its data set, `dataset/NAME`.
 /// Pictures of an earlier export of the same log are replaced.
 ///
-/// The error is one sentence that names the file. A cancelled run leaves whole files only.
+/// # Errors
+/// A sentence that names the file, or says that no log has boxes. A cancelled run leaves whole files only.
 pub fn write_boxes(
-    survey: &Survey,
-    products: &Products,
-    review: &Review,
-    raster: &Raster,
+    logs: &[ProcessedLog],
+    reviews: &[Option<Arc<Review>>],
     part: Part,
     folder: &Path,
     progress: &Progress,
 ) -> Result<BoxesWritten, String> {
-    let tiles = review.tiles(raster);
-    progress.start((review.boxes().len() + tiles.len()) as u64);
-    make(folder)?;
-    let rows = reviewed_rows(survey, products, review, progress)?;
-    tables(survey, &rows, folder).map_err(|error| error.to_string())?;
-    let root = folder.join("dataset");
-    let training_tiles = TrainingTiles {
-        survey,
-        review,
-        raster,
-        tiles: &tiles,
-        part,
+    let of_log = |(index, (log, review))| {
+        let (log, review): (&ProcessedLog, &Option<Arc<Review>>) = (log, review);
+        let review = review.as_deref()?;
+        let raster = Raster::new(&log.survey, &log.products.navigation, PIXEL_M);
+        let tiles = review.tiles(&raster);
+        Some(LogBoxes {
+            index,
+            log,
+            review,
+            raster,
+            tiles,
+        })
     };
-    let negatives = training_tiles.write(&root, progress)?;
-    text(&folder.join(REVIEW), &(review.to_json() + "\n"))?;
-    Ok(BoxesWritten {
-        boxes: rows.len(),
-        pictures: tiles.len(),
-        negatives,
-    })
-}
-
-/// A line for each box but those in stretches that are left out; sightings of one object share its number. The error is one sentence.
-pub fn reviewed_rows<'a>(
-    survey: &Survey,
-    products: &Products,
-    review: &'a Review,
-    progress: &Progress,
-) -> Result<Vec<ObjectRow<'a>>, String> {
-    let placing = Placing::new(
-        survey,
-        &products.navigation,
-        &products.returns,
-        &products.calibration,
-        &products.correction,
-    );
-    let mut rows = Vec::with_capacity(review.boxes().len());
-    let counted = || {
-        let boxes = review.boxes();
-        boxes.filter(|one| !is_left_out(products, &one.mark))
-    };
-    for one in counted() {
-        progress.check().map_err(|error| error.to_string())?;
-        rows.push(ObjectRow {
-            id: one.id.0,
-            class: review.class_name(one.class),
-            score: one.score,
-            state: one.state.name(),
-            mark: &one.mark,
-            target: placing.place(&one.mark),
-            object: None,
-            note: &one.note,
-        });
-        progress.advance(1);
-    }
-    let classes: Vec<Option<usize>> = counted()
-        .map(|one| one.state.is_object().then_some(one.class))
+    let boxes: Vec<LogBoxes<'_>> = (logs.iter().zip(reviews).enumerate())
+        .filter_map(of_log)
         .collect();
-    number_objects(&mut rows, |row| classes[row]);
-    Ok(rows)
+    if boxes.is_empty() {
+        return Err("there are no boxes to write".to_owned());
+    }
+    let work = |one: &LogBoxes<'_>| (one.review.boxes().len() + one.tiles.len()) as u64;
+    progress.start(boxes.iter().map(work).sum());
+    make(folder)?;
+    let mut all = ObjectRows::default();
+    for one in &boxes {
+        all.add_reviewed(one.index, one.log, one.review, progress)?;
+    }
+    all.group();
+    let names = log_names(logs);
+    tables(logs, &names, &all.rows, folder).map_err(|error| error.to_string())?;
+    let mut written = BoxesWritten {
+        boxes: all.rows.len(),
+        pictures: 0,
+        negatives: 0,
+    };
+    for one in &boxes {
+        let (root, review) = match logs {
+            [_] => (folder.join(DATASET), folder.join(REVIEW)),
+            _ => {
+                let name = file_name(&names[one.index]);
+                let review = format!("{name}.review.json");
+                (folder.join(DATASET).join(name), folder.join(review))
+            }
+        };
+        let training_tiles = TrainingTiles {
+            survey: &one.log.survey,
+            review: one.review,
+            raster: &one.raster,
+            tiles: &one.tiles,
+            part,
+        };
+        written.pictures += one.tiles.len();
+        written.negatives += training_tiles.write(&root, progress)?;
+        text(&review, &(one.review.to_json() + "\n"))?;
+    }
+    Ok(written)
 }
 
 fn tables(
-    survey: &Survey,
+    logs: &[ProcessedLog],
+    names: &[String],
     rows: &[ObjectRow<'_>],
     folder: &Path,
 ) -> Result<(), export::ExportError> {
+    let named: Vec<ObjectLog<'_>> = (names.iter().zip(logs))
+        .map(|(name, log)| ObjectLog {
+            name,
+            survey: &log.survey,
+        })
+        .collect();
     let is_object =
         |row: &&ObjectRow<'_>| [State::Accepted.name(), State::Added.name()].contains(&row.state);
     let objects: Vec<ObjectRow<'_>> = rows.iter().filter(is_object).cloned().collect();
-    export::objects_csv(&folder.join("objects.csv"), survey, rows)?;
-    export::objects_geojson(&folder.join("objects.geojson"), rows)?;
-    export::objects_kml(&folder.join("objects.kml"), &survey.name(), &objects)?;
-    export::objects_gpx(&folder.join("objects.gpx"), &objects)
+    export::objects_csv(&folder.join("objects.csv"), &named, rows)?;
+    export::objects_geojson(&folder.join("objects.geojson"), &named, rows)?;
+    let title = survey_name(names);
+    export::objects_kml(&folder.join("objects.kml"), &title, &named, &objects)?;
+    export::objects_gpx(&folder.join("objects.gpx"), &named, &objects)
+}
+
+/// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.
+fn file_name(name: &str) -> String {
+    name.replace(['/', '\\'], "-")
 }
 
 fn make(folder: &Path) -> Result<(), String> {

@@ -17,6 +17,14 @@ pub fn log_names(logs: &[ProcessedLog]) -> Vec<String> {
     names
 }
 
+/// What a survey is called: by its log, or by all of them.
+pub(super) fn survey_name(names: &[String]) -> String {
+    match names {
+        [first, .., last] if names.len() > 3 => format!("{first} to {last} ({} logs)", names.len()),
+        names => names.join(", "),
+    }
+}
+
 /// What the tables and clouds of points are written from.
 pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> Vec<LogPoints<'a>> {
     let points = |(name, log): (&'a String, &'a ProcessedLog)| {

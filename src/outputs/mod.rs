@@ -4,7 +4,7 @@
 //! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
-//! side-scan mosaic, `detections` what a search proposes, `page` the report; `record` is what lies beside each file. `boxes` writes
+//! side-scan mosaic, `detections` what a search proposes, `objects` makes one object of its sightings in all logs, `page` writes the report; `record` is what lies beside each file. `boxes` writes
 //! what was decided about boxes, `training_tiles` as pictures for training.
 
 mod boxes;
@@ -15,6 +15,7 @@ mod detections;
 mod earlier_run;
 mod logs;
 mod mosaic;
+mod objects;
 mod overwrite;
 mod page;
 mod product;

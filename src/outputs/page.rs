@@ -1,40 +1,28 @@
 //! `report.html`: what was made, on one page.
 
-use super::boxes::reviewed_rows;
-use super::detections::proposed_rows;
+use super::objects::ObjectRows;
 use super::registry::When;
+use super::results::Results;
 use super::write::Run;
 use crate::detection::Raster;
-use crate::detection::review::{Review, State};
-use crate::export::{ObjectRow, write_aside};
-use crate::html_report::{self, FileLine, Objects, ReportData};
+use crate::detection::review::{PIXEL_M, Review, State};
+use crate::export::write_aside;
+use crate::html_report::{self, FileLine, Objects, ReportData, SeenObject};
+use crate::pipeline::joint::JointObject;
+use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the page.
 pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
     let results = &run.results;
-    let (survey, products, order) = (results.survey, results.products, results.order);
-    let searched: Raster;
-    let model = order.search.filter(|_| order.asks_for(When::Searched));
-    let found = model.zip(results.found()?);
-    let boxes: Option<(Vec<ObjectRow<'_>>, &Raster, String)> = match (order.review, found) {
-        (Some((review, raster)), _) => {
-            let rows = reviewed_rows(survey, products, review, results.progress)?;
-            Some((rows, raster, summary(review)))
-        }
-        (None, Some((model, found))) => {
-            let rows = proposed_rows(survey, products, model.names(), found);
-            searched = Raster::new(survey, &products.navigation, model.pixel_m());
-            let origin = "Proposed by the detector, not reviewed".to_owned();
-            Some((rows, &searched, origin))
-        }
-        (None, None) => None,
-    };
-    let objects = boxes.as_ref().map(|(rows, raster, origin)| Objects {
-        rows,
-        raster,
-        origin: origin.clone(),
+    let (products, order) = (results.products, results.order);
+    let boxes = Boxes::of(results)?;
+    let objects = boxes.as_ref().map(|boxes| Objects {
+        rows: &boxes.all.rows,
+        rasters: &boxes.rasters,
+        seen: &boxes.seen,
+        origin: boxes.origin.clone(),
     });
     let mut comparisons = results.comparisons()?.to_vec();
     if let Some(agreement) = results.agreement()? {
@@ -45,7 +33,10 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
     let mosaic = results.mosaic()?;
     let files: Vec<FileLine> = run.listed().map(|row| (row.name, row.brief)).collect();
     let from = ReportData {
-        survey,
+        logs: order.logs,
+        names: &results.names,
+        title: results.name(),
+        survey: results.survey,
         products,
         report: &run.report,
         map: &results.plane.map,
@@ -60,18 +51,98 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
     write_aside(path, |mut file| file.write_all(html.as_bytes())).map_err(|error| error.to_string())
 }
 
-/// How far a review has come: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
-fn summary(review: &Review) -> String {
-    let count = |state: State| review.boxes().filter(|one| one.state == state).count();
-    let part = match review.coverage() {
-        Some(part) => format!(". The search was stopped: it covers {part}"),
-        None => String::new(),
-    };
-    if count(State::Proposed) == review.boxes().len() {
-        return format!("Proposed by the detector, not reviewed{part}");
+/// The boxes of all logs, as the page shows them.
+struct Boxes<'a> {
+    all: ObjectRows<'a>,
+    /// Of each log that has boxes, what its pictures are cut from.
+    rasters: Vec<Option<Raster>>,
+    seen: Vec<SeenObject>,
+    origin: String,
+}
+
+impl<'a> Boxes<'a> {
+    /// Of each log those that were decided about, or else those that a search found; `None` where nobody looked.
+    fn of(results: &'a Results<'_>) -> Result<Option<Self>, String> {
+        let order = results.order;
+        let model = order.search.filter(|_| order.asks_for(When::Searched));
+        let found = model.zip(results.found()?);
+        let mut all = ObjectRows::default();
+        let mut rasters = Vec::with_capacity(order.logs.len());
+        let mut reviews: Vec<(&str, &Review)> = Vec::new();
+        for (index, log) in order.logs.iter().enumerate() {
+            let raster = |pixel_m| Raster::new(&log.survey, &log.products.navigation, pixel_m);
+            rasters.push(match (order.review(index), found) {
+                (Some(review), _) => {
+                    all.add_reviewed(index, log, review, results.progress)?;
+                    reviews.push((&results.names[index], review));
+                    Some(raster(PIXEL_M))
+                }
+                (None, Some((model, found))) => {
+                    all.add_found(index, log, model.names(), &found[index]);
+                    Some(raster(model.pixel_m()))
+                }
+                (None, None) => None,
+            });
+        }
+        if rasters.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        all.group();
+        let seen = all.objects.iter().map(|object| seen(results, &all, object));
+        Ok(Some(Self {
+            seen: seen.collect(),
+            origin: origin(&reviews, order.logs.len(), found.is_some()),
+            all,
+            rasters,
+        }))
     }
+}
+
+/// What is known of an object from all its sightings.
+fn seen(results: &Results<'_>, all: &ObjectRows<'_>, object: &JointObject) -> SeenObject {
+    let track = &results.survey.track;
+    let [east_m, north_m] = object.place_m;
+    let logs: BTreeSet<usize> = (object.members.iter())
+        .map(|member| all.rows[*member].log)
+        .collect();
+    SeenObject {
+        class: object.class.clone(),
+        position: (results.products.navigation).to_lon_lat(track, east_m, north_m),
+        sigma_m: object.sigma_m,
+        height_m: object.height_m,
+        sightings: object.members.len(),
+        passes: object
+            .passes((results.logs()).map(|(survey, products)| (survey, &*products.navigation))),
+        logs: logs.len(),
+    }
+}
+
+/// Where the boxes come from: `Boxes of the review: 12 accepted, 1 added, 3 rejected, 4 undecided`.
+fn origin(reviews: &[(&str, &Review)], logs: usize, is_searched: bool) -> String {
+    let boxes = || reviews.iter().flat_map(|(_, review)| review.boxes());
+    let count = |state: State| boxes().filter(|one| one.state == state).count();
+    let mut parts = String::new();
+    for (name, review) in reviews {
+        if let Some(part) = review.coverage() {
+            let of_log = match logs {
+                1 => String::new(),
+                _ => format!(" of {name}"),
+            };
+            parts += &format!(". The search{of_log} was stopped: it covers {part}");
+        }
+    }
+    if count(State::Proposed) == boxes().count() {
+        return format!("Proposed by the detector, not reviewed{parts}");
+    }
+    let rest = match logs - reviews.len() {
+        0 => String::new(),
+        1 if is_searched => ". The boxes of one log are not reviewed".to_owned(),
+        rest if is_searched => format!(". The boxes of {rest} logs are not reviewed"),
+        1 => ". One log has no boxes".to_owned(),
+        rest => format!(". {rest} logs have no boxes"),
+    };
     format!(
-        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided{part}",
+        "Boxes of the review: {} accepted, {} added, {} rejected, {} undecided{rest}{parts}",
         count(State::Accepted),
         count(State::Added),
         count(State::Rejected),

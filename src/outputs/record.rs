@@ -53,6 +53,9 @@ struct Record<'a> {
     bytes: Option<u64>,
     sha256: Option<&'a str>,
     inputs: Vec<Input>,
+    /// How many logs of one survey it is of; absent of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    logs: Option<usize>,
     start_unix_s: Option<f64>,
     crs: Value,
     extent: Value,
@@ -96,6 +99,7 @@ pub fn write_record(
         bytes: file.map(|file| file.bytes),
         sha256: file.map(|file| file.sha256.as_str()),
         inputs: [report.inputs.as_slice(), more_inputs].concat(),
+        logs: report.logs.as_ref().map(|all| all.logs.len()),
         start_unix_s: report.start_unix_s,
         crs: coordinates(&content.coordinates),
         extent: extent.unwrap_or(Value::Null),

@@ -244,7 +244,6 @@ const fn compared(
 
 const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
     OutputFile {
-        needs: &[Need::OneLog],
         regardless_of: NOT_OF_BOXES,
         brief,
         record: described(BOXES, "boxes", ""),
@@ -456,7 +455,6 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         )
     },
     OutputFile {
-        needs: &[Need::OneLog],
         brief: "this page",
         ..row(
             "report.html",

@@ -1,13 +1,13 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
-use super::detections::is_left_out;
-use super::logs::{log_names, log_points};
+use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
+use super::objects::is_left_out;
 use super::track::Ground;
 use super::write::Order;
 use crate::bathymetry::Surface;
 use crate::detection::{Detection, find};
-use crate::export::{self, LogPoints, TrackPiece};
+use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
 use crate::pipeline::{
@@ -41,8 +41,6 @@ pub enum Need {
     Mosaic,
     /// What the depths are compared with besides.
     Reference,
-    /// One log alone: the file shows what belongs to a single log.
-    OneLog,
 }
 
 /// Why a file cannot be made, in a sentence; `None` where nobody needs to be told.
@@ -65,7 +63,7 @@ pub(super) struct Results<'a> {
     crossings: OnceLock<Option<Crosslines>>,
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
-    found: OnceLock<Vec<Detection>>,
+    found: OnceLock<Vec<Vec<Detection>>>,
 }
 
 /// What is in the cell, made when it is empty.
@@ -152,16 +150,12 @@ impl<'a> Results<'a> {
                 Ok(_) => None,
             },
             Need::Reference if self.order.reference.is_none() => silent(),
-            Need::OneLog if self.order.logs.len() > 1 => told(
-                "no report.html or detections: they show one log; process --each log by itself for them",
-            ),
             Need::Track
             | Need::Footprint
             | Need::Surface
             | Need::Agreement
             | Need::SideScan
-            | Need::Reference
-            | Need::OneLog => None,
+            | Need::Reference => None,
         })
     }
 
@@ -187,12 +181,7 @@ impl<'a> Results<'a> {
 
     /// What the survey is called: by its log, or by all of them.
     pub fn name(&self) -> String {
-        match self.names.as_slice() {
-            [first, .., last] if self.names.len() > 3 => {
-                format!("{first} to {last} ({} logs)", self.names.len())
-            }
-            names => names.join(", "),
-        }
+        survey_name(&self.names)
     }
 
     /// The way of the boat, log by log. Times of all logs are seconds after the first one's time zero, where all know when they were.
@@ -311,20 +300,30 @@ impl<'a> Results<'a> {
         made.map(Vec::as_slice)
     }
 
-    /// What a model finds outside the stretches that are left out; `None` where none searches.
-    pub fn found(&self) -> Result<Option<&[Detection]>, String> {
+    /// What a model finds in each log outside the stretches that are left out; `None` where none searches.
+    pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, String> {
         let Some(model) = self.order.search else {
             return Ok(None);
         };
-        let (survey, products, progress) = (self.survey, self.products, self.progress);
-        let made = once(&self.found, || {
+        let of_log = |(survey, products): (&Survey, &Products)| {
+            if !survey.has_side_scan() {
+                return Ok(Vec::new());
+            }
             let (navigation, settings) = (&products.navigation, &products.settings.detector);
-            let mut found = find(survey, navigation, model, settings, progress, |_| ())
+            let mut found = find(survey, navigation, model, settings, self.progress, |_| ())
                 .map_err(|error| error.to_string())?;
             found.retain(|one| !is_left_out(products, &one.mark));
             Ok(found)
-        });
+        };
+        let made = once(&self.found, || self.logs().map(of_log).collect());
         made.map(|found| Some(found.as_slice()))
+    }
+
+    /// The logs as tables of boxes name them.
+    pub fn object_logs(&self) -> Vec<ObjectLog<'_>> {
+        let logs = self.names.iter().zip(self.logs());
+        logs.map(|(name, (survey, _))| ObjectLog { name, survey })
+            .collect()
     }
 }
 

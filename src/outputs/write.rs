@@ -8,8 +8,8 @@ use super::registry::{OUTPUT_FILES, OutputFile, When, Writer};
 use super::results::{Missing, Need, Results};
 use super::run_folder::RunFolder;
 use crate::bathymetry::compare::Matching;
+use crate::detection::Model;
 use crate::detection::review::Review;
-use crate::detection::{Model, Raster};
 use crate::pipeline::joint::joint_report;
 use crate::pipeline::{Derived, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
@@ -28,11 +28,16 @@ pub struct Order<'a> {
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
     /// What searches for objects: they are written as `detections.*` and `chips`.
     pub search: Option<&'a Model>,
-    /// Boxes that were found before and decided about: the report shows them, before those of a search.
-    pub review: Option<(&'a Review, &'a Raster)>,
+    /// Boxes of each log that were found before and decided about, or nothing: the report shows them, before those of a search.
+    pub reviews: &'a [Option<Arc<Review>>],
 }
 
 impl Order<'_> {
+    /// What was decided about the boxes of a log.
+    pub(super) fn review(&self, log: usize) -> Option<&Review> {
+        self.reviews.get(log)?.as_deref()
+    }
+
     /// Whether files that are written at such a time are to be written.
     pub(super) fn asks_for(&self, when: When) -> bool {
         match when {

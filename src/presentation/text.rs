@@ -97,6 +97,13 @@ pub fn signed_difference(value_m: f64) -> String {
     format!("{sign}{}", difference(value_m))
 }
 
+/// A number with its sign for print, `+0.25` or `\u{2212}0.25`; no minus stands before a zero.
+pub fn typeset_signed(value: f64, decimals: usize) -> String {
+    let factor = 10_f64.powi(decimals as i32);
+    let rounded = (value * factor).round() / factor + 0.0;
+    format!("{rounded:+.decimals$}").replace('-', "\u{2212}")
+}
+
 /// Minutes and seconds, with hours when there are any: `2:30`, `1:02:30`.
 pub fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {

@@ -41,7 +41,7 @@ pub fn run() {
             requested,
             reference: None,
             search: None,
-            review: None,
+            reviews: &[],
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");
         let before = processor_s();

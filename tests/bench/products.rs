@@ -53,7 +53,7 @@ pub fn run() {
             requested,
             reference: None,
             search: None,
-            review: None,
+            reviews: &[],
         };
         let run = RunFolder::begin(folder.path()).expect("a folder to write into");
         outputs::write(&order, run, &progress, |_| ()).expect("a folder to write into")

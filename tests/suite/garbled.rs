@@ -208,7 +208,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         requested: &[Product::Cloud],
         reference: None,
         search: None,
-        review: None,
+        reviews: &[],
     };
     let run = RunFolder::begin(folder.path()).expect("a folder");
     let written = outputs::write(&order, run, &progress, |_| ()).expect("a whole set of products");

@@ -1,9 +1,16 @@
 //! The files of a survey of several logs, written without a window, against what is known of the lake.
 
-use crate::cli::run;
-use crate::many_logs::{HIGHER_M, sailed, write_logs};
+use crate::cli::{refusal, run};
+use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
+use bathyscope::detection::review::{Edit, Review};
+use bathyscope::formats;
 use bathyscope::geo::{LocalFrame, LonLat};
+use bathyscope::outputs::{OUTPUT_FILES, When};
+use bathyscope::progress::Progress;
+use bathyscope::simulation::Scene;
+use bathyscope::survey::Identity;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -168,4 +175,218 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     let adjusted = report("adjusted")["logs"]["logs"].clone();
     let own = adjusted[1]["own_settings"]["height_offset_m"].clone();
     assert_eq!(own, adjusted[1]["height_offset_in_force_m"]);
+}
+
+#[test]
+fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    fs::create_dir(folder.join("logs")).expect("a folder");
+    write_logs(&folder.join("logs"), HIGHER_M.len());
+    let process = "process logs --adjust --no-objects -o out";
+    run(folder, &process.split(' ').collect::<Vec<_>>());
+    let out = folder.join("out");
+    let is_asked = |when| ![When::Searched, When::Compared].contains(&when);
+    for row in OUTPUT_FILES.iter().filter(|row| is_asked(row.when)) {
+        assert!(out.join(row.name).is_file(), "{}", row.name);
+        if let Some(record) = row.record_name() {
+            assert_eq!(json(&out.join(record))["logs"], 10, "{}", row.name);
+        }
+    }
+    let report = json(&out.join("report.json"));
+    let logs = report["logs"]["logs"].as_array().expect("logs");
+    assert_eq!(logs.len(), HIGHER_M.len());
+    for (log, true_m) in logs.iter().zip(true_offsets_m(HIGHER_M.len())) {
+        let off_m = number(&log["offset_m"]) - true_m;
+        eprintln!("{}: off by {off_m:+.4} m", log["log"]);
+        assert!(off_m.abs() < 0.01, "{log}");
+        let in_force_m = number(&log["height_offset_in_force_m"]);
+        assert!(
+            (in_force_m - number(&log["offset_m"])).abs() < 1e-4,
+            "{log}"
+        );
+    }
+    let between = &report["logs"]["crosslines"]["between_logs"];
+    assert!(number(&between["median_m"]).abs() < 0.01, "{between}");
+
+    // The page has every log with its height.
+    let page = fs::read_to_string(out.join("report.html")).expect("a page");
+    assert!(page.contains("lake-0 to lake-9 (10 logs)"));
+    let table = page.split("<h2>The logs</h2>").nth(1).expect("a table");
+    let table = table.split("</table>").next().expect("its end");
+    for (index, log) in logs.iter().enumerate() {
+        let row = format!("<td class=\"text\">lake-{index}</td>");
+        let row = table.split(&row).nth(1).expect("a row");
+        let offset = format!("{:+.3}", number(&log["offset_m"])).replace('-', "\u{2212}");
+        assert!(
+            row.split("</tr>")
+                .next()
+                .is_some_and(|row| row.contains(&offset)),
+            "{offset}"
+        );
+    }
+    assert_eq!(page.matches("<h3>lake-").count(), 10);
+    assert!(!page.contains(&folder.display().to_string()));
+}
+
+/// Keeps the boxes that a labeller draws next to a log.
+fn draw_boxes(folder: &Path, index: usize) -> usize {
+    let bytes = sailed(index).sl2_bytes();
+    let survey = formats::open_bytes("lake.sl2", bytes, &Progress::new()).expect("a log");
+    let mut review = Review::new(Identity::of(&survey), vec!["block".to_owned()]);
+    let marks = true_boxes(index, &survey);
+    for mark in &marks {
+        let edit = Edit::Add {
+            mark: mark.clone(),
+            class: 0,
+        };
+        review = review.apply(&edit).expect("a box");
+    }
+    let path = folder.join(format!("lake-{index}.review.json"));
+    fs::write(path, review.to_json() + "\n").expect("a review");
+    marks.len()
+}
+
+#[test]
+fn objects_that_several_logs_saw_are_one_in_the_files() {
+    const LOGS: usize = 6;
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let logs = folder.join("logs");
+    fs::create_dir(&logs).expect("a folder");
+    write_logs(&logs, LOGS);
+    let boxes: usize = (0..LOGS).map(|index| draw_boxes(&logs, index)).sum();
+    let said = run(folder, &["review", "logs", "-o", "out"]);
+    assert!(said.contains(&format!("Wrote {boxes} boxes")), "{said}");
+    // The lake's middle, which places of objects count from.
+    let lake = Scene::default();
+    let frame = LocalFrame::new(LonLat {
+        lon_deg: lake.longitude_deg,
+        lat_deg: lake.latitude_deg,
+    });
+    let features = json(&folder.join("out/objects.geojson"))["features"].clone();
+    let features = features.as_array().expect("boxes");
+    assert_eq!(features.len(), boxes, "all of them have a place");
+    // By true object: how often each number was given, and by how many logs.
+    let mut given: [BTreeMap<u64, Vec<String>>; 4] = Default::default();
+    for feature in features {
+        let at = &feature["geometry"]["coordinates"];
+        let position = LonLat {
+            lon_deg: number(&at[0]),
+            lat_deg: number(&at[1]),
+        };
+        let [east_m, north_m] = frame.to_enu(position);
+        let away_m = |place: &[f64; 2]| (place[0] - east_m).hypot(place[1] - north_m);
+        let nearest =
+            (0..OBJECTS.len()).min_by(|a, b| away_m(&OBJECTS[*a]).total_cmp(&away_m(&OBJECTS[*b])));
+        let nearest = nearest.expect("four objects");
+        assert!(away_m(&OBJECTS[nearest]) < 3.0, "{feature}");
+        let number = feature["properties"]["object"].as_u64().expect("a number");
+        let log = feature["properties"]["log"].as_str().expect("a log");
+        given[nearest]
+            .entry(number)
+            .or_default()
+            .push(log.to_owned());
+    }
+    let mut numbers = Vec::new();
+    for (object, given) in given.iter().enumerate() {
+        let all: usize = given.values().map(Vec::len).sum();
+        let (number, logs) = given
+            .iter()
+            .max_by_key(|(_, logs)| logs.len())
+            .expect("seen");
+        let mut of_logs = logs.clone();
+        of_logs.dedup();
+        eprintln!(
+            "object {object}: {} of {all} sightings, {} logs",
+            logs.len(),
+            of_logs.len()
+        );
+        assert!(
+            of_logs.len() >= 4 && 10 * logs.len() >= 9 * all,
+            "{given:?}"
+        );
+        numbers.push(*number);
+    }
+    numbers.sort_unstable();
+    numbers.dedup();
+    assert_eq!(numbers.len(), OBJECTS.len(), "no two objects are one");
+    // Each log has its own review and pictures; another run reads them.
+    for index in 0..LOGS {
+        let out = folder.join("out");
+        assert!(out.join(format!("lake-{index}.review.json")).is_file());
+        assert!(
+            out.join(format!("dataset/lake-{index}/train.json"))
+                .is_file()
+        );
+    }
+    let page = [
+        "process",
+        "logs",
+        "--no-objects",
+        "--products",
+        "report",
+        "-o",
+        "page",
+    ];
+    let files: Vec<String> = (0..LOGS)
+        .map(|index| format!("out/lake-{index}.review.json"))
+        .collect();
+    let reviews = files.iter().flat_map(|file| ["--review", file.as_str()]);
+    let args: Vec<&str> = page.into_iter().chain(reviews).collect();
+    run(folder, &args);
+    let page = fs::read_to_string(folder.join("page/report.html")).expect("a page");
+    assert!(page.contains(&format!("0 accepted, {boxes} added")));
+    assert!(page.contains(&format!("{boxes} boxes on ")) && page.contains(" passes, in 6 logs"));
+    let strange = [
+        "process",
+        "logs/lake-0.sl2",
+        "--review",
+        "out/lake-1.review.json",
+        "-o",
+        "no",
+    ];
+    assert!(refusal(folder, &strange, 1).contains("another log"));
+}
+
+#[test]
+fn a_search_goes_over_all_logs_and_says_which() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    write_logs(folder, 2);
+    let search = "--set detector.score=0.05 --products track -o";
+    let process = |logs: &str, out: &str| {
+        let args = format!("process {logs} {search} {out}");
+        run(folder, &args.split(' ').collect::<Vec<_>>())
+    };
+    let said = process("lake-0.sl2 lake-1.sl2", "both");
+    assert!(said.contains("proposed by the detector: "), "{said}");
+    process("lake-1.sl2", "second");
+    let rows = |out: &str| -> Vec<csv::StringRecord> {
+        let path = folder.join(out).join("detections.csv");
+        let mut table = csv::Reader::from_path(path).expect("a table");
+        table.records().map(|row| row.expect("a row")).collect()
+    };
+    let (both, second) = (rows("both"), rows("second"));
+    let of = |name: &'static str| both.iter().filter(move |row| &row[0] == name);
+    assert!(of("lake-0").count() > 0 && !second.is_empty());
+    // Side and pings of a box, which stand one column later.
+    let joint: Vec<Vec<&str>> = of("lake-1")
+        .map(|row| row.iter().skip(3).take(6).collect())
+        .collect();
+    let alone: Vec<Vec<&str>> = second
+        .iter()
+        .map(|row| row.iter().skip(2).take(6).collect())
+        .collect();
+    assert_eq!(joint, alone, "each log is searched as it is alone");
+    let ids: Vec<usize> = both
+        .iter()
+        .map(|row| row[1].parse().expect("a number"))
+        .collect();
+    assert_eq!(ids, (1..=both.len()).collect::<Vec<_>>());
+    let chips = fs::read_dir(folder.join("both/chips"))
+        .expect("chips")
+        .count();
+    assert_eq!(chips, both.len());
+    assert_eq!(json(&folder.join("both/detections.csv.json"))["logs"], 2);
 }

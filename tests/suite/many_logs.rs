@@ -34,7 +34,7 @@ struct Lake {
 }
 
 /// Where objects lie on the bottom, metres from the lake's middle.
-const OBJECTS: [[f64; 2]; 4] = [[4.0, 9.0], [-9.0, -3.5], [12.0, -8.0], [-3.0, 14.0]];
+pub const OBJECTS: [[f64; 2]; 4] = [[4.0, 9.0], [-9.0, -3.5], [12.0, -8.0], [-3.0, 14.0]];
 
 fn object([east_m, north_m]: [f64; 2]) -> ObjectSettings {
     ObjectSettings {
@@ -359,6 +359,15 @@ pub fn true_box(survey: &Survey, seen: &bathyscope::simulation::Sighting) -> Opt
         near_m: seen.near_m,
         far_m,
     })
+}
+
+/// The boxes that a labeller draws around all objects of a log over gentle ground.
+pub fn true_boxes(index: usize, survey: &Survey) -> Vec<Mark> {
+    let objects = sailed(index).objects.iter();
+    let sightings = objects.flat_map(|object| &object.sightings);
+    sightings
+        .filter_map(|seen| true_box(survey, seen))
+        .collect()
 }
 
 #[test]

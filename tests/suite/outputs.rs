@@ -138,7 +138,7 @@ fn written(survey: &Arc<Survey>, settings: &Settings, folder: &Path) -> Vec<(Str
         requested: &Product::ALL,
         reference: None,
         search: None,
-        review: None,
+        reviews: &[],
     };
     let run = RunFolder::begin(folder).expect("a folder");
     outputs::write(&order, run, &progress, |_| ()).expect("a whole set of files");

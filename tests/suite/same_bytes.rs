@@ -6,7 +6,7 @@ use crate::truth::KnownSurvey;
 use bathyscope::app::{App, BottomStroke, Command, Ink, Jobs, LogId, PIXEL_M};
 use bathyscope::detection::review::{BoxId, Edit, Review};
 use bathyscope::detection::{Detection, Mark, Raster};
-use bathyscope::outputs::{Need, OUTPUT_FILES, OutputFile, When};
+use bathyscope::outputs::{OUTPUT_FILES, OutputFile, When};
 use bathyscope::pipeline::Settings;
 use bathyscope::survey::{Identity, Side};
 use serde_json::Value;
@@ -164,7 +164,14 @@ fn set(app: &mut App, assignments: &[&str]) {
     settle(app);
 }
 
-/// A survey of two logs, each with settings of its own, kept as a project.
+/// Gives the shown log boxes, two of three decided.
+fn decide(app: &mut App, path: &Path) {
+    decided_boxes(app, path);
+    app.apply(Command::OpenReview(path.to_owned()));
+    settle(app);
+}
+
+/// A survey of two logs, each with settings and boxes of its own, kept as a project.
 fn survey_of_two(folder: &Path) -> App {
     write_logs(folder, &[("first.sl2", 0.0), ("second.sl2", 0.20)]);
     let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
@@ -181,9 +188,11 @@ fn survey_of_two(folder: &Path) -> App {
         ink: Ink::Bottom,
     }));
     settle(&mut app);
+    decide(&mut app, &folder.join("first-boxes.json"));
     app.apply(Command::ShowLog(ids[1]));
     let stretch = r#"left_out.stretches=[{ pings = [100, 139], reason = "bad" }]"#;
     set(&mut app, &["draft_m=0.3", stretch]);
+    decide(&mut app, &folder.join("second-boxes.json"));
     app.apply(Command::ShowLog(ids[0]));
     settle(&mut app);
     app
@@ -213,9 +222,7 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     ];
     let compared = ["--reference", &reference.to_string_lossy()];
     run(folder, &[&process[..], &compared].concat());
-    let is_written =
-        |row: &&OutputFile| !row.needs.contains(&Need::OneLog) && row.when != When::Searched;
-    assert_same(&by_window, &by_process, is_written);
+    assert_same(&by_window, &by_process, |row| row.when != When::Searched);
     let report = report(&by_window);
     let logs = report["logs"]["logs"].as_array().expect("logs");
     assert_eq!(logs.len(), 2);
@@ -226,4 +233,9 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let keys: Vec<&str> = own.keys().map(String::as_str).collect();
     assert_eq!(keys[..2], ["bottom", "draft_m"], "{own:?}");
     assert!(own["bottom"].is_null(), "only the first was drawn on");
+    // A box of the second lies in the stretch that is left out, and one of the others is rejected in either.
+    let page = std::fs::read_to_string(by_window.join("report.html")).unwrap();
+    assert!(page.contains("2 accepted, 0 added, 2 rejected, 2 undecided"));
+    let of_log = |name: &str| page.contains(&format!("<h3>{name}</h3>"));
+    assert!(of_log("first") && of_log("second"));
 }

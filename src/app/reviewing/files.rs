@@ -1,6 +1,5 @@
 //! The file that a review is kept in: a sidecar file of the log, which is never changed.
 
-use crate::app::exporting::Exporting;
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
 use crate::export;
@@ -98,24 +97,16 @@ impl App {
         }
     }
 
-    /// Writes boxes, objects and training pictures into a folder.
+    /// Writes boxes, objects and training pictures of the visible logs into a folder.
     pub(in crate::app) fn export_boxes(&mut self, folder: PathBuf) {
-        let (Some(survey), Some(products), Some(raster)) = (
-            &self.log.survey,
-            &self.log.products,
-            self.log.reviewing.raster(),
-        ) else {
+        let (logs, reviews) = (self.processed_logs(), self.reviews_of_shown());
+        if logs.is_empty() {
             return;
-        };
-        let (survey, products, raster) = (survey.clone(), products.clone(), raster.clone());
-        let review = self.log.reviewing.review.clone();
-        self.exporting = Some(Exporting::start(&self.jobs, move |progress| {
-            let part = export::Part::Train;
-            let written = write_boxes(
-                &survey, &products, &review, &raster, part, &folder, progress,
-            )?;
+        }
+        self.write(move |progress| {
+            let written = write_boxes(&logs, &reviews, export::Part::Train, &folder, progress)?;
             Ok(written.summary(&folder))
-        }));
+        });
     }
 
     /// Starts reading a review of the open survey.

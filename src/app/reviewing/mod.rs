@@ -12,6 +12,7 @@ mod judging;
 mod line;
 mod places;
 
+pub use crate::detection::review::PIXEL_M;
 pub use decide::Nudge;
 pub use detect::SearchStatus;
 pub use judging::{Judging, MistakeSort};
@@ -32,9 +33,6 @@ use files::Opening;
 use places::Places;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Side of a pixel of the raster that boxes are compared and shown in, metres.
-pub const PIXEL_M: f64 = 0.04;
 
 /// What a drag in the waterfall does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,114 +1,75 @@
-//! The logs of one survey, one or several: opened, processed, written.
+//! The logs of one survey, one or several: processed and written.
 
-use super::{How, all_or};
-use crate::app::PIXEL_M;
 use crate::bathymetry::compare::Matching;
 use crate::bathymetry::height_offsets::Datum;
-use crate::cli::settings::Logs;
 use crate::cli::status_line::StatusLine;
+use crate::cli::survey_logs::OpenedLog;
 use crate::cli::{found, output};
-use crate::detection::Raster;
-use crate::detection::review::Review;
-use crate::geo::LocalFrame;
-use crate::outputs::{self, Order, RunFolder};
+use crate::detection::Model;
+use crate::outputs::{self, Order, Product};
 use crate::pipeline::joint::height_offsets;
 use crate::pipeline::{self, Derived, ProcessedLog, Reference, Settings};
 use crate::progress::Progress;
-use crate::survey::{Identity, Survey};
-use std::path::{Path, PathBuf};
+use crate::survey::Survey;
+use std::ffi::OsStr;
+use std::path::Path;
 use std::sync::Arc;
 
-impl How<'_> {
-    /// Processes the logs in one frame and writes one set of products. Of several, a log that cannot be used does not keep the others from
-    /// being processed, and the same bytes under another name are taken once.
-    ///
-    /// # Errors
-    /// A sentence: nothing could be processed, or some of the logs could not.
-    pub fn process_one_survey(
-        &self,
-        surveys: &[(PathBuf, &Logs)],
-        adjust: bool,
-        folder: &Path,
-    ) -> Result<(), String> {
-        if self.review.is_some() && surveys.len() > 1 {
-            return Err(
-                "--review belongs to one log; name one, or process --each by itself".to_owned(),
-            );
-        }
-        if let [(path, logs)] = surveys {
-            return self.process(logs, path, |_| folder.to_owned());
-        }
-        let mut opened: Vec<(Arc<Survey>, &Settings)> = Vec::new();
-        let mut failed = 0;
-        for (path, logs) in surveys {
-            match logs.open(path, &Progress::new()) {
-                Ok(survey) => add(&mut opened, survey, &logs.settings, path),
-                Err(sentence) => {
-                    failed += 1;
-                    output::notify(format_args!("bathyscope: {sentence}"));
-                }
-            }
-        }
-        if !opened.is_empty() {
-            self.process_into(opened, adjust, folder)?;
-        }
-        all_or(failed, surveys.len())
-    }
+/// What is done to the logs of a survey.
+#[derive(Clone, Copy)]
+pub struct How<'a> {
+    /// What searches for objects, if anything does.
+    pub model: Option<&'a Model>,
+    /// The products.
+    pub requested: &'a [Product],
+    /// What they are held against besides.
+    pub reference: Option<&'a OsStr>,
+    /// Whether the height offsets of several logs are applied.
+    pub adjust: bool,
+}
 
+impl How<'_> {
     /// Runs the pipeline on the logs of a survey, which lie in one frame, searches them with the model if one is given, writes their
     /// products and reports in a few lines what came out.
     ///
     /// # Errors
     /// A sentence that says what could not be done.
-    pub fn process_into(
-        &self,
-        surveys: Vec<(Arc<Survey>, &Settings)>,
-        adjust: bool,
-        folder: &Path,
-    ) -> Result<(), String> {
-        let Some((first, settings)) = surveys.first() else {
+    pub fn process_into(&self, opened: &[OpenedLog], folder: &Path) -> Result<(), String> {
+        let Some(first) = opened.first() else {
             return Ok(());
         };
         let progress = Progress::new();
         let status = StatusLine::new(&progress);
-        let open = |argument| Reference::open(argument, first, settings, &progress);
+        let open = |argument| Reference::open(argument, &first.survey, &first.settings, &progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
-        let review = (self.review).map(|path| Review::open(path, &Identity::of(first)));
-        let review = review.transpose().map_err(|error| error.to_string())?;
-        let all = surveys.iter().map(|(survey, _)| &**survey);
-        let run = outputs::begin(folder, all, reference.as_deref())?;
-        let mut logs = Vec::with_capacity(surveys.len());
-        for (survey, settings) in &surveys {
-            logs.push(processed(survey, settings, None, &status, &progress)?);
+        let surveys = opened.iter().map(|log| &*log.survey);
+        let run = outputs::begin(folder, surveys, reference.as_deref())?;
+        let mut logs = Vec::with_capacity(opened.len());
+        for log in opened {
+            logs.push(processed(
+                &log.survey,
+                &log.settings,
+                None,
+                &status,
+                &progress,
+            )?);
         }
-        if adjust {
+        if self.adjust && logs.len() > 1 {
             status.step("height offsets");
             logs = adjusted(&logs, &status, &progress)?;
         }
-        let raster =
-            (review.as_ref()).map(|_| Raster::new(first, &logs[0].products.navigation, PIXEL_M));
-        let max_gap_m = settings.surface.max_gap_m;
+        let reviews: Vec<_> = opened.iter().map(|log| log.review.clone()).collect();
+        let max_gap_m = first.settings.surface.max_gap_m;
         let order = Order {
             logs: &logs,
             derived: &Derived::default(),
             requested: self.requested,
             reference: (reference.as_ref())
                 .map(|reference| (reference, Matching::Surface { max_gap_m })),
-            search: self.model.filter(|_| logs.len() == 1),
-            review: review.as_ref().zip(raster.as_ref()),
+            search: self.model,
+            reviews: &reviews,
         };
-        self.write(&order, run, folder, status, &progress)
-    }
-
-    fn write(
-        &self,
-        order: &Order<'_>,
-        run: RunFolder,
-        folder: &Path,
-        status: StatusLine,
-        progress: &Progress,
-    ) -> Result<(), String> {
-        let written = outputs::write(order, run, progress, |what| status.step(what))?;
+        let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
         drop(status);
         for warning in &written.report.warnings {
             output::notify(format_args!("warning: {warning}"));
@@ -122,33 +83,11 @@ impl How<'_> {
     }
 }
 
-/// Adds a log to those of a survey, in their frame: that of the first log that has a place.
-fn add<'a>(
-    opened: &mut Vec<(Arc<Survey>, &'a Settings)>,
-    survey: Survey,
-    settings: &'a Settings,
-    path: &Path,
-) {
-    if let Some((same, _)) = opened.iter().find(|(one, _)| is_same(one, &survey)) {
-        return output::notify(format_args!(
-            "warning: the log holds the same bytes as {} and is taken once: {}",
-            same.name(),
-            path.display()
-        ));
-    }
-    let is_placed = |(survey, _): &&(Arc<Survey>, &Settings)| !survey.track.fixes.is_empty();
-    let frame: Option<LocalFrame> = opened
-        .iter()
-        .find(is_placed)
-        .map(|(placed, _)| placed.track.frame.clone());
-    let survey = match frame {
-        Some(frame) => survey.in_frame(&frame),
-        None => survey,
-    };
-    opened.push((Arc::new(survey), settings));
-}
-
-fn processed(
+/// Runs the pipeline on a log; what does not depend on the settings that changed is taken from `previous`.
+///
+/// # Errors
+/// When the work was cancelled, in a sentence.
+pub fn processed(
     survey: &Arc<Survey>,
     settings: &Settings,
     previous: Option<&ProcessedLog>,
@@ -180,21 +119,4 @@ fn adjusted(
     };
     let offsets = found.logs.iter().map(|log| log.offset_m);
     logs.iter().zip(offsets).map(with).collect()
-}
-
-/// Whether two logs are the same recording: byte for byte, whatever their names.
-fn is_same(one: &Survey, other: &Survey) -> bool {
-    let own = |survey: &Survey| {
-        let track = usize::from(survey.track.external.is_some());
-        survey.bytes.len().saturating_sub(track)
-    };
-    let (count, others) = (own(one), own(other));
-    count == others
-        && one.source.byte_count == other.source.byte_count
-        && one
-            .bytes
-            .iter()
-            .zip(&other.bytes)
-            .take(count)
-            .all(|(one, other)| one[..] == other[..])
 }

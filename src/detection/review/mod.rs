@@ -22,6 +22,8 @@ use crate::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Side of a pixel of the raster that boxes are compared and shown in, metres.
+pub const PIXEL_M: f64 = 0.04;
 /// Class of a box that is drawn before any model has named one.
 pub const NAMELESS_CLASS: &str = "object";
 

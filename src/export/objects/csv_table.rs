@@ -1,6 +1,6 @@
 //! `objects.csv`: one line a box.
 
-use super::ObjectRow;
+use super::{ObjectLog, ObjectRow, log_name};
 use crate::export::{ExportError, write_aside};
 use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
@@ -32,21 +32,28 @@ const HEADER: [&str; 22] = [
 ];
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
-/// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe.
+/// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
+/// logs begins with the column `log`.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn objects_csv(
     path: &Path,
-    survey: &Survey,
+    logs: &[ObjectLog<'_>],
     rows: &[ObjectRow<'_>],
 ) -> Result<(), ExportError> {
-    let file = survey.name();
+    let column = (logs.len() > 1).then_some("log");
+    let files: Vec<String> = logs.iter().map(|log| log.survey.name()).collect();
     write_aside(path, |out| {
         let mut table = csv::Writer::from_writer(BufWriter::new(out));
-        table.write_record(HEADER)?;
+        table.write_record(column.into_iter().chain(HEADER))?;
         for row in rows {
-            table.write_record(record(row, &file, survey))?;
+            let (Some(log), Some(file)) = (logs.get(row.log), files.get(row.log)) else {
+                continue;
+            };
+            let name = log_name(logs, row).map(plain);
+            let fields = record(row, file, log.survey);
+            table.write_record(name.into_iter().chain(fields))?;
         }
         table.flush()?;
         table

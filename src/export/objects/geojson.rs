@@ -1,17 +1,25 @@
 //! `objects.geojson` (RFC 7946): one point a box that has a place.
 
-use super::ObjectRow;
+use super::{ObjectLog, ObjectRow, log_name};
 use crate::export::{ExportError, write_aside};
 use serde_json::{Value, json};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes boxes as points with everything that is known about them. Boxes without a place are left out.
+/// Writes boxes as points with everything that is known about them; `log` says which of several logs they are of. Boxes without a place
+/// are left out.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_geojson(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
-    let features: Vec<Value> = rows.iter().filter_map(feature).collect();
+pub fn objects_geojson(
+    path: &Path,
+    logs: &[ObjectLog<'_>],
+    rows: &[ObjectRow<'_>],
+) -> Result<(), ExportError> {
+    let features = rows
+        .iter()
+        .filter_map(|row| feature(row, log_name(logs, row)));
+    let features: Vec<Value> = features.collect();
     let collection = json!({ "type": "FeatureCollection", "features": features });
     write_aside(path, |mut file| {
         let text = serde_json::to_vec_pretty(&collection)?;
@@ -20,9 +28,9 @@ pub fn objects_geojson(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), Export
     })
 }
 
-fn feature(row: &ObjectRow<'_>) -> Option<Value> {
+fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
     let target = row.target.as_ref()?;
-    Some(json!({
+    let mut feature = json!({
         "type": "Feature",
         "id": row.id,
         "geometry": {
@@ -45,7 +53,13 @@ fn feature(row: &ObjectRow<'_>) -> Option<Value> {
             "object": row.object,
             "note": row.note,
         },
-    }))
+    });
+    if let Some(log) = log {
+        // Each log numbers its own boxes.
+        feature["id"] = json!(format!("{log} {}", row.id));
+        feature["properties"]["log"] = json!(log);
+    }
+    Some(feature)
 }
 
 /// To the millimetre; `null` for what is not known.

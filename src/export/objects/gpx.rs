@@ -1,6 +1,6 @@
 //! `objects.gpx` (GPX 1.1): one waypoint a box that has a place, as plotters read it.
 
-use super::ObjectRow;
+use super::{ObjectLog, ObjectRow, log_name};
 use crate::export::{ExportError, write_aside};
 use crate::printable::xml;
 use std::fmt::Write as _;
@@ -11,7 +11,11 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_gpx(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
+pub fn objects_gpx(
+    path: &Path,
+    logs: &[ObjectLog<'_>],
+    rows: &[ObjectRow<'_>],
+) -> Result<(), ExportError> {
     let mut text = String::from(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Bathyscope\" xmlns=\"http://www.topografix.com/GPX/1/1\">\n",
     );
@@ -23,7 +27,7 @@ pub fn objects_gpx(path: &Path, rows: &[ObjectRow<'_>]) -> Result<(), ExportErro
                 "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name><desc>{}</desc><type>{}</type></wpt>",
                 target.position.lat_deg,
                 target.position.lon_deg,
-                xml(&row.name()),
+                xml(&row.name(log_name(logs, row))),
                 xml(&row.description()),
                 xml(row.class),
             )

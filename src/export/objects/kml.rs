@@ -1,6 +1,6 @@
 //! `objects.kml` (KML 2.2): one placemark a box that has a place.
 
-use super::ObjectRow;
+use super::{ObjectLog, ObjectRow, log_name};
 use crate::export::{ExportError, write_aside};
 use crate::printable::xml;
 use std::fmt::Write as _;
@@ -11,7 +11,12 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn objects_kml(path: &Path, name: &str, rows: &[ObjectRow<'_>]) -> Result<(), ExportError> {
+pub fn objects_kml(
+    path: &Path,
+    name: &str,
+    logs: &[ObjectLog<'_>],
+    rows: &[ObjectRow<'_>],
+) -> Result<(), ExportError> {
     let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">\n<Document>\n<name>{}</name>\n",
         xml(name)
@@ -22,7 +27,7 @@ pub fn objects_kml(path: &Path, name: &str, rows: &[ObjectRow<'_>]) -> Result<()
             writeln!(
                 text,
                 "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>",
-                xml(&row.name()),
+                xml(&row.name(log_name(logs, row))),
                 xml(&row.description()),
                 target.position.lon_deg,
                 target.position.lat_deg,

@@ -1,4 +1,4 @@
-//! Boxes and their places in the world for other programs: tables, and what maps and plotters read.
+//! Boxes of one log or of several and their places in the world for other programs: tables, and what maps and plotters read.
 
 mod csv_table;
 mod geojson;
@@ -12,11 +12,29 @@ pub use kml::objects_kml;
 
 use crate::detection::Mark;
 use crate::detection::targets::Target;
+use crate::survey::Survey;
+
+/// A log that boxes are of.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectLog<'a> {
+    /// What it is called in its survey.
+    pub name: &'a str,
+    /// The recording.
+    pub survey: &'a Survey,
+}
+
+/// What the log of a row is called; `None` where all boxes are of one log, so that nobody asks.
+fn log_name<'a>(logs: &[ObjectLog<'a>], row: &ObjectRow<'_>) -> Option<&'a str> {
+    let log = logs.get(row.log).filter(|_| logs.len() > 1);
+    log.map(|log| log.name)
+}
 
 /// A box to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectRow<'a> {
-    /// Its number.
+    /// Which of the logs it is of.
+    pub log: usize,
+    /// Its number, within its log where somebody reviews them.
     pub id: u32,
     /// Name of its class.
     pub class: &'a str,
@@ -35,9 +53,10 @@ pub struct ObjectRow<'a> {
 }
 
 impl ObjectRow<'_> {
-    /// `rock 12`.
-    fn name(&self) -> String {
-        format!("{} {}", self.class, self.id)
+    /// `rock 12`, or `rock 12, lake-1` of several logs: plotters take places of one name for one.
+    fn name(&self, log: Option<&str>) -> String {
+        let log = log.map_or_else(String::new, |log| format!(", {log}"));
+        format!("{} {}{log}", self.class, self.id)
     }
 
     /// What a plotter shows beside the name: size, height, depth, confidence, note; what is not known is left out.

@@ -40,6 +40,7 @@ fn target(mark: &Mark) -> Target {
 /// One box with a place, one without.
 fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
     let one = ObjectRow {
+        log: 0,
         id: 7,
         class: "tyre <old>",
         score: Some(0.875),
@@ -60,6 +61,11 @@ fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
     vec![one, lost]
 }
 
+/// Two logs of one recording.
+fn logs(survey: &Survey) -> [ObjectLog<'_>; 2] {
+    ["first", "=second"].map(|name| ObjectLog { name, survey })
+}
+
 fn written(
     write: impl FnOnce(&std::path::Path) -> Result<(), crate::export::ExportError>,
 ) -> String {
@@ -72,7 +78,7 @@ fn written(
 #[test]
 fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
     let (mark, survey) = (mark(), Survey::default());
-    let text = written(|path| objects_csv(path, &survey, &rows(&mark)));
+    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows(&mark)));
     let mut table = csv::Reader::from_reader(text.as_bytes());
     assert_eq!(&table.headers().unwrap()[17], "depth_m");
     let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
@@ -95,8 +101,8 @@ fn the_table_has_a_line_a_box_and_empty_fields_for_what_is_not_known() {
 
 #[test]
 fn geojson_has_a_point_for_each_box_with_a_place() {
-    let mark = mark();
-    let text = written(|path| objects_geojson(path, &rows(&mark)));
+    let (mark, survey) = (mark(), Survey::default());
+    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows(&mark)));
     let read: serde_json::Value = serde_json::from_str(&text).unwrap();
     let features = read["features"].as_array().unwrap();
     assert_eq!(features.len(), 1);
@@ -108,9 +114,10 @@ fn geojson_has_a_point_for_each_box_with_a_place() {
 
 #[test]
 fn markup_in_names_and_notes_is_escaped() {
-    let mark = mark();
-    let kml = written(|path| objects_kml(path, "a & b", &rows(&mark)));
-    let gpx = written(|path| objects_gpx(path, &rows(&mark)));
+    let (mark, survey) = (mark(), Survey::default());
+    let logs = &logs(&survey)[..1];
+    let kml = written(|path| objects_kml(path, "a & b", logs, &rows(&mark)));
+    let gpx = written(|path| objects_gpx(path, logs, &rows(&mark)));
     for text in [&kml, &gpx] {
         assert!(text.contains("<name>tyre &lt;old&gt; 7</name>"), "{text}");
         assert!(text.contains("=cmd &amp; &quot;two&quot;, see\nbelow"));
@@ -119,4 +126,28 @@ fn markup_in_names_and_notes_is_escaped() {
     assert!(kml.contains("<name>a &amp; b</name>"));
     assert!(kml.contains("<coordinates>-82.11000000,29.41000000</coordinates>"));
     assert!(gpx.contains("<wpt lat=\"29.41000000\" lon=\"-82.11000000\">"));
+}
+
+#[test]
+fn boxes_of_several_logs_say_which() {
+    let (mark, survey) = (mark(), Survey::default());
+    let logs = logs(&survey);
+    let mut rows = rows(&mark);
+    rows[1] = ObjectRow {
+        log: 1,
+        ..rows[0].clone()
+    };
+    let text = written(|path| objects_csv(path, &logs, &rows));
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    let header = table.headers().unwrap().clone();
+    assert_eq!((&header[0], &header[1]), ("log", "id"));
+    let lines: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!((&lines[0][0], &lines[1][0]), ("first", "'=second"));
+    let text = written(|path| objects_geojson(path, &logs, &rows));
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let second = &read["features"][1];
+    assert_eq!(second["properties"]["log"], "=second");
+    assert_ne!(read["features"][0]["id"], second["id"]);
+    let gpx = written(|path| objects_gpx(path, &logs, &rows));
+    assert!(gpx.contains("<name>tyre &lt;old&gt; 7, =second</name>"));
 }

@@ -61,7 +61,7 @@ pub struct LogReport {
 const DATUM: &str = "offset_m is what is to be added to the elevations of a log so that it agrees with those that it is connected with; \
      the mean of connected logs is zero. Differences are elevations, the second log minus the first: positive is shallower.";
 
-/// The report of a survey of several logs: counts are those of all of them, `format`, `start_unix_s` and `calibration` those of the first,
+/// The report of a survey of several logs: counts, track and residuals are those of all of them, `format`, `start_unix_s`, settings and `calibration` those of the first,
 /// and what belongs to one log stands with it. `names` are what the logs are called. `None` without a log.
 ///
 /// # Errors
@@ -114,6 +114,7 @@ pub fn joint_report(
             statement: single.statement,
         });
     }
+    all.statement = statement(&listed);
     all.warnings.extend(not_connected(&listed));
     all.logs = Some(LogsReport {
         datum: DATUM,
@@ -122,6 +123,18 @@ pub fn joint_report(
         crosslines: crossline_analysis(logs, progress)?,
     });
     Ok(Some(all))
+}
+
+/// What the depths of all logs are: once where it is the same of all.
+fn statement(logs: &[LogReport]) -> String {
+    let first = logs.first().map_or("", |log| log.statement.as_str());
+    if logs.iter().all(|log| log.statement == first) {
+        return first.to_owned();
+    }
+    let each = logs
+        .iter()
+        .map(|log| format!("{}: {}", log.log, log.statement));
+    each.collect::<Vec<_>>().join(" ")
 }
 
 /// Elevations of the side-scan points of all logs minus those of the recorded depths at the same pings.

@@ -505,22 +505,6 @@ fn several_logs_are_one_survey() {
         );
         assert!(found["unmatched"].as_u64().unwrap() > 0, "{found}");
     }
-    assert!(
-        refusal(
-            folder,
-            &[
-                "process",
-                "a.sl2",
-                "b.sl2",
-                "--review",
-                "a.review.json",
-                "-o",
-                "no"
-            ],
-            1
-        )
-        .contains("--each")
-    );
 }
 
 #[test]

@@ -1,0 +1,200 @@
+//! The logs of one survey on the command line: named one by one, as folders, or by a project, and opened in one frame.
+
+use super::settings::{Logs, SettingsArgs};
+use super::{many, output};
+use crate::app::is_project;
+use crate::detection::review::Review;
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use crate::project;
+use crate::survey::{Identity, Survey};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A log to open, with the settings for it.
+pub struct LogInput {
+    /// Its file or folder.
+    pub path: PathBuf,
+    /// How it is opened and processed.
+    pub logs: Arc<Logs>,
+    /// What its project knows of its boxes.
+    pub review: Option<Arc<Review>>,
+}
+
+/// A log that was opened.
+pub struct OpenedLog {
+    /// The recording.
+    pub survey: Arc<Survey>,
+    /// The settings that it is processed with.
+    pub settings: Settings,
+    /// What was decided about its boxes.
+    pub review: Option<Arc<Review>>,
+}
+
+/// The logs that some paths name, all with the same settings, or the visible logs of a project with the settings that they have there;
+/// `track` is the file of another receiver's track.
+///
+/// # Errors
+/// A sentence: settings that cannot be used, a project beside logs or with settings from elsewhere, or one that cannot be read.
+pub fn inputs(
+    paths: &[PathBuf],
+    settings: &SettingsArgs,
+    track: Option<PathBuf>,
+) -> Result<Vec<LogInput>, String> {
+    match paths {
+        [path] if is_project(path) => {
+            if settings.are_given() || track.is_some() {
+                return Err(format!(
+                    "a project brings its settings; change them in it, or name its logs: {}",
+                    path.display()
+                ));
+            }
+            of_project(path)
+        }
+        paths => {
+            if let Some(path) = paths.iter().find(|path| is_project(path)) {
+                return Err(format!(
+                    "a project is processed by itself; name it alone: {}",
+                    path.display()
+                ));
+            }
+            let mut settings = settings.resolve()?;
+            if track.is_some() {
+                settings.track.file = track;
+            }
+            let logs = Arc::new(Logs::new(settings)?);
+            let paths = many::logs(paths).into_iter();
+            let input = |path| LogInput {
+                path,
+                logs: logs.clone(),
+                review: None,
+            };
+            Ok(paths.map(input).collect())
+        }
+    }
+}
+
+fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
+    let inputs = project::inputs(path, &Progress::new())?.into_iter();
+    let input = |input: project::Input| {
+        let has_boxes = input.log.review.boxes().len() > 0;
+        Ok(LogInput {
+            path: input.log.file.path.clone(),
+            logs: Arc::new(Logs::new(input.settings)?),
+            review: has_boxes.then(|| input.log.review.clone()),
+        })
+    };
+    inputs.map(input).collect()
+}
+
+impl LogInput {
+    /// Opens the log by itself.
+    ///
+    /// # Errors
+    /// A sentence: it cannot be opened, or does not hold what its settings ask for.
+    pub fn open(&self) -> Result<OpenedLog, String> {
+        let survey = self.logs.open(&self.path, &Progress::new())?;
+        Ok(OpenedLog {
+            survey: Arc::new(survey),
+            settings: self.logs.settings.clone(),
+            review: self.review.clone(),
+        })
+    }
+}
+
+/// Opens logs in the frame of the first that has a place, and counts those that cannot be used: they are named on stderr and do not keep
+/// the others from being opened. The same bytes under another name are taken once.
+pub fn open_all(inputs: &[LogInput]) -> (Vec<OpenedLog>, usize) {
+    let mut opened: Vec<OpenedLog> = Vec::new();
+    let mut failed = 0;
+    for input in inputs {
+        match input.open() {
+            Ok(log) => add(&mut opened, log, &input.path),
+            Err(sentence) => {
+                failed += 1;
+                output::notify(format_args!("bathyscope: {sentence}"));
+            }
+        }
+    }
+    (opened, failed)
+}
+
+/// An error where some of the logs could not be used.
+///
+/// # Errors
+/// A sentence that counts them.
+pub fn all_or(failed: usize, all: usize) -> Result<(), String> {
+    match failed {
+        0 => Ok(()),
+        _ => Err(format!(
+            "{failed} of {all} logs could not be processed, for the reasons above"
+        )),
+    }
+}
+
+fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
+    if let Some(same) = opened.iter().find(|one| is_same(&one.survey, &log.survey)) {
+        return output::notify(format_args!(
+            "warning: the log holds the same bytes as {} and is taken once: {}",
+            same.survey.name(),
+            path.display()
+        ));
+    }
+    let is_placed = |log: &&OpenedLog| !log.survey.track.fixes.is_empty();
+    let placed = opened.iter().find(is_placed);
+    let frame = placed.map(|log| log.survey.track.frame.clone());
+    let survey = match frame {
+        Some(frame) => Arc::new(Arc::unwrap_or_clone(log.survey).in_frame(&frame)),
+        None => log.survey,
+    };
+    opened.push(OpenedLog { survey, ..log });
+}
+
+/// Whether two logs are the same recording: byte for byte, whatever their names.
+fn is_same(one: &Survey, other: &Survey) -> bool {
+    let own = |survey: &Survey| {
+        let track = usize::from(survey.track.external.is_some());
+        survey.bytes.len().saturating_sub(track)
+    };
+    let (count, others) = (own(one), own(other));
+    count == others
+        && one.source.byte_count == other.source.byte_count
+        && one
+            .bytes
+            .iter()
+            .zip(&other.bytes)
+            .take(count)
+            .all(|(one, other)| one[..] == other[..])
+}
+
+/// Whether a file has the decisions about the boxes of a log.
+pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
+    Review::open(path, &Identity::of(&log.survey)).is_ok()
+}
+
+/// Gives each review that is named by its file to the log that it is of, in the place of what that has.
+///
+/// # Errors
+/// A sentence that names the file, where it cannot be used or is of none of the logs.
+pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), String> {
+    for path in files {
+        let mut refused = None;
+        let is_taken =
+            logs.iter_mut()
+                .any(|log| match Review::open(path, &Identity::of(&log.survey)) {
+                    Ok(review) => {
+                        log.review = Some(Arc::new(review));
+                        true
+                    }
+                    Err(error) => {
+                        refused = Some(error.to_string());
+                        false
+                    }
+                });
+        // Of one log, its own words; of several, those about the last are those about all, but for the name in them.
+        if let Some(sentence) = refused.filter(|_| !is_taken) {
+            return Err(sentence);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,121 @@
+//! The boxes of a survey as rows of tables, and the objects that they are sightings of, over all logs.
+
+use crate::detection::review::{Review, State};
+use crate::detection::targets::GroupSettings;
+use crate::detection::{Detection, Mark};
+use crate::export::ObjectRow;
+use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects};
+use crate::pipeline::{Placing, ProcessedLog, Products};
+use crate::progress::Progress;
+
+/// Boxes of all logs, and the objects that they show.
+#[derive(Default)]
+pub struct ObjectRows<'a> {
+    /// A row a box; those of one object have its number.
+    pub rows: Vec<ObjectRow<'a>>,
+    /// The objects, number 1 first: members count the rows.
+    pub objects: Vec<JointObject>,
+}
+
+impl<'a> ObjectRows<'a> {
+    /// Adds what a model found in a log, numbered on from what is there.
+    pub fn add_found(
+        &mut self,
+        log: usize,
+        of: &ProcessedLog,
+        names: &'a [String],
+        found: &'a [Detection],
+    ) {
+        let placing = placing(of);
+        let first = self.rows.len() as u32 + 1;
+        self.rows
+            .extend((first..).zip(found).map(|(id, one)| ObjectRow {
+                log,
+                id,
+                class: names.get(one.class).map_or("", String::as_str),
+                score: Some(one.score),
+                state: State::Proposed.name(),
+                mark: &one.mark,
+                target: placing.place(&one.mark),
+                object: None,
+                note: "",
+            }));
+    }
+
+    /// Adds the boxes of a log's review but those in stretches that are left out.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn add_reviewed(
+        &mut self,
+        log: usize,
+        of: &ProcessedLog,
+        review: &'a Review,
+        progress: &Progress,
+    ) -> Result<(), String> {
+        let placing = placing(of);
+        let boxes = review.boxes();
+        for one in boxes.filter(|one| !is_left_out(&of.products, &one.mark)) {
+            progress.check().map_err(|error| error.to_string())?;
+            self.rows.push(ObjectRow {
+                log,
+                id: one.id.0,
+                class: review.class_name(one.class),
+                score: one.score,
+                state: one.state.name(),
+                mark: &one.mark,
+                target: placing.place(&one.mark),
+                object: None,
+                note: &one.note,
+            });
+            progress.advance(1);
+        }
+        Ok(())
+    }
+
+    /// Makes one object of the sightings of it in all logs, and gives them its number. As long as nobody has decided about any box, every
+    /// proposal is a sighting; then those are that were accepted or added.
+    pub fn group(&mut self) {
+        let proposed = State::Proposed.name();
+        let is_decided = self.rows.iter().any(|row| row.state != proposed);
+        let objects = [State::Accepted, State::Added].map(State::name);
+        let (members, boxes): (Vec<usize>, Vec<PlacedBox<'_>>) = (self.rows.iter())
+            .enumerate()
+            .filter(|(_, row)| !is_decided || objects.contains(&row.state))
+            .filter_map(|(index, row)| {
+                let placed = PlacedBox {
+                    log: row.log,
+                    class: row.class,
+                    score: row.score,
+                    target: row.target.as_ref()?,
+                };
+                Some((index, placed))
+            })
+            .unzip();
+        let mut objects = joint_objects(&boxes, &GroupSettings::default());
+        for (number, object) in (1..).zip(&mut objects) {
+            for member in &mut object.members {
+                *member = members[*member];
+                self.rows[*member].object = Some(number);
+            }
+        }
+        self.objects = objects;
+    }
+}
+
+fn placing(of: &ProcessedLog) -> Placing<'_> {
+    let Products {
+        navigation,
+        returns,
+        calibration,
+        correction,
+        ..
+    } = &of.products;
+    Placing::new(&of.survey, navigation, returns, calibration, correction)
+}
+
+/// Whether the middle of a box lies in a stretch that is left out.
+pub fn is_left_out(products: &Products, mark: &Mark) -> bool {
+    let middle = usize::midpoint(mark.pings.start, mark.pings.end);
+    products.left_out.ping(middle).is_some()
+}
