@@ -30,7 +30,7 @@ pub struct ProcessArgs {
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
-    /// Also hold the survey against points or another log, named as `compare` takes them: comparison.json, comparison.csv
+    /// Also hold the survey against points or other logs, named as `compare` takes them: comparison.json, comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
     /// Decisions about the boxes of a log, LOG.review.json of the window: report.html shows them. May be given again, for each of several logs

@@ -4,10 +4,11 @@ use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
 use crate::detection::review::Review;
-use crate::pipeline::Settings;
+use crate::pipeline::{MissionLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::project;
 use crate::survey::{Identity, Survey};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -197,4 +198,46 @@ pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), Str
         }
     }
     Ok(())
+}
+
+/// Opens what logs are held against: points, another log, or the logs of a folder or a project.
+///
+/// # Errors
+/// A sentence: it cannot be opened, or its metres lie nowhere near the first log.
+pub fn open_reference(
+    argument: &OsStr,
+    first: &OpenedLog,
+    progress: &Progress,
+) -> Result<Reference, String> {
+    let path = Path::new(argument);
+    let inputs = match is_project(path) {
+        true => of_project(path)?,
+        false if is_group(argument) => {
+            let logs = Arc::new(Logs::new(first.settings.clone())?);
+            let input = |path| LogInput {
+                path,
+                logs: logs.clone(),
+                review: None,
+            };
+            many::logs(&[path.to_owned()])
+                .into_iter()
+                .map(input)
+                .collect()
+        }
+        false => return Reference::open(argument, &first.survey, &first.settings, progress),
+    };
+    let (opened, failed) = open_all(&inputs);
+    all_or(failed, inputs.len())?;
+    let log = |log: OpenedLog| MissionLog {
+        survey: log.survey,
+        settings: Some(log.settings).filter(|_| is_project(path)),
+    };
+    let logs = opened.into_iter().map(log).collect();
+    Ok(Reference::of_logs(path, logs))
+}
+
+/// Whether an argument names several logs: a folder of them, or a project.
+pub fn is_group(argument: &OsStr) -> bool {
+    let path = Path::new(argument);
+    is_project(path) || many::logs(&[path.to_owned()]).len() > 1
 }

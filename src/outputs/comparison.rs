@@ -56,6 +56,8 @@ const SIGN: &str = "measured minus reference elevation, metres; positive is shal
 const MISSION: &str = "The reference is another mission, processed with the same settings.";
 const MISSION_OF_LOGS: &str =
     "The reference is another mission, processed with the settings of the first log.";
+const PROJECT: &str =
+    "The reference is another survey, each of its logs processed with its own settings.";
 const POINTS: &str = "The reference is taken as it stands in its file.";
 impl<'a> ComparisonRecord<'a> {
     /// Of the agreement of logs with a reference, and the files that the reference was read from.
@@ -71,6 +73,7 @@ impl<'a> ComparisonRecord<'a> {
             return Err(NO_REFERENCE.to_owned());
         };
         let (kind, how) = match (reference.is_mission(), logs.len()) {
+            (true, _) if reference.has_own_settings() => ("mission", PROJECT),
             (true, 1) => ("mission", MISSION),
             (true, _) => ("mission", MISSION_OF_LOGS),
             (false, _) => ("points", POINTS),
@@ -109,6 +112,19 @@ impl<'a> ComparisonRecord<'a> {
     /// How a point found its reference, in words.
     pub fn by(&self) -> &str {
         &self.by
+    }
+
+    /// A line for each of several logs; `None` of one.
+    pub fn summary_of_logs(&self) -> Option<String> {
+        let line = |log: &LogComparison| match &log.comparison.residuals {
+            None => format!("{}: no point has a reference", log.log),
+            Some(found) => format!(
+                "{}: n {}, median {:+.3} m, sd {:.3} m, p95 {:.3} m",
+                log.log, found.n, found.median_m, found.sd_m, found.p95_m
+            ),
+        };
+        let lines: Vec<String> = self.logs.iter().map(line).collect();
+        (!lines.is_empty()).then(|| lines.join("\n"))
     }
 }
 

@@ -23,7 +23,7 @@ pub mod settings;
 mod task;
 
 pub use agreement::{
-    Agreement, LogDifferences, Reference, ResidualTables, matching_in_words, positions,
+    Agreement, LogDifferences, MissionLog, Reference, ResidualTables, matching_in_words, positions,
 };
 pub use background::{Background, Same};
 pub use depth::{

@@ -390,3 +390,48 @@ fn a_search_goes_over_all_logs_and_says_which() {
     assert_eq!(chips, both.len());
     assert_eq!(json(&folder.join("both/detections.csv.json"))["logs"], 2);
 }
+
+#[test]
+fn groups_of_logs_are_compared_with_each_other() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    for (group, logs) in [("monday", [0, 1]), ("tuesday", [5, 6])] {
+        fs::create_dir(folder.join(group)).expect("a folder");
+        for index in logs {
+            let path = folder.join(group).join(format!("lake-{index}.sl2"));
+            fs::write(path, sailed(index).sl2_bytes()).expect("a log");
+        }
+    }
+    let compare = ["compare", "monday", "tuesday", "--by", "surface", "--json"];
+    let found = run(folder, &[&compare[..], &["-o", "points.csv"]].concat());
+    let found: Value = serde_json::from_str(&found).expect("JSON");
+    assert_eq!(
+        found["reference"]["inputs"].as_array().map(Vec::len),
+        Some(2)
+    );
+    let medians_m: Vec<f64> = (found["logs"].as_array().expect("logs").iter())
+        .map(|log| number(&log["median_m"]))
+        .collect();
+    // Both are held against the same surface, so the second is lower by what it hangs higher over the bed.
+    let lower_m = medians_m[0] - medians_m[1];
+    eprintln!("apart by {lower_m:.3} m");
+    assert!(
+        (lower_m - (HIGHER_M[1] - HIGHER_M[0])).abs() < 0.05,
+        "{found}"
+    );
+    let table = fs::read_to_string(folder.join("points.csv")).expect("a table");
+    assert!(table.starts_with("log,source,") && table.contains("\nlake-1,"));
+    let said = run(folder, &compare[..5]);
+    assert!(
+        said.contains("\nlake-0: n ") && said.contains("\nlake-1: n "),
+        "{said}"
+    );
+
+    let process = "process monday --reference tuesday --no-objects --products residuals -o out";
+    run(folder, &process.split(' ').collect::<Vec<_>>());
+    let written = json(&folder.join("out/comparison.json"));
+    assert_eq!(
+        (&written["n"], &written["mean_m"]),
+        (&found["n"], &found["mean_m"])
+    );
+}

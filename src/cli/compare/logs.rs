@@ -1,27 +1,31 @@
-//! Logs on either side of a comparison: processed as `bathyscope process` would, all with the same settings.
+//! Logs on either side of a comparison, one or those of a folder or project: processed as `bathyscope process` would.
 
 use super::{CompareArgs, table};
 use crate::cli::output;
-use crate::cli::settings::{Logs, SettingsArgs};
+use crate::cli::process::processed;
+use crate::cli::settings::SettingsArgs;
 use crate::cli::status_line::StatusLine;
+use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open_all, open_reference};
 use crate::formats::points::{Elevations, Plane};
 use crate::outputs::{ComparisonRecord, write_differences};
-use crate::pipeline::{self, Agreement, ProcessedLog, Reference};
+use crate::pipeline::{self, Agreement, ProcessedLog};
 use crate::progress::Progress;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Compares the points that a log's depth map is made of, and prints the statistics.
+/// Compares the points that the depth map of some logs is made of, and prints the statistics.
 pub fn run(args: &CompareArgs) -> Result<(), String> {
-    let logs = Logs::new(args.settings.resolve()?)?;
+    let opened = opened(&args.measured, &args.settings)?;
+    let Some(first) = opened.first() else {
+        return Ok(());
+    };
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let measured = [processed(&args.measured, &logs, &status, &progress)?];
+    let measured = all_processed(&opened, &status, &progress)?;
     status.step("comparing");
-    let survey = &measured[0].survey;
-    let reference = Reference::open(&args.reference, survey, &logs.settings, &progress)?;
-    let (reference, matching) = (Arc::new(reference), args.matching());
+    let reference = Arc::new(open_reference(&args.reference, first, &progress)?);
+    let matching = args.matching();
     let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
         write_differences(path, &measured, &agreement)?;
@@ -35,32 +39,51 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     }
     match args.json {
         true => output::json(&record),
-        false => output::results(table(&agreement.comparison, record.by())),
+        false => {
+            output::results(table(&agreement.comparison, record.by()))?;
+            match record.summary_of_logs() {
+                Some(lines) => output::results(lines),
+                None => Ok(()),
+            }
+        }
     }
 }
 
-/// The same points of a log as a file of points would hold them.
+/// The same points of logs as a file of points would hold them.
 pub fn elevations(argument: &OsStr, settings: &SettingsArgs) -> Result<Elevations, String> {
-    let logs = Logs::new(settings.resolve()?)?;
+    let opened = opened(argument, settings)?;
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let ProcessedLog { survey, products } = processed(argument, &logs, &status, &progress)?;
+    let logs = all_processed(&opened, &status, &progress)?;
+    let points = logs
+        .iter()
+        .flat_map(|log| pipeline::positions(&log.survey, &log.products));
     Ok(Elevations {
         path: argument.into(),
-        points: pipeline::positions(&survey, &products),
+        points: points.collect(),
         plane: Plane::Degrees,
         blank: 0,
         note: None,
     })
 }
 
-fn processed(
-    argument: &OsStr,
-    logs: &Logs,
+/// The logs that an argument names, in one frame.
+fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, String> {
+    let inputs = inputs(&[PathBuf::from(argument)], settings, None)?;
+    if let [input] = inputs.as_slice() {
+        return Ok(vec![input.open()?]);
+    }
+    let (opened, failed) = open_all(&inputs);
+    all_or(failed, inputs.len())?;
+    Ok(opened)
+}
+
+fn all_processed(
+    opened: &[OpenedLog],
     status: &StatusLine,
     progress: &Progress,
-) -> Result<ProcessedLog, String> {
-    let survey = Arc::new(logs.open(Path::new(argument), progress)?);
-    let products = logs.process(&survey, status, progress)?;
-    Ok(ProcessedLog { survey, products })
+) -> Result<Vec<ProcessedLog>, String> {
+    let logs = opened.iter();
+    logs.map(|log| processed(&log.survey, &log.settings, None, status, progress))
+        .collect()
 }

@@ -21,9 +21,10 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct CompareArgs {
     /// The measured points: xyz, csv, txt, ply, las, laz, the cells of a GeoTIFF or the points of a GeoJSON; FILE.csv:x,y,z names
-    /// its columns, a `-` before the third says that it is a depth, positive down. Or a log, whose kept points are taken
+    /// its columns, a `-` before the third says that it is a depth, positive down. Or a log, whose kept points are taken, or a folder of
+    /// logs or a project, whose logs are taken together
     measured: OsString,
-    /// The reference, named likewise; it may be other columns of the same file, or a log of another mission over the same water
+    /// The reference, named likewise; it may be other columns of the same file, or logs of another mission over the same water
     reference: OsString,
     /// Where the reference of a point is taken from
     #[arg(long, value_enum, default_value_t = By::Nearest)]

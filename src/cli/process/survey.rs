@@ -3,12 +3,12 @@
 use crate::bathymetry::compare::Matching;
 use crate::bathymetry::height_offsets::Datum;
 use crate::cli::status_line::StatusLine;
-use crate::cli::survey_logs::OpenedLog;
+use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
 use crate::detection::Model;
 use crate::outputs::{self, Order, Product};
 use crate::pipeline::joint::height_offsets;
-use crate::pipeline::{self, Derived, ProcessedLog, Reference, Settings};
+use crate::pipeline::{self, Derived, ProcessedLog, Settings};
 use crate::progress::Progress;
 use crate::survey::Survey;
 use std::ffi::OsStr;
@@ -40,7 +40,7 @@ impl How<'_> {
         };
         let progress = Progress::new();
         let status = StatusLine::new(&progress);
-        let open = |argument| Reference::open(argument, &first.survey, &first.settings, &progress);
+        let open = |argument| open_reference(argument, first, &progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
         let surveys = opened.iter().map(|log| &*log.survey);
         let run = outputs::begin(folder, surveys, reference.as_deref())?;

@@ -7,7 +7,7 @@ mod by_source;
 mod reference;
 mod tables;
 
-pub use reference::{Reference, positions};
+pub use reference::{MissionLog, Reference, positions};
 pub use tables::ResidualTables;
 
 use super::{ProcessedLog, Products};

@@ -29,11 +29,21 @@ type Position = [f64; 3];
 #[derive(Debug)]
 enum Held {
     Points(Vec<Position>),
+    /// One log or several of another mission.
     Mission {
-        survey: Arc<Survey>,
-        /// What the pipeline made of it last: most changes of a setting leave most stages as they were.
-        made: Mutex<Option<Box<Products>>>,
+        logs: Vec<MissionLog>,
+        /// What the pipeline made of each last: most changes of a setting leave most stages as they were.
+        made: Mutex<Vec<Products>>,
     },
+}
+
+/// A log of another mission.
+#[derive(Clone, Debug)]
+pub struct MissionLog {
+    /// The recording.
+    pub survey: Arc<Survey>,
+    /// The settings that it is processed with; those of the survey that is held against it where it has none of its own.
+    pub settings: Option<Settings>,
 }
 
 impl Reference {
@@ -73,13 +83,23 @@ impl Reference {
         })
     }
 
-    /// Another mission, which is processed with the settings of the survey that it is held against.
+    /// Another mission of one log, which is processed with the settings of the survey that is held against it.
     fn of_mission(survey: Survey) -> Self {
+        let path = survey.source.files.first().cloned().unwrap_or_default();
+        let log = MissionLog {
+            survey: Arc::new(survey),
+            settings: None,
+        };
+        Self::of_logs(&path, vec![log])
+    }
+
+    /// Another mission of several logs; `path` is that of their folder or project.
+    pub fn of_logs(path: &Path, logs: Vec<MissionLog>) -> Self {
         Self {
-            path: survey.source.files.first().cloned().unwrap_or_default(),
+            path: path.to_owned(),
             notes: Vec::new(),
             held: Held::Mission {
-                survey: Arc::new(survey),
+                logs,
                 made: Mutex::default(),
             },
         }
@@ -101,6 +121,14 @@ impl Reference {
         matches!(self.held, Held::Mission { .. })
     }
 
+    /// Whether it is another mission whose logs have settings of their own.
+    pub fn has_own_settings(&self) -> bool {
+        match &self.held {
+            Held::Points(_) => false,
+            Held::Mission { logs, .. } => logs.iter().any(|log| log.settings.is_some()),
+        }
+    }
+
     /// East, north and elevation of its points in the plane of a log, metres. Another mission is processed with the settings of that log.
     ///
     /// # Errors
@@ -118,16 +146,20 @@ impl Reference {
         };
         match &self.held {
             Held::Points(points) => Ok(points.par_iter().map(place).collect()),
-            Held::Mission {
-                survey: other,
-                made,
-            } => {
+            Held::Mission { logs, made } => {
                 let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-                let now = processed(other, &products.settings, made.as_deref(), progress)
-                    .map_err(|what| format!("{what}: {}", self.path.display()))?;
-                let points = positions(other, &now);
-                *made = Some(Box::new(now));
-                Ok(points.par_iter().map(place).collect())
+                let mut places = Vec::new();
+                for (index, other) in logs.iter().enumerate() {
+                    let now = other
+                        .processed(&products.settings, made.get(index), progress)
+                        .map_err(|what| format!("{what}: {}", self.path.display()))?;
+                    places.par_extend(positions(&other.survey, &now).par_iter().map(place));
+                    match made.get_mut(index) {
+                        Some(before) => *before = now,
+                        None => made.push(now),
+                    }
+                }
+                Ok(places)
             }
         }
     }
@@ -136,30 +168,40 @@ impl Reference {
     pub fn inputs(&self, progress: &Progress) -> Result<Vec<Input>, String> {
         match &self.held {
             Held::Points(_) => Ok(vec![hash_file(&self.path, progress)?]),
-            Held::Mission { survey, .. } => {
-                hash_inputs(survey, progress).map_err(|error: Cancelled| error.to_string())
+            Held::Mission { logs, .. } => {
+                let inputs = logs.iter().map(|log| hash_inputs(&log.survey, progress));
+                let inputs: Result<Vec<_>, Cancelled> = inputs.collect();
+                inputs
+                    .map(|all| all.concat())
+                    .map_err(|error| error.to_string())
             }
         }
     }
 }
 
-/// What the pipeline makes of another mission. A flat spot, strokes, stretches and a height offset of the one log mean nothing in the other.
-fn processed(
-    survey: &Survey,
-    settings: &Settings,
-    before: Option<&Products>,
-    progress: &Progress,
-) -> Result<Products, String> {
-    let mut settings = settings.clone();
-    settings.calibration.pings = None;
-    settings.bottom = BottomSettings::default();
-    settings.left_out.log = None;
-    settings.left_out.stretches.clear();
-    settings.height_offset_m = 0.0;
-    if let Some(sentence) = Correction::new(settings.depth(), survey).refused() {
-        return Err(sentence.to_owned());
+impl MissionLog {
+    /// What the pipeline makes of it. A flat spot, strokes, stretches and a height offset of the log that is held against it mean nothing
+    /// here.
+    fn processed(
+        &self,
+        settings: &Settings,
+        before: Option<&Products>,
+        progress: &Progress,
+    ) -> Result<Products, String> {
+        let settings = self.settings.clone().unwrap_or_else(|| {
+            let mut settings = settings.clone();
+            settings.calibration.pings = None;
+            settings.bottom = BottomSettings::default();
+            settings.left_out.log = None;
+            settings.left_out.stretches.clear();
+            settings.height_offset_m = 0.0;
+            settings
+        });
+        if let Some(sentence) = Correction::new(settings.depth(), &self.survey).refused() {
+            return Err(sentence.to_owned());
+        }
+        run(&self.survey, &settings, before, progress, |_| ()).map_err(|error| error.to_string())
     }
-    run(survey, &settings, before, progress, |_| ()).map_err(|error| error.to_string())
 }
 
 /// Longitude, latitude and elevation of the points that a depth map of a survey is made of.

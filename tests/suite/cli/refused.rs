@@ -349,12 +349,6 @@ fn a_folder_of_logs_is_listed_and_each_log_processed() {
     let snapshot = ["snapshot", "trip", "-o", "x.png", "--view", "map"];
     run(folder, &snapshot);
     assert!(folder.join("x.png").is_file());
-    // What takes one log says which there are.
-    one_line(
-        folder,
-        &["compare", "trip", "trip/a.sl2"],
-        &["folder of 3 logs", "a.sl2, b.sl3, line.xtf", "name one"],
-    );
     fs::create_dir(folder.join("empty")).expect("a folder");
     one_line(
         folder,
