@@ -51,6 +51,7 @@ mod shipped_model;
 mod simulation;
 mod space;
 mod support;
+mod survey_run;
 mod trusted_depths;
 mod truth;
 mod waterfall;

@@ -47,7 +47,7 @@ fn decisions(window: &Window) -> Vec<String> {
     logs.collect()
 }
 
-fn hashes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+pub fn hashes(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).expect("the folder").flatten();
     let logs = entries.map(|entry| entry.path());
     let logs = logs.filter(|path| path.extension().is_some_and(|ending| ending == "sl2"));
