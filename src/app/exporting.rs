@@ -64,7 +64,8 @@ impl App {
         let exporting = Exporting::start(&self.jobs, move |progress| {
             let reference = against.as_ref().map(|(reference, _)| &**reference);
             let surveys = logs.iter().map(|log| &*log.survey);
-            let run = outputs::begin(&folder, surveys, reference)?;
+            let run =
+                outputs::begin(&folder, surveys, reference).map_err(|error| error.to_string())?;
             let order = Order {
                 logs: &logs,
                 derived: &derived,
@@ -73,7 +74,8 @@ impl App {
                 search: None,
                 reviews: &reviews,
             };
-            let written = outputs::write(&order, run, progress, |_| ())?;
+            let written =
+                outputs::write(&order, run, progress, |_| ()).map_err(|error| error.to_string())?;
             Ok(written.summary(&folder).replacen("wrote", "Wrote", 1))
         });
         self.exporting = Some(Exporting { run, ..exporting });

@@ -97,7 +97,7 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
 
 fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), String> {
     // Before the work: a folder that cannot be written into should not cost minutes first.
-    let run = RunFolder::begin(folder)?;
+    let run = RunFolder::begin(folder).map_err(|error| error.to_string())?;
     let found = if is_picture(input) {
         search_picture(input, model, &logs.settings.detector, run)?
     } else {

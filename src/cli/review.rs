@@ -63,7 +63,8 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
     }
     status.step("writing");
     let reviews: Vec<_> = opened.into_iter().map(|log| log.review).collect();
-    let written = outputs::write_boxes(&logs, &reviews, args.part, &args.output, &progress)?;
+    let written = outputs::write_boxes(&logs, &reviews, args.part, &args.output, &progress)
+        .map_err(|error| error.to_string())?;
     drop(status);
     output::results(written.summary(&args.output))?;
     all_or(failed, inputs.len())

@@ -6,6 +6,7 @@ use super::training_tiles::TrainingTiles;
 use crate::detection::Raster;
 use crate::detection::review::{PIXEL_M, Review, ReviewedTile, State};
 use crate::export::{self, ObjectLog, ObjectRow, Part};
+use crate::outputs::OutputError;
 use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use std::fs;
@@ -68,7 +69,7 @@ pub fn write_boxes(
     part: Part,
     folder: &Path,
     progress: &Progress,
-) -> Result<BoxesWritten, String> {
+) -> Result<BoxesWritten, OutputError> {
     let of_log = |(index, (log, review))| {
         let (log, review): (&ProcessedLog, &Option<Arc<Review>>) = (log, review);
         let review = review.as_deref()?;
@@ -86,7 +87,7 @@ pub fn write_boxes(
         .filter_map(of_log)
         .collect();
     if boxes.is_empty() {
-        return Err("there are no boxes to write".to_owned());
+        return Err("there are no boxes to write".into());
     }
     let work = |one: &LogBoxes<'_>| (one.review.boxes().len() + one.tiles.len()) as u64;
     progress.start(boxes.iter().map(work).sum());
@@ -97,7 +98,7 @@ pub fn write_boxes(
     }
     all.group();
     let names = log_names(logs);
-    tables(logs, &names, &all.rows, folder).map_err(|error| error.to_string())?;
+    tables(logs, &names, &all.rows, folder)?;
     let mut written = BoxesWritten {
         boxes: all.rows.len(),
         pictures: 0,
@@ -153,12 +154,11 @@ fn file_name(name: &str) -> String {
     name.replace(['/', '\\'], "-")
 }
 
-fn make(folder: &Path) -> Result<(), String> {
+fn make(folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder)
-        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()).into())
 }
 
-fn text(path: &Path, text: &str) -> Result<(), String> {
-    export::write_aside(path, |mut file| file.write_all(text.as_bytes()))
-        .map_err(|error| error.to_string())
+fn text(path: &Path, text: &str) -> Result<(), OutputError> {
+    export::write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(OutputError::from)
 }

@@ -3,29 +3,26 @@
 use super::record::{Coordinates, FileContent};
 use super::results::Results;
 use crate::cloud::CloudPoint;
-use crate::export::{self, ExportError, LogPoints};
+use crate::export::{self, LogPoints};
+use crate::outputs::OutputError;
 use std::path::Path;
 
-fn in_words(error: ExportError) -> String {
-    error.to_string()
-}
-
 /// Writes `first_returns.csv`.
-pub fn first_returns(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn first_returns(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     export::first_returns_csv(path, &results.log_points())
         .map(|pings| FileContent::new(Coordinates::Degrees, pings))
-        .map_err(in_words)
+        .map_err(OutputError::from)
 }
 
 /// Writes `cloud.csv`.
-pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     export::cloud_csv(path, &results.log_points())
         .map(|points| FileContent::new(Coordinates::Degrees, points))
-        .map_err(in_words)
+        .map_err(OutputError::from)
 }
 
 /// Writes the kept points to `cloud.laz`, in the system of the map.
-pub fn laz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn laz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
     let points = export::cloud_laz(path, crs, place, &results.log_points());
@@ -35,26 +32,26 @@ pub fn laz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
             true => ", time adjusted standard GPS time",
             false => ", time seconds after the log's beginning",
         },
-        ..FileContent::new(Coordinates::System(crs.clone()), points.map_err(in_words)?)
+        ..FileContent::new(Coordinates::System(crs.clone()), points?)
     })
 }
 
 /// Writes the kept points to `cloud.ply`, in the survey's own plane.
-pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn ply(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let origin = Coordinates::Local(results.survey.track.frame.origin());
     export::cloud_ply(path, &results.log_points())
         .map(|points| FileContent::new(origin, points))
-        .map_err(in_words)
+        .map_err(OutputError::from)
 }
 
 /// Writes the kept points to `cloud.xyz`, in the system of the map.
-pub fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn xyz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let decimals = if crs.is_degrees() { 9 } else { 3 };
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
     export::cloud_xyz(path, decimals, place, &results.log_points())
         .map(|points| FileContent::new(Coordinates::System(crs.clone()), points))
-        .map_err(in_words)
+        .map_err(OutputError::from)
 }
 
 /// The place of a point of a log in the system of the map.

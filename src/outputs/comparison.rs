@@ -5,6 +5,7 @@ use super::record::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::bathymetry::compare::{Comparison, Match};
 use crate::export::{self, Summary};
+use crate::outputs::OutputError;
 use crate::pipeline::{
     Agreement, Input, NamedComparison, ProcessedLog, ResidualTables, Settings, matching_in_words,
 };
@@ -68,9 +69,9 @@ impl<'a> ComparisonRecord<'a> {
         logs: &'a [ProcessedLog],
         agreement: &'a Agreement,
         inputs: &'a [Input],
-    ) -> Result<Self, String> {
+    ) -> Result<Self, OutputError> {
         let (Some(first), Some(reference)) = (logs.first(), &agreement.reference) else {
-            return Err(NO_REFERENCE.to_owned());
+            return Err(NO_REFERENCE.into());
         };
         let (kind, how) = match (reference.is_mission(), logs.len()) {
             (true, _) if reference.has_own_settings() => ("mission", PROJECT),
@@ -148,16 +149,16 @@ pub fn write_differences(
     path: &Path,
     logs: &[ProcessedLog],
     agreement: &Agreement,
-) -> Result<Summary, String> {
+) -> Result<Summary, OutputError> {
     let names = log_names(logs);
     let points = log_points(logs, &names);
     let found = agreement.logs.iter().map(|log| log.differences.as_slice());
     let found: Vec<&[Match]> = found.collect();
-    export::differences_csv(path, &points, &found).map_err(|error| error.to_string())
+    export::differences_csv(path, &points, &found).map_err(OutputError::from)
 }
 
 /// Writes `comparison.json`.
-pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     let inputs = results.reference_inputs()?;
     let record = ComparisonRecord::new(results.order.logs, agreement, inputs)?;
@@ -170,7 +171,7 @@ pub fn json(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
 }
 
 /// Writes `comparison.csv`.
-pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let agreement = results.agreement()?.ok_or(NO_REFERENCE)?;
     write_differences(path, results.order.logs, agreement)
         .map(|points| FileContent::new(Coordinates::Degrees, points))

@@ -10,6 +10,7 @@ use crate::detection::{
     Detection, DetectorSettings, Model, Picture, Raster, Scored, find_in_picture,
 };
 use crate::export::{self, ChipLog, ExportError, ObjectRow, Summary};
+use crate::outputs::OutputError;
 use crate::pipeline::{Derived, ProcessedLog};
 use crate::progress::Progress;
 use std::path::Path;
@@ -27,7 +28,7 @@ pub struct Proposed {
 
 impl Proposed {
     /// What the search of a run found; `None` where none searched.
-    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, String> {
+    pub(super) fn of(results: &Results<'_>) -> Result<Option<Self>, OutputError> {
         let Some((all, found)) = found_rows(results)?.zip(results.found()?) else {
             return Ok(None);
         };
@@ -48,7 +49,7 @@ pub fn write_detected(
     model: &Model,
     run: RunFolder,
     progress: &Progress,
-) -> Result<Proposed, String> {
+) -> Result<Proposed, OutputError> {
     let order = Order {
         logs: std::slice::from_ref(log),
         derived: &Derived::default(),
@@ -62,7 +63,7 @@ pub fn write_detected(
     write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
     let found = Proposed::of(&results)?;
     run.commit_group(is_of_search)?;
-    found.ok_or_else(|| "nothing searched for objects".to_owned())
+    found.ok_or_else(|| "nothing searched for objects".into())
 }
 
 /// The same for a picture of another program, by its name in the table.
@@ -76,16 +77,13 @@ pub fn write_detected_in_picture(
     settings: &DetectorSettings,
     run: RunFolder,
     progress: &Progress,
-) -> Result<Vec<Scored>, String> {
-    let found =
-        find_in_picture(picture, model, settings, progress).map_err(|error| error.to_string())?;
+) -> Result<Vec<Scored>, OutputError> {
+    let found = find_in_picture(picture, model, settings, progress)?;
     let folder = run.path();
-    export::picture_chips(&folder, picture, model.names(), &found)
-        .and_then(|_| {
-            let table = folder.join("detections.csv");
-            export::picture_boxes_csv(&table, name, model.names(), &found)
-        })
-        .map_err(|error| error.to_string())?;
+    export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
+        let table = folder.join("detections.csv");
+        export::picture_boxes_csv(&table, name, model.names(), &found)
+    })?;
     run.commit_group(is_of_search)?;
     Ok(found)
 }
@@ -95,7 +93,7 @@ fn is_of_search(name: &str) -> bool {
 }
 
 /// Writes `detections.csv`.
-pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let rows = found_rows(results)?.unwrap_or_default().rows;
     let placed = placed_in(&rows);
     let summary = Summary {
@@ -107,7 +105,7 @@ pub fn csv(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
 }
 
 /// Writes `detections.geojson`.
-pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let rows = found_rows(results)?.unwrap_or_default().rows;
     let logs = results.object_logs();
     content(
@@ -117,16 +115,16 @@ pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String
 }
 
 /// Writes `detections.gpx`.
-pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let rows = found_rows(results)?.unwrap_or_default().rows;
     let logs = results.object_logs();
     content(placed_in(&rows), export::objects_gpx(path, &logs, &rows))
 }
 
 /// Writes `chips`, a folder with a picture of each box.
-pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
-        return Err("nothing searched for objects".to_owned());
+        return Err("nothing searched for objects".into());
     };
     let logs = results.order.logs.iter().zip(found);
     let logs = logs.map(|(log, found)| ChipLog {
@@ -136,15 +134,14 @@ pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
     });
     let logs: Vec<ChipLog<'_>> = logs.collect();
     let folder = path.parent().unwrap_or(path);
-    export::chips(folder, model.names(), &logs, results.progress)
-        .map_err(|error| error.to_string())?;
+    export::chips(folder, model.names(), &logs, results.progress)?;
     Ok(FileContent::new(Coordinates::None, Summary::default()))
 }
 
-fn content(summary: Summary, written: Result<(), ExportError>) -> Result<FileContent, String> {
+fn content(summary: Summary, written: Result<(), ExportError>) -> Result<FileContent, OutputError> {
     written
         .map(|()| FileContent::new(Coordinates::Degrees, summary))
-        .map_err(|error| error.to_string())
+        .map_err(OutputError::from)
 }
 
 /// The places of the boxes, counted.
@@ -158,7 +155,7 @@ fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
 }
 
 /// The boxes that a model found in all logs; `None` where none searched.
-pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, String> {
+pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
     let Some((model, found)) = results.order.search.zip(results.found()?) else {
         return Ok(None);
     };

@@ -3,10 +3,11 @@
 use super::record::{Coordinates, FileContent};
 use super::results::Results;
 use crate::bathymetry::Grid;
-use crate::export::{RasterError, Summary, geotiff};
+use crate::export::{Summary, geotiff};
 use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::geo::MapPlane;
 use crate::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_grid, joint_tile};
+use crate::outputs::OutputError;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -17,7 +18,7 @@ const MOST_TILES: usize = 1_000_000;
 ///
 /// # Errors
 /// A sentence when the work was cancelled.
-pub fn grid(results: &Results<'_>) -> Result<Result<Grid, String>, String> {
+pub fn grid(results: &Results<'_>) -> Result<Result<Grid, String>, OutputError> {
     let cell_m = results.products.settings.mosaic.cell_m;
     let Some(grid) = (results.mosaic()?).and_then(|mosaic| joint_grid(&mosaic.logs, cell_m)) else {
         let why = "no mosaic: no ping has side-scan, a place, a heading and an altitude";
@@ -35,7 +36,7 @@ pub fn grid(results: &Results<'_>) -> Result<Result<Grid, String>, String> {
 
 /// Writes `mosaic.tif`: all side-scan echoes in the system that `crs` names, as a GeoTIFF: one band of levels with a mask, or colours
 /// with opacity. Memory does not grow with the area.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (settings, map) = (&results.products.settings.mosaic, &results.plane.map);
     let grid = grid(results)??;
     let mosaic = results.mosaic()?;
@@ -56,8 +57,7 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
         }
     };
     let spec = spec(&grid, map, &results.name(), settings.colours);
-    geotiff(path, &spec, &places, draw, results.progress)
-        .map_err(|error: RasterError| error.to_string())?;
+    geotiff(path, &spec, &places, draw, results.progress)?;
     Ok(FileContent::new(
         Coordinates::System(map.crs.clone()),
         summary(&grid, map),

@@ -4,6 +4,7 @@ use crate::detection::review::{Review, State};
 use crate::detection::targets::GroupSettings;
 use crate::detection::{Detection, Mark};
 use crate::export::ObjectRow;
+use crate::outputs::OutputError;
 use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects};
 use crate::pipeline::{Placing, ProcessedLog, Products};
 use crate::progress::Progress;
@@ -52,11 +53,11 @@ impl<'a> ObjectRows<'a> {
         of: &ProcessedLog,
         review: &'a Review,
         progress: &Progress,
-    ) -> Result<(), String> {
+    ) -> Result<(), OutputError> {
         let placing = placing(of);
         let boxes = review.boxes();
         for one in boxes.filter(|one| !is_left_out(&of.products, &one.mark)) {
-            progress.check().map_err(|error| error.to_string())?;
+            progress.check()?;
             self.rows.push(ObjectRow {
                 log,
                 id: one.id.0,

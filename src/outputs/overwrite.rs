@@ -4,6 +4,7 @@ use super::registry::OUTPUT_FILES;
 use super::run_folder::{MANIFESTS, RunFolder};
 use super::write::Order;
 use crate::export::is_same_file;
+use crate::outputs::OutputError;
 use crate::pipeline::Reference;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub(super) fn is_stem_of_output(stem: &str) -> bool {
 ///
 /// # Errors
 /// A sentence that names the input.
-pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), String> {
+pub(super) fn refuse_overwrite(order: &Order<'_>, folder: &Path) -> Result<(), OutputError> {
     let reference = order.reference.map(|(reference, _)| reference.path());
     let gauges = order
         .logs
@@ -47,13 +48,16 @@ pub fn begin<'a>(
     folder: &Path,
     surveys: impl IntoIterator<Item = &'a Survey>,
     reference: Option<&'a Reference>,
-) -> Result<RunFolder, String> {
+) -> Result<RunFolder, OutputError> {
     let reference = reference.map(Reference::path);
     refuse(files_of(surveys).chain(reference), folder)?;
     RunFolder::begin(folder)
 }
 
-fn refuse<'a>(mut inputs: impl Iterator<Item = &'a Path>, folder: &Path) -> Result<(), String> {
+fn refuse<'a>(
+    mut inputs: impl Iterator<Item = &'a Path>,
+    folder: &Path,
+) -> Result<(), OutputError> {
     let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
         is_stem_of_output(&stem)
@@ -63,7 +67,8 @@ fn refuse<'a>(mut inputs: impl Iterator<Item = &'a Path>, folder: &Path) -> Resu
         Some(input) => Err(format!(
             "a product might be written over this input; choose another folder, or rename it: {}",
             input.display()
-        )),
+        )
+        .into()),
         None => Ok(()),
     }
 }

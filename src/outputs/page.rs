@@ -8,13 +8,14 @@ use crate::detection::Raster;
 use crate::detection::review::{PIXEL_M, Review, State};
 use crate::export::write_aside;
 use crate::html_report::{self, FileLine, Objects, ReportData, SeenObject};
+use crate::outputs::OutputError;
 use crate::pipeline::joint::JointObject;
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::Path;
 
 /// Writes the page.
-pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
+pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
     let results = &run.results;
     let (products, order) = (results.products, results.order);
     let boxes = Boxes::of(results)?;
@@ -47,8 +48,8 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
         objects,
         files: &files,
     };
-    let html = html_report::document(&from, results.progress).map_err(|error| error.to_string())?;
-    write_aside(path, |mut file| file.write_all(html.as_bytes())).map_err(|error| error.to_string())
+    let html = html_report::document(&from, results.progress)?;
+    write_aside(path, |mut file| file.write_all(html.as_bytes())).map_err(OutputError::from)
 }
 
 /// The boxes of all logs, as the page shows them.
@@ -62,7 +63,7 @@ struct Boxes<'a> {
 
 impl<'a> Boxes<'a> {
     /// Of each log those that were decided about, or else those that a search found; `None` where nobody looked.
-    fn of(results: &'a Results<'_>) -> Result<Option<Self>, String> {
+    fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));
         let found = model.zip(results.found()?);

@@ -3,6 +3,7 @@
 use super::registry::OutputFile;
 use crate::export::{self, Summary};
 use crate::geo::{Crs, LonLat};
+use crate::outputs::OutputError;
 use crate::pipeline::{Input, Report};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -77,7 +78,7 @@ pub fn write_record(
     report: &Report,
     more_inputs: &[Input],
     folder: &Path,
-) -> Result<(), String> {
+) -> Result<(), OutputError> {
     let (Some(described), Some(name)) = (row.record, row.record_name()) else {
         return Ok(());
     };
@@ -119,13 +120,13 @@ pub fn write_record(
 ///
 /// # Errors
 /// A sentence that names the file.
-pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), String> {
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), OutputError> {
     export::write_aside(path, |mut file| {
         let text = serde_json::to_vec_pretty(record)?;
         file.write_all(&text)?;
         file.write_all(b"\n")
     })
-    .map_err(|error| error.to_string())
+    .map_err(OutputError::from)
 }
 
 fn coordinates(coordinates: &Coordinates) -> Value {
@@ -146,11 +147,11 @@ fn coordinates(coordinates: &Coordinates) -> Value {
 }
 
 /// The settings that bear on a product.
-fn bearing(report: &Report, regardless_of: &[&str]) -> Result<Value, String> {
+fn bearing(report: &Report, regardless_of: &[&str]) -> Result<Value, OutputError> {
     // By way of text, which writes 0.3 for a number of 32 bits and not what 64 bits make of it.
     let text = serde_json::to_string(&report.settings);
     let parsed = text.and_then(|text| serde_json::from_str(&text));
-    let mut settings: Value = parsed.map_err(|error| error.to_string())?;
+    let mut settings: Value = parsed?;
     if let Some(table) = settings.as_object_mut() {
         table.retain(|key, _| !regardless_of.contains(&key.as_str()));
     }

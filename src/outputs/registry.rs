@@ -5,6 +5,7 @@ use super::record::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
 use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
+use crate::outputs::OutputError;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -56,9 +57,9 @@ pub enum When {
 #[derive(Clone, Copy)]
 pub(super) enum Writer {
     /// From the results of the survey.
-    Results(fn(&Results<'_>, &Path) -> Result<FileContent, String>),
+    Results(fn(&Results<'_>, &Path) -> Result<FileContent, OutputError>),
     /// From the run, when all other files are there.
-    Run(fn(&mut Run<'_>, &Path) -> Result<(), String>),
+    Run(fn(&mut Run<'_>, &Path) -> Result<(), OutputError>),
 }
 
 impl OutputFile {

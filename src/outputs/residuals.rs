@@ -3,11 +3,11 @@
 use super::record::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::export::Summary;
+use crate::outputs::OutputError;
 use crate::pipeline::{
     Agreement, Choice, Crosslines, NamedComparison, ProcessedLog, ResidualTables, Settings,
     choices, comparisons, crosslines,
 };
-use crate::progress::Cancelled;
 use serde::Serialize;
 use std::path::Path;
 use std::slice;
@@ -48,21 +48,21 @@ const STATEMENT_OF_LOGS: &str = "Points of all logs are held against the soundin
 
 /// Writes `residuals.json`: how side-scan agrees with soundings, what that hangs on, and what other choices of geometry and calibration
 /// make of it; the crossings of the tracks. Of several logs all together, and each by itself.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (logs, products, progress) = (results.order.logs, results.products, results.progress);
-    let side_scan = Agreement::with_soundings(logs, progress).map_err(in_words)?;
+    let side_scan = Agreement::with_soundings(logs, progress)?;
     let comparisons = results.comparisons()?;
     let (statement, choices, each) = match logs {
         [log] => {
             let statement = format!("{} {STATEMENT}", products.correction.statement());
-            let choices = choices(&log.survey, products, progress).map_err(in_words)?;
+            let choices = choices(&log.survey, products, progress)?;
             (statement, Some(choices), Vec::new())
         }
         logs => {
             let each = logs.iter().zip(&results.names);
             let each = each.map(|(log, name)| log_record(results, log, name));
             let statement = format!("{STATEMENT} {STATEMENT_OF_LOGS}");
-            (statement, None, each.collect::<Result<_, String>>()?)
+            (statement, None, each.collect::<Result<_, OutputError>>()?)
         }
     };
     let record = Record {
@@ -84,19 +84,19 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
     Ok(FileContent::new(Coordinates::None, summary))
 }
 
-fn log_record(results: &Results<'_>, log: &ProcessedLog, name: &str) -> Result<LogRecord, String> {
+fn log_record(
+    results: &Results<'_>,
+    log: &ProcessedLog,
+    name: &str,
+) -> Result<LogRecord, OutputError> {
     let (alone, map, progress) = (slice::from_ref(log), &results.plane.map, results.progress);
-    let side_scan = Agreement::with_soundings(alone, progress).map_err(in_words)?;
+    let side_scan = Agreement::with_soundings(alone, progress)?;
     Ok(LogRecord {
         log: name.to_owned(),
         statement: log.products.correction.statement(),
-        comparisons: comparisons(alone, map, progress).map_err(in_words)?,
+        comparisons: comparisons(alone, map, progress)?,
         side_scan: side_scan.map(|found| found.tables),
-        choices: choices(&log.survey, &log.products, progress).map_err(in_words)?,
-        crossline_analysis: crosslines(alone, &[], progress).map_err(in_words)?,
+        choices: choices(&log.survey, &log.products, progress)?,
+        crossline_analysis: crosslines(alone, &[], progress)?,
     })
-}
-
-fn in_words(error: Cancelled) -> String {
-    error.to_string()
 }

@@ -10,11 +10,12 @@ use crate::detection::{Detection, find};
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
+use crate::outputs::OutputError;
 use crate::pipeline::{
     Agreement, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic, MosaicPlane,
     NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines, mosaic_layout,
 };
-use crate::progress::{Cancelled, Progress};
+use crate::progress::Progress;
 use crate::survey::Survey;
 use std::sync::{Arc, OnceLock};
 
@@ -67,7 +68,10 @@ pub(super) struct Results<'a> {
 }
 
 /// What is in the cell, made when it is empty.
-fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> Result<T, String>) -> Result<&T, String> {
+fn once<T>(
+    cell: &OnceLock<T>,
+    make: impl FnOnce() -> Result<T, OutputError>,
+) -> Result<&T, OutputError> {
     if let Some(made) = cell.get() {
         return Ok(made);
     }
@@ -75,18 +79,14 @@ fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> Result<T, String>) -> Resu
     Ok(cell.get_or_init(|| made))
 }
 
-fn in_words(error: Cancelled) -> String {
-    error.to_string()
-}
-
 impl<'a> Results<'a> {
     /// Of what is ordered; nothing is computed yet.
     ///
     /// # Errors
     /// A sentence when there is no log, or the system that `crs` names does not fit the first.
-    pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, String> {
+    pub fn new(order: &'a Order<'a>, progress: &'a Progress) -> Result<Self, OutputError> {
         let Some(ProcessedLog { survey, products }) = order.logs.first() else {
-            return Err("there is no log whose files could be written".to_owned());
+            return Err("there is no log whose files could be written".into());
         };
         Ok(Self {
             order,
@@ -115,7 +115,7 @@ impl<'a> Results<'a> {
     }
 
     /// Whether something is missing, and why.
-    pub fn missing(&self, need: Need) -> Result<Option<Missing>, String> {
+    pub fn missing(&self, need: Need) -> Result<Option<Missing>, OutputError> {
         let told = |why: &str| Some(Missing(Some(why.to_owned())));
         let silent = || Some(Missing(None));
         Ok(match need {
@@ -207,50 +207,50 @@ impl<'a> Results<'a> {
     }
 
     /// The ground that the side-scan covers.
-    pub fn ground(&self) -> Result<&Ground, String> {
+    pub fn ground(&self) -> Result<&Ground, OutputError> {
         once(&self.ground, || {
             let map = &self.plane.map;
             let layouts: Vec<Layout> = self
                 .logs()
                 .map(|(survey, products)| mosaic_layout(survey, products, map))
                 .collect();
-            let shapes = footprint(&layouts, self.progress).map_err(in_words)?;
+            let shapes = footprint(&layouts, self.progress)?;
             Ok(Ground::new(shapes, map))
         })
     }
 
     /// The depth map; `None` where the depths span none.
-    pub fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, String> {
+    pub fn depth_map(&self) -> Result<Option<&Arc<DepthMap>>, OutputError> {
         let made = once(&self.depth_map, || {
             let made = self.order.derived.depth_map(self.order.logs, self.progress);
-            made.map_err(in_words)
+            made.map_err(OutputError::from)
         });
         made.map(Option::as_ref)
     }
 
     /// Its depths.
-    pub fn surface(&self) -> Result<Option<&Surface>, String> {
+    pub fn surface(&self) -> Result<Option<&Surface>, OutputError> {
         Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
     }
 
     /// The isobaths; why there are none.
-    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, String>, String> {
+    pub fn isobaths(&self) -> Result<Result<Arc<Isobaths>, String>, OutputError> {
         let Some(depth_map) = self.depth_map()? else {
             return Ok(Err("there is no depth map".to_owned()));
         };
         let settings = &self.products.settings.isobaths;
         let made = (self.order.derived).isobaths(depth_map, settings, self.progress);
-        Ok(made.map_err(in_words)?.map_err(|error| error.to_string()))
+        Ok(made?.map_err(|error| error.to_string()))
     }
 
     /// Isobaths, the areas between them and what lies below each; why there are none.
-    pub fn contours(&self) -> Result<&Result<Contours, String>, String> {
+    pub fn contours(&self) -> Result<&Result<Contours, String>, OutputError> {
         once(&self.contours, || {
             let (surface, isobaths) = (self.surface()?, self.isobaths()?);
             match (surface, isobaths) {
                 (Some(surface), Ok(isobaths)) => Contours::new(surface, isobaths, self.progress)
                     .map(Ok)
-                    .map_err(in_words),
+                    .map_err(OutputError::from),
                 (_, Err(why)) => Ok(Err(why)),
                 (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
             }
@@ -258,50 +258,53 @@ impl<'a> Results<'a> {
     }
 
     /// How side-scan agrees with the soundings, over all logs.
-    pub fn comparisons(&self) -> Result<&[NamedComparison], String> {
+    pub fn comparisons(&self) -> Result<&[NamedComparison], OutputError> {
         let made = once(&self.comparisons, || {
-            comparisons(self.order.logs, &self.plane.map, self.progress).map_err(in_words)
+            comparisons(self.order.logs, &self.plane.map, self.progress).map_err(OutputError::from)
         });
         made.map(Vec::as_slice)
     }
 
     /// Where tracks cross themselves and each other.
-    pub fn crossings(&self) -> Result<Option<&Crosslines>, String> {
+    pub fn crossings(&self) -> Result<Option<&Crosslines>, OutputError> {
         let made = once(&self.crossings, || {
-            crosslines(self.order.logs, &self.names, self.progress).map_err(in_words)
+            crosslines(self.order.logs, &self.names, self.progress).map_err(OutputError::from)
         });
         made.map(Option::as_ref)
     }
 
     /// The mosaic in the plane of the map; `None` where nothing is shown.
-    pub fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, String> {
+    pub fn mosaic(&self) -> Result<Option<Arc<Mosaic>>, OutputError> {
         let plane = MosaicPlane::Map(self.plane.map.clone());
         let made = (self.order.derived).mosaic(self.order.logs, plane, self.progress);
-        made.map_err(in_words)
+        made.map_err(OutputError::from)
     }
 
     /// The survey against the reference; `None` without one.
-    pub fn agreement(&self) -> Result<Option<&Agreement>, String> {
+    pub fn agreement(&self) -> Result<Option<&Agreement>, OutputError> {
         let made = once(&self.agreement, || {
             let Some((reference, matching)) = self.order.reference else {
                 return Ok(None);
             };
-            Agreement::with_reference(self.order.logs, reference, matching, self.progress).map(Some)
+            let (logs, progress) = (self.order.logs, self.progress);
+            Ok(Some(Agreement::with_reference(
+                logs, reference, matching, progress,
+            )?))
         });
         made.map(Option::as_ref)
     }
 
     /// The files that the reference was read from.
-    pub fn reference_inputs(&self) -> Result<&[Input], String> {
+    pub fn reference_inputs(&self) -> Result<&[Input], OutputError> {
         let made = once(&self.reference_inputs, || match self.order.reference {
-            Some((reference, _)) => reference.inputs(self.progress),
+            Some((reference, _)) => Ok(reference.inputs(self.progress)?),
             None => Ok(Vec::new()),
         });
         made.map(Vec::as_slice)
     }
 
     /// What a model finds in each log outside the stretches that are left out; `None` where none searches.
-    pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, String> {
+    pub fn found(&self) -> Result<Option<&[Vec<Detection>]>, OutputError> {
         let Some(model) = self.order.search else {
             return Ok(None);
         };
@@ -310,8 +313,7 @@ impl<'a> Results<'a> {
                 return Ok(Vec::new());
             }
             let (navigation, settings) = (&products.navigation, &products.settings.detector);
-            let mut found = find(survey, navigation, model, settings, self.progress, |_| ())
-                .map_err(|error| error.to_string())?;
+            let mut found = find(survey, navigation, model, settings, self.progress, |_| ())?;
             found.retain(|one| !is_left_out(products, &one.mark));
             Ok(found)
         };

@@ -12,6 +12,7 @@ mod earlier;
 mod journal;
 
 use crate::export::{earlier_chips, remove_passing_chips};
+use crate::outputs::OutputError;
 use crate::pipeline::Fingerprint;
 use crate::progress::Progress;
 use journal::Journal;
@@ -44,7 +45,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// A sentence when the folder cannot be written into, or another run writes into it at this moment.
-    pub fn begin(folder: &Path) -> Result<Self, String> {
+    pub fn begin(folder: &Path) -> Result<Self, OutputError> {
         let is_ours = !folder.exists();
         let fail = |error: io::Error| {
             format!(
@@ -91,12 +92,13 @@ impl RunFolder {
     ///
     /// # Errors
     /// A sentence when one cannot be read, or the work was cancelled.
-    pub fn files(&self, progress: &Progress) -> Result<Vec<Fingerprint>, String> {
+    pub fn files(&self, progress: &Progress) -> Result<Vec<Fingerprint>, OutputError> {
         let new = self.path();
         let read = |file: String| {
-            Fingerprint::of(&new, &file, progress).map_err(|error| format!("{error}: {file}"))
+            Fingerprint::of(&new, &file, progress)
+                .map_err(|error| OutputError::from(format!("{error}: {file}")))
         };
-        let names = names_in(&new).map_err(|error| error.to_string())?;
+        let names = names_in(&new)?;
         names.into_iter().map(read).collect()
     }
 
@@ -105,7 +107,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
-    pub fn commit(self, manifest: &str) -> Result<Vec<String>, String> {
+    pub fn commit(self, manifest: &str) -> Result<Vec<String>, OutputError> {
         self.swap(Some(manifest), |_| true)
     }
 
@@ -114,7 +116,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
-    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Vec<String>, String> {
+    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Vec<String>, OutputError> {
         let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
         self.swap(manifest, group)
     }
@@ -123,7 +125,7 @@ impl RunFolder {
         mut self,
         manifest: Option<&str>,
         is_of_ours: impl Fn(&str) -> bool,
-    ) -> Result<Vec<String>, String> {
+    ) -> Result<Vec<String>, OutputError> {
         let new = self.path();
         let fail = |error: io::Error| {
             format!(
@@ -145,7 +147,8 @@ impl RunFolder {
             return Err(format!(
                 "a folder has the name of a file that is to be written; rename it: {}",
                 self.folder.join(name).display()
-            ));
+            )
+            .into());
         }
         files.retain(|name| Some(name.as_str()) != manifest);
         let journal = Journal {
@@ -154,9 +157,7 @@ impl RunFolder {
             manifest: manifest.map(str::to_owned),
         };
         let side = self.folder.join(SIDE);
-        journal
-            .write(&side.join(JOURNAL))
-            .map_err(|error| error.to_string())?;
+        journal.write(&side.join(JOURNAL))?;
         journal.finish(&new, &self.folder).map_err(fail)?;
         self.is_ours = false;
         self.clear();

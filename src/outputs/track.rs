@@ -5,6 +5,7 @@ use super::results::Results;
 use crate::bathymetry::isobaths::Polygon;
 use crate::export::{self, ExportError, Line, Summary, TrackPiece};
 use crate::geo::MapPlane;
+use crate::outputs::OutputError;
 use std::path::Path;
 
 /// Red, which stays legible on a map and on a picture of the earth.
@@ -40,14 +41,14 @@ impl Ground {
     }
 }
 
-fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, String> {
+fn in_degrees(summary: Result<Summary, ExportError>) -> Result<FileContent, OutputError> {
     summary
         .map(|summary| FileContent::new(Coordinates::Degrees, summary))
-        .map_err(|error| error.to_string())
+        .map_err(OutputError::from)
 }
 
 /// Writes `track.gpx`.
-pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let start_unix_s = results.start_unix_s();
     in_degrees(export::track_gpx(
         path,
@@ -58,24 +59,24 @@ pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
 }
 
 /// Writes `track.geojson`.
-pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     in_degrees(export::track_geojson(path, results.track()))
 }
 
 /// Writes `track.kmz`.
-pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let name = results.name();
     in_degrees(export::lines_kmz(path, &name, &lines(results, &name)))
 }
 
 /// Writes `track.shp` with what belongs to it, in the system of the map.
-pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let names = ["ping_from", "ping_to", "length_m"];
     let lines = lines(results, &results.name());
     export::lines_shapefile(path, crs, &names, &lines)
         .map(|lines| FileContent::new(Coordinates::System(crs.clone()), lines))
-        .map_err(|error| error.to_string())
+        .map_err(OutputError::from)
 }
 
 fn lines(results: &Results<'_>, name: &str) -> Vec<Line> {
@@ -99,7 +100,7 @@ fn line(name: &str, number: usize, piece: &TrackPiece) -> Line {
 }
 
 /// Writes `footprint.geojson`.
-pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::footprint_geojson(path, &name, &ground.shapes, ground.area_m2, place);
@@ -107,14 +108,17 @@ pub fn footprint_geojson(results: &Results<'_>, path: &Path) -> Result<FileConte
 }
 
 /// Writes `footprint.kmz`.
-pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn footprint_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (ground, name) = (results.ground()?, results.name());
     let place = |at| results.to_lon_lat(at);
     let written = export::areas_kmz(path, &name, &ground.shapes, place);
     with_area(ground, in_degrees(written))
 }
 
-fn with_area(ground: &Ground, written: Result<FileContent, String>) -> Result<FileContent, String> {
+fn with_area(
+    ground: &Ground,
+    written: Result<FileContent, OutputError>,
+) -> Result<FileContent, OutputError> {
     let mut content = written?;
     content.summary.values = Some([ground.area_m2; 2]);
     Ok(content)

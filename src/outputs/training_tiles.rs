@@ -3,7 +3,8 @@
 use crate::detection::dataset::{Boxes, Chip};
 use crate::detection::review::{Review, ReviewedTile};
 use crate::detection::{Labelled, Raster, TILE_PX, level};
-use crate::export::{DatasetFolder, ExportError, Part, PartSummary};
+use crate::export::{DatasetFolder, Part, PartSummary};
+use crate::outputs::OutputError;
 use crate::progress::Progress;
 use crate::survey::{Identity, Survey};
 use serde::{Deserialize, Serialize};
@@ -46,22 +47,21 @@ struct Earlier {
 
 impl TrainingTiles<'_> {
     /// Writes the pictures with their labels; returns how many are hard negatives.
-    pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, String> {
+    pub fn write(&self, root: &Path, progress: &Progress) -> Result<usize, OutputError> {
         self.clear(root)?;
-        let export_error = |error: ExportError| error.to_string();
         let (classes, places) = self.review.training_classes();
-        let folder = DatasetFolder::new(root, &classes).map_err(export_error)?;
+        let folder = DatasetFolder::new(root, &classes).map_err(OutputError::from)?;
         let (mut all, mut hard_negatives) = (Vec::with_capacity(self.tiles.len()), 0);
         for (number, tile) in self.tiles.iter().enumerate() {
-            progress.check().map_err(|error| error.to_string())?;
+            progress.check()?;
             let chip = self.chip(tile, &places);
             hard_negatives += usize::from(chip.boxes.labels.is_empty() && tile.rejected > 0);
             folder
                 .chip(self.part, number, &chip)
-                .map_err(export_error)?;
+                .map_err(OutputError::from)?;
             folder
                 .voc(self.part, number, &chip.boxes)
-                .map_err(export_error)?;
+                .map_err(OutputError::from)?;
             all.push(chip.boxes);
             progress.advance(1);
         }
@@ -79,12 +79,12 @@ impl TrainingTiles<'_> {
             classes: &classes,
             hard_negatives,
             parts: [
-                train.map_err(export_error)?,
-                val.map_err(export_error)?,
-                test.map_err(export_error)?,
+                train.map_err(OutputError::from)?,
+                val.map_err(OutputError::from)?,
+                test.map_err(OutputError::from)?,
             ],
         };
-        folder.manifest(&manifest).map_err(export_error)?;
+        folder.manifest(&manifest).map_err(OutputError::from)?;
         Ok(hard_negatives)
     }
 
@@ -112,7 +112,7 @@ impl TrainingTiles<'_> {
     }
 
     /// Removes the pictures of an earlier export of this log, which may have been more; refuses a folder of other pictures.
-    fn clear(&self, root: &Path) -> Result<(), String> {
+    fn clear(&self, root: &Path) -> Result<(), OutputError> {
         if !fs::read_dir(root).is_ok_and(|mut entries| entries.next().is_some()) {
             return Ok(());
         }
@@ -124,7 +124,8 @@ impl TrainingTiles<'_> {
             return Err(format!(
                 "the folder holds pictures of something else; name another one to write into: {}",
                 root.display()
-            ));
+            )
+            .into());
         }
         for (kind, ending) in [("images", "png"), ("labels", "txt"), ("voc", "xml")] {
             for part in Part::ALL {

@@ -10,6 +10,7 @@ use super::run_folder::RunFolder;
 use crate::bathymetry::compare::Matching;
 use crate::detection::Model;
 use crate::detection::review::Review;
+use crate::outputs::OutputError;
 use crate::pipeline::joint::joint_report;
 use crate::pipeline::{Derived, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
@@ -115,13 +116,13 @@ pub fn write(
     folder: RunFolder,
     progress: &Progress,
     mut on_step: impl FnMut(&'static str),
-) -> Result<Written, String> {
+) -> Result<Written, OutputError> {
     // Before the work: a system that does not fit should not cost a hash of all inputs first.
     let results = Results::new(order, progress)?;
     refuse_overwrite(order, folder.destination())?;
     let path = folder.path();
     let mut run = Run {
-        report: report(&results).map_err(in_words)?,
+        report: report(&results)?,
         results,
         written: Vec::new(),
         folder: &folder,
@@ -132,7 +133,7 @@ pub fn write(
     on_step("records");
     run.report.name_run(folder.files(progress)?)?;
     for (row, content) in &made.files {
-        progress.check().map_err(in_words)?;
+        progress.check()?;
         let of_reference = row.needs.contains(&Need::Reference);
         let more = match of_reference {
             true => run.results.reference_inputs()?,
@@ -191,7 +192,7 @@ pub(super) fn write_rows(
     folder: &Path,
     asked: impl Fn(When) -> bool,
     on_step: &mut impl FnMut(&'static str),
-) -> Result<MadeFiles, String> {
+) -> Result<MadeFiles, OutputError> {
     let mut made = MadeFiles {
         files: Vec::new(),
         warnings: Vec::new(),
@@ -201,7 +202,7 @@ pub(super) fn write_rows(
         let Writer::Results(write) = row.writer else {
             continue;
         };
-        results.progress.check().map_err(in_words)?;
+        results.progress.check()?;
         let before = group.replace(row.when);
         if before.is_some() && before != group {
             results.end_group();
@@ -229,7 +230,7 @@ pub(super) fn write_rows(
 }
 
 /// The first thing that a file cannot be made without.
-fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missing>, String> {
+fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missing>, OutputError> {
     for &need in row.needs {
         if let Some(missing) = results.missing(need)? {
             return Ok(Some(missing));
@@ -253,12 +254,8 @@ fn step(when: When) -> &'static str {
     }
 }
 
-fn in_words(error: Cancelled) -> String {
-    error.to_string()
-}
-
 /// Writes `report.json`, which names every other file of the run.
-pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), String> {
+pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
     run.report.files = run.folder.files(run.results.progress)?;
     write_json(path, &run.report)
 }

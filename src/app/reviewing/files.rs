@@ -104,7 +104,8 @@ impl App {
             return;
         }
         self.write(move |progress| {
-            let written = write_boxes(&logs, &reviews, export::Part::Train, &folder, progress)?;
+            let written = write_boxes(&logs, &reviews, export::Part::Train, &folder, progress)
+                .map_err(|error| error.to_string())?;
             Ok(written.summary(&folder))
         });
     }

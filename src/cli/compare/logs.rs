@@ -28,10 +28,11 @@ pub fn run(args: &CompareArgs) -> Result<(), String> {
     let matching = args.matching();
     let agreement = Agreement::with_reference(&measured, &reference, matching, &progress)?;
     if let Some(path) = &args.output {
-        write_differences(path, &measured, &agreement)?;
+        write_differences(path, &measured, &agreement).map_err(|error| error.to_string())?;
     }
     let inputs = reference.inputs(&progress)?;
-    let record = ComparisonRecord::new(&measured, &agreement, &inputs)?;
+    let record =
+        ComparisonRecord::new(&measured, &agreement, &inputs).map_err(|error| error.to_string())?;
     drop(status);
     for note in &reference.notes {
         let path = reference.path().display();

@@ -43,7 +43,8 @@ impl How<'_> {
         let open = |argument| open_reference(argument, first, &progress);
         let reference = self.reference.map(open).transpose()?.map(Arc::new);
         let surveys = opened.iter().map(|log| &*log.survey);
-        let run = outputs::begin(folder, surveys, reference.as_deref())?;
+        let run = outputs::begin(folder, surveys, reference.as_deref())
+            .map_err(|error| error.to_string())?;
         let mut logs = Vec::with_capacity(opened.len());
         for log in opened {
             logs.push(processed(
@@ -69,7 +70,8 @@ impl How<'_> {
             search: self.model,
             reviews: &reviews,
         };
-        let written = outputs::write(&order, run, &progress, |what| status.step(what))?;
+        let written = outputs::write(&order, run, &progress, |what| status.step(what))
+            .map_err(|error| error.to_string())?;
         drop(status);
         for warning in &written.report.warnings {
             output::notify(format_args!("warning: {warning}"));

@@ -1,12 +1,13 @@
 //! The surface as text: one line a cell.
 
 use crate::export;
+use crate::outputs::OutputError;
 use crate::outputs::record::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use std::path::Path;
 
 /// Writes `depth.xyz`: the middles of the cells that have a depth.
-pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, map) = (&surface.grid, &results.plane.map);
     let known = surface.depth_m.iter().enumerate();
@@ -18,5 +19,5 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
     let decimals = if map.crs.is_degrees() { 9 } else { 3 };
     export::depth_xyz(path, decimals, cells, results.progress)
         .map(|cells| FileContent::new(Coordinates::System(map.crs.clone()), cells))
-        .map_err(|error| error.to_string())
+        .map_err(OutputError::from)
 }

@@ -2,6 +2,7 @@
 
 use crate::bathymetry::isobaths::smoothed;
 use crate::export::{self, ExportError, Line, Summary};
+use crate::outputs::OutputError;
 use crate::outputs::record::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use crate::pipeline::Contours;
@@ -19,7 +20,7 @@ struct Drawn<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    fn of(results: &'a Results<'_>) -> Result<Self, String> {
+    fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         Ok(Self {
@@ -33,14 +34,14 @@ impl<'a> Drawn<'a> {
 fn content(
     coordinates: Coordinates,
     written: Result<Summary, ExportError>,
-) -> Result<FileContent, String> {
+) -> Result<FileContent, OutputError> {
     written
         .map(|summary| FileContent::new(coordinates, summary))
-        .map_err(|error| error.to_string())
+        .map_err(OutputError::from)
 }
 
 /// Writes `isobaths.geojson`.
-pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let written =
@@ -49,14 +50,14 @@ pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileConten
 }
 
 /// Writes `isobaths.kmz`.
-pub fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn isobaths_kmz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let lines = named_lines(&Drawn::of(results)?, results);
     let written = export::lines_kmz(path, &results.survey.name(), &lines);
     content(Coordinates::Degrees, written)
 }
 
 /// Writes `isobaths.shp` with what belongs to it, in the system of the map.
-pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let lines = named_lines(&Drawn::of(results)?, results);
     let crs = &results.plane.map.crs;
     let written = export::lines_shapefile(path, crs, &["depth_m", "length_m"], &lines);
@@ -64,7 +65,7 @@ pub fn isobaths_shapefile(results: &Results<'_>, path: &Path) -> Result<FileCont
 }
 
 /// Writes `depth_areas.geojson`.
-pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
     let written = export::depth_areas_geojson(path, &drawn.contours.areas, drawn.ground, place);
@@ -72,7 +73,7 @@ pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, St
 }
 
 /// Writes `storage.csv`.
-pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let written = export::storage_csv(path, &drawn.contours.table, drawn.ground);
     content(Coordinates::None, written)

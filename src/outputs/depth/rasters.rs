@@ -4,6 +4,7 @@
 use crate::bathymetry::{Grid, Surface};
 use crate::export::{Summary, geotiff, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
+use crate::outputs::OutputError;
 use crate::outputs::record::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
@@ -30,7 +31,7 @@ const fn band(name: &'static str, positive_down: bool) -> Band {
 const STEPS: usize = 10;
 
 /// Writes `depth.tif`.
-pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: band("depth", true),
         what: "Depth in metres, positive down",
@@ -41,7 +42,7 @@ pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, String> 
 }
 
 /// Writes `uncertainty.tif`.
-pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: band("standard deviation of depth", false),
         what: "Standard deviation in metres of the depths that carry a cell",
@@ -52,7 +53,7 @@ pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, St
 }
 
 /// Writes `distance.tif`.
-pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let layer = Layer {
         band: band("distance to the nearest depth", false),
         what: "Distance in metres from a cell to the nearest depth",
@@ -62,7 +63,7 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Strin
     write(&layer, results, path)
 }
 
-fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, String> {
+fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane, values) = (&surface.grid, &results.plane, (layer.values)(surface));
     let crs = &plane.map.crs;
@@ -80,11 +81,10 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
     };
     let tiles = tiles(grid, &surface.depth_m);
     let draw = |tile| draw(grid, values, tile);
-    geotiff(path, &spec, &tiles, draw, results.progress).map_err(|error| error.to_string())?;
+    geotiff(path, &spec, &tiles, draw, results.progress)?;
     let summary = summary(plane, grid, values);
     let range = summary.values.unwrap_or_default();
-    qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)
-        .map_err(|error| error.to_string())?;
+    qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
     Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
 }
 

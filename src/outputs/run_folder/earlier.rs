@@ -3,6 +3,7 @@
 use super::journal::is_plain;
 use super::{Fingerprint, MANIFESTS};
 use crate::export::remove_leftovers;
+use crate::outputs::OutputError;
 use crate::outputs::overwrite::is_stem_of_output;
 use crate::outputs::registry::row_of;
 use serde_json::Value;
@@ -43,7 +44,7 @@ pub(super) fn without_group(
     folder: &Path,
     new: &Path,
     group: &impl Fn(&str) -> bool,
-) -> Result<Option<&'static str>, String> {
+) -> Result<Option<&'static str>, OutputError> {
     for manifest in MANIFESTS {
         let Some(mut record) = read(folder, manifest) else {
             continue;
@@ -56,7 +57,7 @@ pub(super) fn without_group(
         if files.len() == before {
             continue;
         }
-        let text = serde_json::to_string_pretty(&record).map_err(|error| error.to_string())?;
+        let text = serde_json::to_string_pretty(&record)?;
         let path = new.join(manifest);
         fs::write(&path, text + "\n").map_err(|error| format!("{error}: {}", path.display()))?;
         return Ok(Some(manifest));

@@ -81,7 +81,7 @@ fn a_run_that_fails_leaves_all_as_it_was() {
     let run = RunFolder::begin(&out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
     let refusal = run.commit("report.json").unwrap_err();
-    assert!(refusal.contains("depth.tif"), "{refusal}");
+    assert!(refusal.to_string().contains("depth.tif"), "{refusal}");
     assert_eq!(text(&out.join("report.json")), before);
     assert_eq!(text(&out.join("cloud.csv")), "one");
     assert!(!out.join(SIDE).exists());
@@ -92,7 +92,7 @@ fn two_runs_do_not_write_into_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let first = RunFolder::begin(folder.path()).unwrap();
     let refusal = RunFolder::begin(folder.path()).unwrap_err();
-    assert!(refusal.contains("another run"), "{refusal}");
+    assert!(refusal.to_string().contains("another run"), "{refusal}");
     write(&first, &["cloud.csv"], "one");
     first.commit("report.json").unwrap();
     RunFolder::begin(folder.path()).unwrap();
