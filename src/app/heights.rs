@@ -9,8 +9,6 @@ use toml::Value;
 
 /// The setting that carries the offset of a log.
 const KEY: &str = "height_offset_m";
-/// Offsets are told and applied in tenths of a millimetre: finer than any of them is certain.
-const STEP_M: f64 = 1e-4;
 
 /// The offsets of some logs.
 #[derive(Clone, Debug)]
@@ -104,10 +102,9 @@ impl App {
         };
         let before = self.step_now();
         for (id, offset) in found.logs().filter(|(_, offset)| offset.meetings > 0) {
-            let offset_m = (offset.offset_m / STEP_M).round() * STEP_M;
             self.with_log(id, |app| {
                 let mut own = LogSettings::clone(&app.log.own);
-                own.set(KEY, Value::Float(offset_m));
+                own.set(KEY, Value::Float(offset.applied_m()));
                 app.set_own(Arc::new(own), false);
             });
         }

@@ -65,6 +65,13 @@ pub struct LogOffset {
     pub meetings: usize,
 }
 
+impl LogOffset {
+    /// The offset as it is applied, metres: to the tenth of a millimetre, since it stands in records and is no better known.
+    pub fn applied_m(&self) -> f64 {
+        (self.offset_m * 1e4).round() / 1e4
+    }
+}
+
 /// How two logs differ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairDifference {

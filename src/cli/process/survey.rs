@@ -1,7 +1,7 @@
 //! The logs of one survey, one or several: processed and written.
 
 use crate::bathymetry::compare::Matching;
-use crate::bathymetry::height_offsets::Datum;
+use crate::bathymetry::height_offsets::{Datum, LogOffset};
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, open_reference};
 use crate::cli::{found, output};
@@ -113,12 +113,10 @@ fn adjusted(
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, String> {
     let found = height_offsets(logs, Datum::Mean, progress).map_err(|error| error.to_string())?;
-    let with = |(log, offset_m): (&ProcessedLog, f64)| {
+    let with = |(log, offset): (&ProcessedLog, &LogOffset)| {
         let mut settings = Settings::clone(&log.products.settings);
-        // To the tenth of a millimetre: it stands in records, and is no better known.
-        settings.height_offset_m = (offset_m * 1e4).round() / 1e4;
+        settings.height_offset_m = offset.applied_m();
         processed(&log.survey, &settings, Some(log), status, progress)
     };
-    let offsets = found.logs.iter().map(|log| log.offset_m);
-    logs.iter().zip(offsets).map(with).collect()
+    logs.iter().zip(&found.logs).map(with).collect()
 }
