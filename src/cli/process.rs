@@ -9,7 +9,7 @@ use super::{detect, output};
 use crate::outputs::Product;
 use std::ffi::OsString;
 use std::path::PathBuf;
-pub use survey::{How, processed};
+pub use survey::{How, all_processed};
 
 /// `bathyscope process SURVEY... -o DIR`.
 #[derive(Debug, clap::Args)]

@@ -1,7 +1,7 @@
 //! `bathyscope review`: what was decided about the boxes of a log, or of all logs of a survey, written for maps and for training.
 
 use super::output;
-use super::process::processed;
+use super::process::all_processed;
 use super::settings::SettingsArgs;
 use super::status_line::StatusLine;
 use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
@@ -51,16 +51,7 @@ pub fn run(args: ReviewArgs) -> Result<(), String> {
     }
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
-    let mut logs = Vec::with_capacity(opened.len());
-    for log in &opened {
-        logs.push(processed(
-            &log.survey,
-            &log.settings,
-            None,
-            &status,
-            &progress,
-        )?);
-    }
+    let logs = all_processed(&opened, &status, &progress)?;
     status.step("writing");
     let reviews: Vec<_> = opened.into_iter().map(|log| log.review).collect();
     let written = outputs::write_boxes(&logs, &reviews, args.part, &args.output, &progress)

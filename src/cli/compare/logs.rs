@@ -2,13 +2,13 @@
 
 use super::{CompareArgs, table};
 use crate::cli::output;
-use crate::cli::process::processed;
+use crate::cli::process::all_processed;
 use crate::cli::settings::SettingsArgs;
 use crate::cli::status_line::StatusLine;
 use crate::cli::survey_logs::{OpenedLog, all_or, inputs, open_all, open_reference};
 use crate::formats::points::{Elevations, Plane};
 use crate::outputs::{ComparisonRecord, write_differences};
-use crate::pipeline::{self, Agreement, ProcessedLog};
+use crate::pipeline::{self, Agreement};
 use crate::progress::Progress;
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -77,14 +77,4 @@ fn opened(argument: &OsStr, settings: &SettingsArgs) -> Result<Vec<OpenedLog>, S
     let (opened, failed) = open_all(&inputs);
     all_or(failed, inputs.len())?;
     Ok(opened)
-}
-
-fn all_processed(
-    opened: &[OpenedLog],
-    status: &StatusLine,
-    progress: &Progress,
-) -> Result<Vec<ProcessedLog>, String> {
-    let logs = opened.iter();
-    logs.map(|log| processed(&log.survey, &log.settings, None, status, progress))
-        .collect()
 }

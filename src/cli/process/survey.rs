@@ -45,16 +45,7 @@ impl How<'_> {
         let surveys = opened.iter().map(|log| &*log.survey);
         let run = outputs::begin(folder, surveys, reference.as_deref())
             .map_err(|error| error.to_string())?;
-        let mut logs = Vec::with_capacity(opened.len());
-        for log in opened {
-            logs.push(processed(
-                &log.survey,
-                &log.settings,
-                None,
-                &status,
-                &progress,
-            )?);
-        }
+        let mut logs = all_processed(opened, &status, &progress)?;
         if self.adjust && logs.len() > 1 {
             status.step("height offsets");
             logs = adjusted(&logs, &status, &progress)?;
@@ -85,11 +76,24 @@ impl How<'_> {
     }
 }
 
+/// Runs the pipeline on every log of a survey with its own settings.
+///
+/// # Errors
+/// When the work was cancelled, in a sentence.
+pub fn all_processed(
+    opened: &[OpenedLog],
+    status: &StatusLine,
+    progress: &Progress,
+) -> Result<Vec<ProcessedLog>, String> {
+    let one = |log: &OpenedLog| processed(&log.survey, &log.settings, None, status, progress);
+    opened.iter().map(one).collect()
+}
+
 /// Runs the pipeline on a log; what does not depend on the settings that changed is taken from `previous`.
 ///
 /// # Errors
 /// When the work was cancelled, in a sentence.
-pub fn processed(
+fn processed(
     survey: &Arc<Survey>,
     settings: &Settings,
     previous: Option<&ProcessedLog>,

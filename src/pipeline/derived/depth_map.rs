@@ -49,6 +49,7 @@ pub struct DepthMap {
     pub colour_range_m: [f32; 2],
     /// Nothing is interpolated farther than this from a depth, metres.
     pub gap_m: f64,
+    bounds_m: OnceLock<[f64; 4]>,
     shade: OnceLock<Vec<u8>>,
     survey: Arc<Survey>,
     navigation: Arc<Navigation>,
@@ -75,6 +76,7 @@ impl DepthMap {
             map,
             colour_range_m,
             gap_m: products.settings.surface.max_gap_m,
+            bounds_m: OnceLock::new(),
             shade: OnceLock::new(),
             survey: survey.clone(),
             navigation: products.navigation.clone(),
@@ -118,8 +120,12 @@ impl DepthMap {
         self.surface.depth_at(self.to_map(place))
     }
 
-    /// West, south, east and north in the plane of the survey, metres.
+    /// West, south, east and north in the plane of the survey, metres. A map asks for them in every frame.
     pub fn bounds_m(&self) -> [f64; 4] {
+        *self.bounds_m.get_or_init(|| self.bounds_in_survey_m())
+    }
+
+    fn bounds_in_survey_m(&self) -> [f64; 4] {
         let grid = &self.surface.grid;
         let east_m = grid.west_m + grid.columns as f64 * grid.cell_m;
         let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
