@@ -199,10 +199,7 @@ impl App {
             self.open_first(Arc::new(survey));
             return self.log.id;
         }
-        let is_placed = |log: &OpenLog| {
-            let survey = log.survey.as_ref();
-            survey.is_some_and(|survey| !survey.track.fixes.is_empty())
-        };
+        let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
         if !self.logs().any(is_placed) {
             // A plane through no place of the survey would bend this log's track.
             self.plane = survey.track.frame.clone();

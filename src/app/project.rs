@@ -6,6 +6,7 @@ use super::measuring::Figure;
 use super::{App, LogId, OpenLog, Outcome, Task, ViewOptions};
 use crate::detection::review::{Queue, Sort};
 use crate::export::is_same_file;
+use crate::geo::LocalFrame;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
 use crate::project::{
@@ -236,6 +237,8 @@ impl App {
     fn as_project(&self, before: &Project) -> Project {
         let mut project = before.clone();
         project.settings = Settings::clone(&self.shared);
+        let is_placed = |log: &OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
+        project.origin = (self.logs().any(is_placed)).then(|| self.plane.origin());
         let open: Vec<&OpenLog> = self.logs().filter(|log| log.file.is_some()).collect();
         let is_open = |log: &ProjectLog| {
             let mut files = open.iter().filter_map(|open| open.file.as_ref());
@@ -392,7 +395,13 @@ impl App {
             self.options = options;
         }
         let queue = project.view::<KeptQueue>(REVIEW);
+        let frame = project.origin.map(LocalFrame::new);
         for (log, survey, settings) in logs {
+            // The plane stays whatever log is first now.
+            let survey = match &frame {
+                Some(frame) => survey.in_frame(frame),
+                None => survey,
+            };
             let id = self.add_log(survey);
             self.with_log(id, |app| app.take_project_log(&log, settings));
         }

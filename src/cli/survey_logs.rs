@@ -4,6 +4,7 @@ use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
 use crate::detection::review::Review;
+use crate::geo::LocalFrame;
 use crate::pipeline::{MissionLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::project;
@@ -20,6 +21,8 @@ pub struct LogInput {
     pub logs: Arc<Logs>,
     /// What its project knows of its boxes.
     pub review: Option<Arc<Review>>,
+    /// The frame that its project has it in.
+    pub frame: Option<LocalFrame>,
 }
 
 /// A log that was opened.
@@ -69,6 +72,7 @@ pub fn inputs(
                 path,
                 logs: logs.clone(),
                 review: None,
+                frame: None,
             };
             Ok(paths.map(input).collect())
         }
@@ -83,6 +87,7 @@ fn of_project(path: &Path) -> Result<Vec<LogInput>, String> {
             path: input.log.file.path.clone(),
             logs: Arc::new(Logs::new(input.settings)?),
             review: has_boxes.then(|| input.log.review.clone()),
+            frame: input.frame,
         })
     };
     inputs.map(input).collect()
@@ -95,6 +100,10 @@ impl LogInput {
     /// A sentence: it cannot be opened, or does not hold what its settings ask for.
     pub fn open(&self) -> Result<OpenedLog, String> {
         let survey = self.logs.open(&self.path, &Progress::new())?;
+        let survey = match &self.frame {
+            Some(frame) => survey.in_frame(frame),
+            None => survey,
+        };
         Ok(OpenedLog {
             survey: Arc::new(survey),
             settings: self.logs.settings.clone(),
@@ -141,8 +150,7 @@ fn add(opened: &mut Vec<OpenedLog>, log: OpenedLog, path: &Path) {
             path.display()
         ));
     }
-    let is_placed = |log: &&OpenedLog| !log.survey.track.fixes.is_empty();
-    let placed = opened.iter().find(is_placed);
+    let placed = opened.iter().find(|log| log.survey.has_place());
     let frame = placed.map(|log| log.survey.track.frame.clone());
     let survey = match frame {
         Some(frame) => Arc::new(Arc::unwrap_or_clone(log.survey).in_frame(&frame)),
@@ -218,6 +226,7 @@ pub fn open_reference(
                 path,
                 logs: logs.clone(),
                 review: None,
+                frame: None,
             };
             many::logs(&[path.to_owned()])
                 .into_iter()

@@ -33,6 +33,13 @@ pub struct LonLat {
     pub lat_deg: f64,
 }
 
+impl LonLat {
+    /// Whether there is such a position: longitude within 180 degrees, latitude within 90.
+    pub fn is_on_earth(&self) -> bool {
+        (-180.0..=180.0).contains(&self.lon_deg) && (-90.0..=90.0).contains(&self.lat_deg)
+    }
+}
+
 /// Metres in an international foot.
 pub const METRES_PER_FOOT: f64 = 0.3048;
 /// Metres a second in a knot.

@@ -3,6 +3,7 @@
 use super::find::{Found, find};
 use super::log::ProjectLog;
 use super::store::read;
+use crate::geo::LocalFrame;
 use crate::pipeline::Settings;
 use crate::progress::Progress;
 use std::path::Path;
@@ -15,6 +16,8 @@ pub struct Input {
     pub log: Arc<ProjectLog>,
     /// The settings that it is processed with; the water levels that they name are read.
     pub settings: Settings,
+    /// The frame that all logs of the project lie in, as the window has them; `None` where it is not kept.
+    pub frame: Option<LocalFrame>,
 }
 
 /// The visible logs of a project, in their order.
@@ -51,7 +54,12 @@ pub fn inputs(path: &Path, progress: &Progress) -> Result<Vec<Input>, String> {
         settings
             .load_water_level()
             .map_err(|error| error.to_string())?;
-        inputs.push(Input { log, settings });
+        let frame = project.origin.map(LocalFrame::new);
+        inputs.push(Input {
+            log,
+            settings,
+            frame,
+        });
     }
     if inputs.is_empty() {
         return Err(format!(

@@ -114,18 +114,15 @@ impl MeasurementRow {
     /// # Errors
     /// What no map has.
     pub fn read(self) -> Result<Measurement, &'static str> {
-        let is_place = |[lon_deg, lat_deg]: &[f64; 2]| {
-            (-180.0..=180.0).contains(lon_deg) && (-90.0..=90.0).contains(lat_deg)
-        };
-        if !self.corners.iter().all(is_place) {
+        let corners = self.corners.into_iter();
+        let corners = corners.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg });
+        let corners: Vec<LonLat> = corners.collect();
+        if !corners.iter().all(LonLat::is_on_earth) {
             return Err("corners are longitude and latitude in degrees");
         }
-        let corners = self.corners.into_iter();
         Ok(Measurement {
             kind: self.kind,
-            corners: corners
-                .map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg })
-                .collect(),
+            corners,
             note: self.note,
         })
     }

@@ -94,6 +94,7 @@ pub use row::Key;
 pub use sidecar::{Sidecars, read_bottom, read_sidecars};
 pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};
 
+use crate::geo::LonLat;
 use crate::pipeline::{Settings, SettingsError};
 use row::Rows;
 use serde::Serialize;
@@ -148,6 +149,8 @@ struct Unknown {
 pub struct Project {
     /// The settings that all logs share; it holds no bottom edits.
     pub settings: Settings,
+    /// Where the plane that all logs lie in touches the ellipsoid: places in metres count from there. `None` until a log has a place.
+    pub origin: Option<LonLat>,
     /// Other files that belong to the survey, by what they are: `base_map`, `reference`. Absolute.
     pub files: BTreeMap<String, PathBuf>,
     /// What was measured on the map, by number.
@@ -163,6 +166,7 @@ impl PartialEq for Project {
     fn eq(&self, other: &Self) -> bool {
         let Self {
             settings,
+            origin,
             files,
             measurements,
             views,
@@ -171,6 +175,7 @@ impl PartialEq for Project {
         } = self;
         let is_same = |(one, other): (&Arc<_>, &Arc<_>)| Arc::ptr_eq(one, other) || one == other;
         *settings == other.settings
+            && *origin == other.origin
             && *files == other.files
             && *measurements == other.measurements
             && *views == other.views

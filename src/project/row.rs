@@ -172,11 +172,12 @@ impl Ord for Key {
         let place = |section: &[String]| match section.first().map(String::as_str) {
             None => 0,
             Some("settings") => 1,
-            Some("file") => 2,
-            Some("log") => 3,
-            Some("measure") => 4,
-            Some("view") => 5,
-            Some(_) => 6,
+            Some("plane") => 2,
+            Some("file") => 3,
+            Some("log") => 4,
+            Some("measure") => 5,
+            Some("view") => 6,
+            Some(_) => 7,
         };
         (place(section).cmp(&place(other_section)))
             .then_with(|| by_parts(section, other_section))

@@ -61,6 +61,14 @@ fn differing(project: &Project, other: Option<&Project>, folder: &Path) -> Rows 
         let values = setting_values(&project.settings);
         put_settings(&mut put, &["settings"], &values, folder);
     }
+    if let Some(origin) = project.origin
+        && other.is_none_or(|other| other.origin != project.origin)
+    {
+        put(
+            Key::new(["plane", "origin"]),
+            &value_of(&[origin.lon_deg, origin.lat_deg]),
+        );
+    }
     if other.is_none_or(|other| other.files != project.files) {
         for (name, path) in &project.files {
             let text = paths::to_text(path, folder);

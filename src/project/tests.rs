@@ -100,6 +100,10 @@ fn full() -> Project {
         note: String::new(),
     };
     project.measurements.insert(1, measurement);
+    project.origin = Some(LonLat {
+        lon_deg: -82.110_223,
+        lat_deg: 29.409_962,
+    });
     project.set_view("map", &["depth", "track"]);
     project
 }
@@ -392,6 +396,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_its_line() {
             "first_return.threshold",
         ),
         ("draft_m = 0.3", "draft_m = \"deep\"", "draft_m"),
+        ("29.409962", "99.4", "the origin is no longitude"),
     ] {
         assert!(text.contains(from), "{from}");
         let broken = text.replacen(from, to, 1);

@@ -273,6 +273,11 @@ impl Survey {
         spans.reduce(|(from, to), (other_from, other_to)| (from.min(other_from), to.max(other_to)))
     }
 
+    /// Whether the recording says anywhere where it was.
+    pub fn has_place(&self) -> bool {
+        !self.track.fixes.is_empty()
+    }
+
     /// Whether the side-scan can be processed.
     pub fn has_side_scan(&self) -> bool {
         self.side_scan_state == SideScanState::Usable

@@ -239,3 +239,43 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     let of_log = |name: &str| page.contains(&format!("<h3>{name}</h3>"));
     assert!(of_log("first") && of_log("second"));
 }
+
+#[test]
+fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let mut app = survey_of_two(folder);
+    let ids: Vec<LogId> = app.logs().map(|log| log.id).collect();
+    // The log that was opened first, whose plane it is, is the second now and does not count in the end.
+    let changes = [
+        ("moved", Command::MoveLog(ids[1], -1)),
+        ("hidden", Command::SetLogVisible(ids[0], false)),
+    ];
+    for (name, change) in changes {
+        app.apply(change);
+        settle(&mut app);
+        app.apply(Command::SaveProject);
+        settle(&mut app);
+        let [by_window, by_process] = ["window", "process"].map(|by| folder.join(by).join(name));
+        app.apply(Command::Export(by_window.clone()));
+        settle(&mut app);
+        let into = by_process.to_string_lossy();
+        run(
+            folder,
+            &["process", "survey.bathyscope", "--no-objects", "-o", &into],
+        );
+        let is_written = |row: &&OutputFile| matches!(row.when, When::Always | When::Chosen(_));
+        assert_same(&by_window, &by_process, is_written);
+        let project = std::fs::read_to_string(folder.join("survey.bathyscope")).unwrap();
+        assert!(project.contains("\norigin = ["), "{project}");
+    }
+    // Opened again, the window has the same plane.
+    let origin = app.shown_logs()[0].log.survey.track.frame.origin();
+    let mut again = App::new(Jobs::Threads(Arc::new(|| ())));
+    again.apply(Command::Open(folder.join("survey.bathyscope")));
+    settle(&mut again);
+    assert_eq!(
+        again.shown_logs()[0].log.survey.track.frame.origin(),
+        origin
+    );
+}

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::detection::review::{BoxRow, NAMELESS_CLASS, Review, ReviewRows, SearchRow};
 use crate::first_return::{BottomEdit, BottomSettings};
+use crate::geo::LonLat;
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
 use crate::survey::{LeftOutSettings, Side, Stretch};
 use serde::de::DeserializeOwned;
@@ -69,6 +70,15 @@ pub fn read(rows: Rows, folder: &Path) -> Result<Project, ProjectError> {
         };
         match parts.as_slice() {
             ["settings", ..] if parts.len() > 1 => settings.push((rest(1), row)),
+            ["plane", "origin"] => {
+                let [lon_deg, lat_deg] = as_is(&row)?;
+                let origin = LonLat { lon_deg, lat_deg };
+                if !origin.is_on_earth() {
+                    let what = "the origin is no longitude and latitude in degrees";
+                    return Err(ProjectError::line(row.line, what));
+                }
+                project.origin = Some(origin);
+            }
             ["file", name] => {
                 let path = paths::from_text(&as_is::<String>(&row)?, folder);
                 project.files.insert((*name).to_owned(), path);
