@@ -134,13 +134,14 @@ actions! {
     LeaveOut, "Leave stretches out", Some("K"), "A drag along the waterfall, or along a track on the map, leaves its pings out of every product; with Ctrl they count whatever is found there, with Alt nothing is said of them any more. A click on a left-out stretch takes it back in.";
     TakeBackIn, "Take the stretch back in", Some("Shift+K"), "Has the left-out stretch at the selected ping count again.";
     LeaveTool, "Leave the tool", Some("Escape"), "Lays the tool down; without a tool, deselects the box, or else removes the measurement.";
-    MeasureDistance, "Measure distance", Some("D"), "Click corners on the map: the length of the line on the ground.";
-    MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map: area and perimeter on the ground.";
+    MeasureDistance, "Measure distance", Some("D"), "Click corners on the map or the waterfall: the length of the line on the ground, slant range taken off.";
+    MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map or the waterfall: area and perimeter on the ground, slant range taken off.";
     DepthProfile, "Depth profile along a line", Some("P"), "Click corners on the map: the depths of the map along the line.";
+    HeightFromShadow, "Height from shadow", Some("H"), "Drag in the waterfall from the object's top, where its shadow begins, to the end of the shadow: its height above the bottom.";
     SetCorner, "Set a corner", Some("X"), "With a measuring tool in hand: a corner at the pointer, or at the cross that the arrow keys move.";
     TakeCornerBack, "Take the last corner back", Some("Backspace"), "Removes the corner that was set last.";
     EndFigure, "End the measurement", Some("Enter"), "Closes the line or the area; the next corner begins another one.";
-    RemoveFigure, "Remove the measurement", None, "Takes what was measured off the map.";
+    RemoveFigure, "Remove the measurement", None, "Takes what was measured away.";
     SaveFigure, "Save the measurement…", None, "Writes what was measured as GeoJSON, or its corners (the depths of a profile) as CSV.";
     SaveProfile, "Save the depth profile…", None, "Writes distance, position and depth along the line as CSV.";
     CopyProfile, "Copy the depth profile", None, "Copies distance, position and depth along the line as CSV.";

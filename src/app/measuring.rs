@@ -1,15 +1,23 @@
-//! What the analyst draws on the map to measure: a line, an area, or the line of a depth profile.
+//! What the analyst draws to measure: a line, an area or the line of a depth profile on the map and in the waterfall, and the height
+//! of what casts a shadow in the waterfall.
 
 use super::reviewing::{Step, Tool};
-use super::{App, ProfileLine};
+use super::{App, OpenLog, ProfileLine};
 use crate::bathymetry::Station;
+use crate::detection::targets::{ShadowError, ShadowHeight};
 use crate::export;
 use crate::geo::LonLat;
-use crate::project::{Measurement, MeasurementKind};
+use crate::pipeline::Placing;
+use crate::project::{Measurement, MeasurementKind, Pick};
+use crate::survey::Identity;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What is drawn on the map.
+const NO_PLACE: &str =
+    "there is no place to measure here: the track or the results of the log are missing";
+
+/// What is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// What it measures, and between which corners.
@@ -21,8 +29,10 @@ pub struct Figure {
 /// A request about the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
-    /// One more corner here.
+    /// One more corner here on the map.
     Corner(LonLat),
+    /// One more corner at this place of the waterfall.
+    Pick(Pick),
     /// Where the next corner would be, under the pointer.
     Next(Option<LonLat>),
 }
@@ -30,7 +40,7 @@ pub enum Measure {
 /// The figure and the tool that draws it.
 #[derive(Default)]
 pub struct Measuring {
-    /// What a click on the map draws.
+    /// What a click on the map or the waterfall draws.
     pub tool: Option<MeasurementKind>,
     /// What was drawn last.
     pub figure: Option<Arc<Figure>>,
@@ -66,6 +76,13 @@ impl Measuring {
     pub fn shows_profile(&self) -> bool {
         let drawn = self.figure.as_ref().map(|figure| figure.measurement.kind);
         self.tool.or(drawn) == Some(MeasurementKind::Profile)
+    }
+
+    /// Where in the side-scan corners of the figure were set, by their number.
+    pub fn picks(&self) -> &BTreeMap<usize, Pick> {
+        static NONE: BTreeMap<usize, Pick> = BTreeMap::new();
+        let figure = self.figure.as_deref();
+        figure.map_or(&NONE, |figure| &figure.measurement.picks)
     }
 
     /// Whether a corner would go on with the figure there is.
@@ -105,36 +122,115 @@ impl App {
     pub(super) fn measure(&mut self, request: Measure) {
         match request {
             Measure::Corner(at) => {
-                let Some(kind) = self.measuring.tool else {
-                    return;
-                };
-                let open = self
-                    .measuring
-                    .figure
-                    .as_ref()
-                    .filter(|_| self.measuring.is_drawing());
-                let none = || Measurement {
-                    kind,
-                    corners: Vec::new(),
-                    note: String::new(),
-                };
-                let begun = open.map_or_else(none, |figure| figure.measurement.clone());
-                self.draw(Some(Figure {
-                    measurement: begun.with(at),
-                    done: false,
-                }));
+                // A shadow is seen in the waterfall only.
+                if self.measuring.tool != Some(MeasurementKind::Height) {
+                    self.add_corner(at, None);
+                }
+            }
+            Measure::Pick(pick) => {
+                let pick = self.on_one_ping(pick);
+                match self.ground_at(&pick) {
+                    Some(at) => self.add_corner(at, Some(pick)),
+                    None => self.notify(NO_PLACE.to_owned(), true),
+                }
             }
             Measure::Next(place) => self.measuring.next = place,
         }
+    }
+
+    /// Adds a corner to the figure, or begins one with it.
+    fn add_corner(&mut self, at: LonLat, pick: Option<Pick>) {
+        let Some(kind) = self.measuring.tool else {
+            return;
+        };
+        let open = self.measuring.figure.as_ref();
+        let open = open.filter(|_| self.measuring.is_drawing());
+        let begun = open.map_or_else(
+            || Measurement::new(kind),
+            |figure| figure.measurement.clone(),
+        );
+        let measurement = begun.with(at, pick);
+        self.draw(Some(Figure {
+            measurement,
+            done: false,
+        }));
+        // Both ends of a shadow are all there is.
+        if kind == MeasurementKind::Height && self.measuring.picks().len() == 2 {
+            self.end_figure();
+        }
+    }
+
+    /// A pick of a shadow's end lies on the ping and side of its top.
+    pub fn on_one_ping(&self, pick: Pick) -> Pick {
+        let measuring = &self.measuring;
+        let is_shadow = measuring.tool == Some(MeasurementKind::Height) && measuring.is_drawing();
+        let top = measuring.picks().get(&0).filter(|_| is_shadow);
+        match top {
+            Some(top) => Pick {
+                slant_m: pick.slant_m,
+                ..top.clone()
+            },
+            None => pick,
+        }
+    }
+
+    /// The height of what casts the shadow between two slant ranges of a pick's ping, on the recorder's scale; `None` while its log is
+    /// closed or not processed.
+    pub fn shadow_height(
+        &self,
+        on: &Pick,
+        recorded_m: [f64; 2],
+    ) -> Option<Result<ShadowHeight, ShadowError>> {
+        self.with_placing(on, |placing, _| {
+            placing.shadow_height(on.side, on.ping, recorded_m)
+        })
+    }
+
+    /// The height that is measured, once both ends of its shadow are set.
+    pub fn measured_height(&self) -> Option<Result<ShadowHeight, ShadowError>> {
+        let figure = self.measuring.figure.as_deref()?;
+        let (top, recorded_m) = figure.measurement.shadow()?;
+        self.shadow_height(top, recorded_m)
+    }
+
+    /// Where a pick lies on a level bottom.
+    fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
+        self.with_placing(pick, |placing, log| {
+            let [east_m, north_m] = placing.ground(pick.side, pick.ping, pick.slant_m)?;
+            let track = &log.survey.as_ref()?.track;
+            let navigation = &log.products.as_ref()?.navigation;
+            Some(navigation.to_lon_lat(track, east_m, north_m))
+        })?
+    }
+
+    /// Hands over what places things of a pick's log.
+    fn with_placing<T>(
+        &self,
+        pick: &Pick,
+        with: impl FnOnce(&Placing<'_>, &OpenLog) -> T,
+    ) -> Option<T> {
+        let is_of = |log: &&OpenLog| {
+            let own = log.survey.as_ref().map(|survey| Identity::of(survey));
+            own.is_some_and(|own| own.is_same_log(&pick.log))
+        };
+        let log = self.logs().find(is_of)?;
+        let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
+        let placing = Placing::new(
+            survey,
+            &products.navigation,
+            &products.returns,
+            &products.calibration,
+            &products.correction,
+        );
+        Some(with(&placing, log))
     }
 
     /// Takes the last corner back; a finished figure is drawn on.
     pub(super) fn take_corner_back(&mut self) {
         if let Some(figure) = &self.measuring.figure {
             let mut figure = (**figure).clone();
-            let corners = &mut figure.measurement.corners;
-            corners.pop();
-            let is_left = !corners.is_empty();
+            figure.measurement = figure.measurement.without_last();
+            let is_left = !figure.measurement.corners.is_empty();
             figure.done = false;
             self.draw(is_left.then_some(figure));
         }

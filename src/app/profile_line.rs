@@ -64,7 +64,7 @@ impl App {
         let set = set.filter(is_profile);
         let next = self.measuring.next.filter(|_| self.measuring.is_drawing());
         let drawn = set.clone().map(|line| match next {
-            Some(next) => line.with(next),
+            Some(next) => line.with(next, None),
             None => line,
         });
         self.measuring.set = self.profile_line(set, self.measuring.set.as_ref());

@@ -1,4 +1,4 @@
-//! What was measured on the map, on its way into a file.
+//! What was measured, on its way into a file.
 
 use super::App;
 use crate::export::{self, MeasuredFigure};
@@ -6,7 +6,7 @@ use crate::project::MeasurementKind;
 use std::path::{Path, PathBuf};
 
 impl App {
-    /// What is measured on the map, once there is something between its corners.
+    /// What is measured, once there is something between its corners.
     pub fn measured(&self) -> Option<MeasuredFigure> {
         let (survey, products) = self.log.survey.as_ref().zip(self.log.products.as_ref())?;
         let figure = &self.measuring.figure.as_deref()?.measurement;
@@ -17,7 +17,9 @@ impl App {
             MeasurementKind::Distance => (None, &[][..]),
             MeasurementKind::Area => (Some(figure.area_m2()), &[][..]),
             MeasurementKind::Profile => (None, self.measuring.stations()),
+            MeasurementKind::Height => (None, &[][..]),
         };
+        let shadow = self.measured_height().and_then(Result::ok);
         let stations = stations.iter().map(|station| {
             let [east_m, north_m] = station.place;
             let at = products
@@ -32,6 +34,7 @@ impl App {
             distances_m: figure.distances_m(),
             length_m: figure.length_m(),
             area_m2,
+            shadow,
             stations: stations.collect(),
         })
     }

@@ -1,7 +1,8 @@
-//! What was measured on the map, as GeoJSON or CSV.
+//! What was measured, as GeoJSON or CSV.
 
 use super::geojson::{collection, position};
 use super::{ExportError, write_aside};
+use crate::detection::targets::ShadowHeight;
 use crate::geo::LonLat;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -13,7 +14,7 @@ use std::path::Path;
 pub struct MeasuredFigure {
     /// The log that lay under it.
     pub log: String,
-    /// `distance`, `area` or `profile`.
+    /// `distance`, `area`, `profile` or `height`.
     pub kind: &'static str,
     /// Corners in the order of drawing.
     pub corners: Vec<LonLat>,
@@ -23,6 +24,8 @@ pub struct MeasuredFigure {
     pub length_m: f64,
     /// Square metres, of an area.
     pub area_m2: Option<f64>,
+    /// What a height from a shadow follows from.
+    pub shadow: Option<ShadowHeight>,
     /// Places along a profile: distance from the start and depth, metres; no depth where nothing is known.
     pub stations: Vec<(LonLat, f64, Option<f32>)>,
 }
@@ -64,7 +67,24 @@ fn outline(figure: &MeasuredFigure) -> Value {
     if let Some(area_m2) = figure.area_m2 {
         properties["area_m2"] = json!(thousandths(area_m2));
     }
+    if let Some(shadow) = &figure.shadow {
+        for (name, value_m) in shadow_columns(shadow) {
+            properties[name] = json!(thousandths(value_m));
+        }
+        properties["height_is_least"] = json!(shadow.is_least);
+    }
     json!({ "type": "Feature", "geometry": geometry, "properties": properties })
+}
+
+/// A height and all that it follows from, metres.
+fn shadow_columns(shadow: &ShadowHeight) -> [(&'static str, f64); 5] {
+    [
+        ("height_m", shadow.height_m()),
+        ("height_sigma_m", shadow.sigma_m()),
+        ("altitude_m", shadow.altitude_m),
+        ("shadow_start_m", shadow.top_m),
+        ("shadow_end_m", shadow.end_m),
+    ]
 }
 
 fn station_feature((at, distance_m, depth_m): &(LonLat, f64, Option<f32>)) -> Value {
@@ -92,15 +112,24 @@ fn turns_right(ring: &[[f64; 2]]) -> bool {
 }
 
 /// Writes a line for each corner, `corner,lon,lat,distance_m`; an area has `area_m2` beside them, and its first corner again at
-/// the end of its way around.
+/// the end of its way around; a height has `height_m` and what it follows from.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportError> {
     let area = figure.area_m2;
     let mut text = "corner,lon,lat,distance_m".to_owned();
-    text += if area.is_some() { ",area_m2\n" } else { "\n" };
-    let area_text = area.map_or_else(String::new, |area_m2| format!(",{area_m2:.3}"));
+    let mut whole = String::new();
+    let area_column = area.map(|area_m2| ("area_m2", area_m2));
+    let shadow_columns = figure.shadow.as_ref().map(shadow_columns);
+    for (name, value) in area_column
+        .into_iter()
+        .chain(shadow_columns.into_iter().flatten())
+    {
+        text += &format!(",{name}");
+        whole += &format!(",{value:.3}");
+    }
+    text.push('\n');
     let corners = figure.corners.iter().zip(&figure.distances_m);
     let closing = area
         .and(figure.corners.first())
@@ -110,7 +139,7 @@ pub fn figure_csv(path: &Path, figure: &MeasuredFigure) -> Result<(), ExportErro
         // Writing to a string does not fail.
         writeln!(
             text,
-            "{corner},{:.9},{:.9},{distance_m:.3}{area_text}",
+            "{corner},{:.9},{:.9},{distance_m:.3}{whole}",
             at.lon_deg, at.lat_deg
         )
         .ok();
@@ -132,6 +161,7 @@ mod tests {
             distances_m: vec![0.0, 111.2, 246.6],
             length_m: 322.7,
             area_m2,
+            shadow: None,
             stations: Vec::new(),
         }
     }

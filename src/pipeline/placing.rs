@@ -3,9 +3,9 @@
 use crate::calibration::Calibration;
 use crate::cloud::Correction;
 use crate::detection::Mark;
-use crate::detection::targets::{Placer, Target};
+use crate::detection::targets::{Placer, ShadowError, ShadowHeight, Target};
 use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, Survey};
+use crate::survey::{Navigation, Side, Survey};
 
 /// Places boxes of one survey.
 pub struct Placing<'a> {
@@ -40,5 +40,23 @@ impl<'a> Placing<'a> {
             depth_m: -self.correction.z_m(ping.time_s, target.altitude_m),
             ..target
         })
+    }
+
+    /// The height of what casts a shadow on a ping: see [`Placer::shadow_height`].
+    ///
+    /// # Errors
+    /// Where no height follows.
+    pub fn shadow_height(
+        &self,
+        side: Side,
+        ping: usize,
+        recorded_m: [f64; 2],
+    ) -> Result<ShadowHeight, ShadowError> {
+        self.placer.shadow_height(side, ping, recorded_m)
+    }
+
+    /// Where a place of the side-scan lies on a level bottom: see [`Placer::ground`].
+    pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
+        self.placer.ground(side, ping, recorded_m)
     }
 }

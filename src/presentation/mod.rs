@@ -6,3 +6,4 @@ pub mod graticule;
 pub mod plot;
 pub mod text;
 pub mod ticks;
+pub mod units;

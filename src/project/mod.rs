@@ -89,7 +89,7 @@ pub use find::{Found, find};
 pub use history::{History, Step};
 pub use inputs::{Input, inputs};
 pub use log::{LogFile, LogKey, ProjectLog};
-pub use measurement::{Measurement, MeasurementKind};
+pub use measurement::{Measurement, MeasurementKind, Pick};
 pub use row::Key;
 pub use sidecar::{Sidecars, read_bottom, read_sidecars};
 pub use store::{ENDING, Opened, Owner, Saving, Store, StoreError, Written, read};

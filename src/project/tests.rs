@@ -97,6 +97,7 @@ fn full() -> Project {
     let measurement = Measurement {
         kind: MeasurementKind::Distance,
         corners: corners.to_vec(),
+        picks: std::collections::BTreeMap::new(),
         note: String::new(),
     };
     project.measurements.insert(1, measurement);

@@ -13,7 +13,7 @@ mod window;
 pub use shell::{Alone, Shell};
 pub use window::open_window;
 
-use crate::app::{App, Command};
+use crate::app::{App, Command, View};
 use crate::presentation::text;
 
 /// What a panel or view gets: the state to read, the list to push commands to.
@@ -22,6 +22,8 @@ pub struct ViewContext<'a> {
     pub app: &'a App,
     /// The GPU of the window; `None` in a harness without one, where views say so instead of drawing.
     pub render_state: Option<&'a eframe::egui_wgpu::RenderState>,
+    /// The view that keys are about: under the pointer, or the one that has the keyboard.
+    pub target: View,
     /// Commands, applied after the frame.
     pub commands: &'a mut Vec<Command>,
 }

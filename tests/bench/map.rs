@@ -1,7 +1,7 @@
 //! A frame of the map on the window's thread: for a small and a large survey, and with every layer.
 
 use crate::resources::processor_s;
-use bathyscope::app::{App, Jobs, MapLayer};
+use bathyscope::app::{App, Jobs, MapLayer, View};
 use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
 use bathyscope::cloud::{Correction, PointCloud, ping_depths};
 use bathyscope::first_return::{self, FirstReturns};
@@ -213,6 +213,7 @@ impl Window {
             let mut context = ViewContext {
                 app: &self.app,
                 render_state: Some(state),
+                target: View::Map,
                 commands: &mut Vec::new(),
             };
             self.view.ui(ui, &mut context);

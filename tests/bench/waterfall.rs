@@ -1,6 +1,6 @@
 //! A frame of the waterfall must cost the window's thread the same for a short log and for a very long one.
 
-use bathyscope::app::{App, Jobs, Mark};
+use bathyscope::app::{App, Jobs, Mark, View};
 use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::survey::{Bytes, Encoding, Order, SidePing, SideScanState, SideSpan, Survey};
 use bathyscope::ui::views::WaterfallView;
@@ -93,6 +93,7 @@ fn window(pings: usize) -> Harness<'static, Window> {
                 let mut context = ViewContext {
                     app: &window.app,
                     render_state: Some(&render_state),
+                    target: View::Waterfall,
                     commands: &mut commands,
                 };
                 window.view.ui(ui, &mut context);

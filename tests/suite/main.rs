@@ -55,6 +55,7 @@ mod survey_run;
 mod trusted_depths;
 mod truth;
 mod waterfall;
+mod waterfall_measure;
 mod window;
 mod window_job;
 mod window_layout;

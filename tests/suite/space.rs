@@ -1,7 +1,7 @@
 //! Map and 3D cloud: gestures, names and pictures on a pond made here, and the depth map of the real river.
 
 use crate::support;
-use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice};
+use bathyscope::app::{Action, App, CloudColour, Command, Jobs, Mark, ThemeChoice, View};
 use bathyscope::bathymetry::{SurfaceSettings, depth_points, depth_range, surface};
 use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleMode};
 use bathyscope::cloud::{
@@ -217,6 +217,7 @@ impl Room {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
+            target: View::Cloud,
             commands: &mut commands,
         };
         match self.shows_cloud {

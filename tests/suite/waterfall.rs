@@ -6,7 +6,7 @@ mod read_out;
 mod synthetic;
 
 use crate::support;
-use bathyscope::app::{Action, App, Command, Jobs, Mark, Orientation};
+use bathyscope::app::{Action, App, Command, Jobs, Mark, Orientation, View};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{Side, SideScanState, Survey};
 use bathyscope::ui::views::{ProfileView, WaterfallView};
@@ -57,6 +57,7 @@ fn window(app: App, size: [f32; 2]) -> Harness<'static, Window> {
                 let mut context = ViewContext {
                     app: &state.app,
                     render_state: Some(&for_view),
+                    target: View::Waterfall,
                     commands: &mut commands,
                 };
                 // The margin of the harness's panel is no part of the view.

@@ -1,10 +1,11 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
-//! a height of them, `place` puts them on the bottom, `passes` tells which passes of the boat covered a place, `group` makes
+//! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it), `passes` tells which passes of the boat covered a place, `group` makes
 //! one object of the same object seen from several lines (`pairs` says which sightings may be one, `spread`
 //! and `heading` how sure that is).
 
+mod altitude;
 mod echo;
 mod group;
 mod heading;
@@ -14,12 +15,14 @@ mod place;
 mod profile;
 mod runs;
 mod seen;
+mod shadow;
 mod spread;
 
 pub use echo::{Parts, Shadow, parts};
 pub use group::{Group, GroupSettings, Sighting, group};
 pub use passes::{Pass, passes_over};
 pub use place::Placer;
+pub use shadow::{ShadowError, ShadowHeight};
 
 use super::Mark;
 use crate::geo::LonLat;

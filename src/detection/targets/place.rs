@@ -3,12 +3,12 @@
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
 use super::seen::{PART_SIGMA, Seen};
-use super::{Target, echo, parts};
+use super::{Target, altitude::altitude_m, echo, parts};
 use crate::calibration::Calibration;
 use crate::detection::Mark;
 use crate::first_return::FirstReturns;
-use crate::statistics::median;
 use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
+use std::ops::Range;
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
@@ -110,42 +110,52 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// The bottom edits over the box, else the recorded depth where the recorder had the bottom, else the first return
-    /// on its side: who draws the bottom sees what the recorder took for it.
+    /// Height of the transducer above the bottom over the pings of a box.
     fn altitude_m(&self, mark: &Mark) -> Option<f64> {
-        let pings = mark.pings.start..mark.pings.end.min(self.survey.side_scan.len());
-        let is_drawn = |&ping: &usize| self.returns.is_drawn(mark.side, ping);
-        let mut depths_m = self.first_returns_m(mark.side, pings.clone().filter(is_drawn));
-        if depths_m.is_empty() {
-            let recorded = pings.clone();
-            let recorded = recorded.map(|ping| f64::from(self.survey.locked_depth_m(ping)));
-            depths_m = recorded.filter(|depth_m| *depth_m > 0.0).collect();
-        }
-        if depths_m.is_empty() {
-            depths_m = self.first_returns_m(mark.side, pings);
-        }
-        let altitude_m = median(&mut depths_m) * self.range_factor;
-        (altitude_m > 0.0).then_some(altitude_m)
+        self.altitude_over_m(mark.side, mark.pings.clone())
     }
 
-    /// Slant ranges of the first returns of some pings, metres; above-bottom returns left out.
-    fn first_returns_m(&self, side: Side, pings: impl Iterator<Item = usize>) -> Vec<f64> {
-        let picks = self.returns.side(side);
-        let range_m = |ping: usize| {
-            let pick = picks.get(ping)?;
-            let span = self.survey.span(ping, side)?;
-            let range_m = self.calibration.range_m(span, f64::from(pick.sample));
-            (pick.is_some() && !pick.above_bottom && range_m > 0.0).then_some(range_m)
+    /// Height of the transducer above the bottom over some pings, as seen to one side.
+    pub(super) fn altitude_over_m(&self, side: Side, pings: Range<usize>) -> Option<f64> {
+        altitude_m(
+            self.survey,
+            self.returns,
+            self.calibration,
+            self.range_factor,
+            side,
+            pings,
+        )
+    }
+
+    /// Slant range by the calibration in force of one on the recorder's scale, metres.
+    pub(super) fn calibrated_m(&self, span: &SideSpan, recorded_m: f64) -> f64 {
+        let sample = span.sample_at(recorded_m);
+        self.calibration.range_m(span, sample).max(0.0) * self.range_factor
+    }
+
+    /// The place so far across the track from the boat at a ping, metres east and north.
+    pub(super) fn abeam(&self, side: Side, ping: usize, ground_m: f64) -> Option<[f64; 2]> {
+        let boat = self.navigation.pings.get(ping)?;
+        let [x, y] = boat.starboard()?;
+        let out_m = match side {
+            Side::Port => -ground_m,
+            Side::Starboard => ground_m,
         };
-        pings.filter_map(range_m).collect()
+        let place = [boat.east_m + x * out_m, boat.north_m + y * out_m];
+        place
+            .iter()
+            .all(|metres| metres.is_finite())
+            .then_some(place)
+    }
+
+    /// The span of a ping on one side.
+    pub(super) fn span(&self, side: Side, ping: usize) -> Option<&'a SideSpan> {
+        self.survey.span(ping, side)
     }
 
     /// What is seen of the object in a box.
     fn seen(&self, mark: &Mark, span: &SideSpan, altitude_m: f64) -> Seen {
-        let calibrated = |recorded_m: f64| {
-            let sample = span.sample_at(recorded_m);
-            self.calibration.range_m(span, sample).max(0.0) * self.range_factor
-        };
+        let calibrated = |recorded_m: f64| self.calibrated_m(span, recorded_m);
         let large = echo::is_large(mark, self.sailed_over_m(mark));
         let found = match large {
             true => echo::drawn_parts(self.survey, mark),

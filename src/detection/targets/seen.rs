@@ -7,11 +7,11 @@
 use super::echo::Shadow;
 
 /// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are rounded.
-const EDGE_SIGMA_M: f64 = 0.05;
+pub(super) const EDGE_SIGMA_M: f64 = 0.05;
 /// Standard deviation of the altitude at the object: the bottom is not flat. A share of the altitude.
-const ALTITUDE_SIGMA: f64 = 0.05;
+pub(super) const ALTITUDE_SIGMA: f64 = 0.05;
 /// Slope of the bottom between the object and the end of its shadow, standard deviation: 2 degrees.
-const SLOPE_SIGMA: f64 = 0.035;
+pub(super) const SLOPE_SIGMA: f64 = 0.035;
 /// Share of the echo's extent by which its middle may be off where no shadow ends it, and the extent assumed then at least,
 /// metres.
 const LOOSE_SIGMA: f64 = 0.25;

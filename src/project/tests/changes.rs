@@ -89,6 +89,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
             let measurement = Measurement {
                 kind: [MeasurementKind::Area, MeasurementKind::Profile][a % 2],
                 corners: vec![at(0.0), at(0.5), at(0.25)],
+                picks: std::collections::BTreeMap::new(),
                 note: String::new(),
             };
             match b % 4 {

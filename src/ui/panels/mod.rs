@@ -16,6 +16,7 @@ pub mod products;
 pub mod residuals;
 pub mod review;
 pub mod selection;
+pub mod shadow;
 pub mod status;
 pub mod survey;
 pub mod timeline;

@@ -80,7 +80,10 @@ impl Shell {
             Action::OpenBaseMap => self.dialogs.ask(Purpose::OpenBaseMap, self.app.jobs()),
             Action::OpenWaterLevels => self.dialogs.ask(Purpose::OpenWaterLevels, self.app.jobs()),
             Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
-            Action::SetCorner => self.views.map.set_corner(),
+            Action::SetCorner => match self.layout.target() {
+                View::Waterfall => self.views.waterfall.set_corner(),
+                View::Map | View::Cloud => self.views.map.set_corner(),
+            },
             Action::SaveFigure => self.save_figure(),
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {

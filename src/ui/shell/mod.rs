@@ -261,6 +261,7 @@ impl Shell {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
+            target: self.layout.target(),
             commands,
         };
         if let Some(alone) = self.alone {
@@ -354,6 +355,7 @@ fn details(
 }
 
 fn selection(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView) {
+    panels::shadow::ui(ui, context);
     panels::selection::ui(ui, context);
     let title = egui::RichText::new("PROFILE").size(12.0).strong();
     ui.add(egui::Label::new(title).selectable(false));

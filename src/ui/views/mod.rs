@@ -5,6 +5,7 @@ mod drag;
 mod empty;
 mod legend;
 mod map;
+pub(super) mod measured;
 mod picture;
 mod profile;
 pub(super) mod waterfall;

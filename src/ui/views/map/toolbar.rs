@@ -57,6 +57,7 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
         (Action::MeasureDistance, MeasurementKind::Distance),
         (Action::MeasureArea, MeasurementKind::Area),
         (Action::DepthProfile, MeasurementKind::Profile),
+        (Action::HeightFromShadow, MeasurementKind::Height),
     ];
     let tool = context.app.measuring.tool;
     let title = egui::RichText::new("Measure");

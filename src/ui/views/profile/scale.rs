@@ -69,7 +69,7 @@ fn full_scale(key: &Key) -> Normalisation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::{App, Command, Jobs};
+    use crate::app::{App, Command, Jobs, View};
     use crate::progress::Progress;
 
     #[test]
@@ -81,6 +81,7 @@ mod tests {
         let context = ViewContext {
             app: &app,
             render_state: None,
+            target: View::Waterfall,
             commands: &mut Vec::new(),
         };
         let mut job = ScaleJob::default();

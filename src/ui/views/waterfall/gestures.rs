@@ -27,7 +27,7 @@ pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Exte
 
 /// Wheel: zoom at the pointer; with Shift, along the track; with Ctrl, zoom the track alone; with Alt, the range alone.
 /// Drag with the main button unless it has something else in hand (`drag_moves`), with the middle one, or move with Space
-/// held: pan. Double-click: everything.
+/// held: pan. Double-click: everything, unless it ends a measurement (`fits`).
 pub(super) fn apply(
     camera: &mut Camera,
     ui: &egui::Ui,
@@ -35,9 +35,10 @@ pub(super) fn apply(
     orientation: Orientation,
     extent: &Extent,
     drag_moves: bool,
+    fits: bool,
 ) {
     let size = Size::of(response.rect.size(), orientation);
-    if response.double_clicked() {
+    if response.double_clicked() && fits {
         camera.fit(extent, size);
         return;
     }

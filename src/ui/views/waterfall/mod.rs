@@ -12,6 +12,7 @@ mod left_out;
 mod lens;
 mod lines;
 mod marks;
+mod measure;
 mod overlay;
 mod picture;
 mod pointer;
@@ -53,6 +54,7 @@ pub struct WaterfallView {
     boxes: boxes::Boxes,
     pen: bottom::BottomPen,
     leave_out: left_out::LeaveOutTool,
+    measure: measure::MeasureTool,
     settled: bool,
 }
 
@@ -96,6 +98,9 @@ impl WaterfallView {
         let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, &lens, context));
         let draws =
             draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, &lens, context));
+        let draws = draws
+            | before
+                .is_some_and(|lens| self.measure.follow(ui, &response, &lens, &survey, context));
         let lens = self.aim(ui, &response, &axis, context, !holds_box && !draws);
         self.draw_picture(&painter, &lens, context);
         let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
@@ -125,6 +130,8 @@ impl WaterfallView {
         self.boxes.draw(&painter, response.interact_pointer_pos());
         self.pen.draw(&painter, &lens, context.app);
         self.leave_out.draw(&painter, &lens, context.app);
+        self.measure.draw(&painter, &lens, context.app);
+        self.measure.strip(ui, context, rect);
         let read_out =
             (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
         // A hand that draws wants to see what lies ahead.
@@ -145,6 +152,11 @@ impl WaterfallView {
         if context.app.visible != visible {
             context.push(Command::Visible(visible));
         }
+    }
+
+    /// Sets a corner of what is measured where the pointer or the cross is.
+    pub fn set_corner(&mut self) {
+        self.measure.set_corner();
     }
 
     /// Carries out a request from menu, key or palette.
@@ -233,7 +245,16 @@ impl WaterfallView {
             self.reveal_serial = reveal.serial;
             camera.reveal(reveal.mark.ping as f64 + 0.5, size);
         }
-        gestures::apply(&mut camera, ui, response, orientation, &extent, drag_moves);
+        let fits = context.app.measuring.tool.is_none();
+        gestures::apply(
+            &mut camera,
+            ui,
+            response,
+            orientation,
+            &extent,
+            drag_moves,
+            fits,
+        );
         camera.settle(&extent, size);
         self.camera = Some(camera);
         self.size = Some(size);

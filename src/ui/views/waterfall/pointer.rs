@@ -53,8 +53,12 @@ pub(super) fn follow(
         context.push(Command::Hover(mark));
     }
     let clicked = response.clicked() || response.secondary_clicked();
-    if clicked && let Some(at) = response.interact_pointer_pos() {
-        // The tool in hand has a use of its own for the pointer.
+    // A measuring tool in hand has a use of its own for a click, and so have the others.
+    let measures = context.app.measuring.tool.is_some() && response.clicked();
+    if clicked
+        && !measures
+        && let Some(at) = response.interact_pointer_pos()
+    {
         let tool = context.app.log.reviewing.tool;
         let finds = !matches!(tool, Tool::Draw | Tool::Bottom | Tool::LeaveOut);
         match boxes::under(lens, context.app, at).filter(|_| finds) {

@@ -7,19 +7,15 @@ mod frame;
 mod profile;
 
 use super::overlay::Scene;
-use crate::app::{Action, App, Command, Measure};
+use crate::app::{Action, App, Command, Measure, View};
 use crate::bathymetry::Station;
 use crate::geo::LonLat;
-use crate::project::Measurement;
+use crate::project::{Measurement, MeasurementKind};
 use crate::ui::ViewContext;
-use crate::ui::views::legend;
-use egui::{FocusDirection, Key, Modifiers, Pos2, Rect, Response, RichText, Ui, UiBuilder};
-use egui::{pos2, vec2};
+use crate::ui::views::measured;
+use egui::{Pos2, Rect, Response, Ui};
 
 pub use profile::split;
-
-/// Points that the cross moves at a key, and with Shift.
-const STEPS: [f64; 2] = [10.0, 1.0];
 
 /// What the view keeps between frames for measuring.
 #[derive(Default)]
@@ -48,7 +44,7 @@ impl MeasureTool {
         scene: &Scene<'_>,
         response: &Response,
     ) {
-        let next = self.next_place(ui, context.app, scene, response);
+        let next = self.next_place(ui, context, scene, response);
         self.act(context, scene, response, next);
         let next = next.map(|place| scene.position(scene.at(place)));
         let shown = shown(context.app, next);
@@ -58,7 +54,7 @@ impl MeasureTool {
             figure::cross(&painter, scene, cross);
         }
         if let Some(shown) = &shown {
-            figure::paint(&painter, scene, shown);
+            figure::paint(&painter, scene, context.app, shown);
             self.follow_on_map(ui, context.app, scene, response);
         }
         let hovered = self
@@ -67,7 +63,10 @@ impl MeasureTool {
         if let Some(station) = hovered {
             figure::station(&painter, scene, station);
         }
-        strip(ui, context, scene, shown.as_ref());
+        let picked = |shown: &Measurement| !shown.picks.is_empty();
+        if !shown.as_ref().is_some_and(picked) {
+            measured::strip(ui, context, scene.rect, shown.as_ref());
+        }
     }
 
     /// Draws the plot of the depth profile into its part of the view.
@@ -85,11 +84,12 @@ impl MeasureTool {
     fn next_place(
         &mut self,
         ui: &mut Ui,
-        app: &App,
+        context: &ViewContext<'_>,
         scene: &Scene<'_>,
         response: &Response,
     ) -> Option<[f64; 2]> {
-        if app.measuring.tool.is_none() {
+        let tool = context.app.measuring.tool;
+        if tool.is_none() || tool == Some(MeasurementKind::Height) {
             self.cross = None;
             return None;
         }
@@ -97,7 +97,10 @@ impl MeasureTool {
         if ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO) && hover.is_some() {
             self.cross = None;
         }
-        let moved = arrows(ui);
+        let moved = match context.target {
+            View::Map => measured::arrows(ui),
+            _ => [0.0; 2],
+        };
         let under = hover.map(|at| scene.transform.to_ground(scene.rect, at));
         if moved != [0.0; 2] {
             let from = self.cross.or(under).unwrap_or(scene.transform.centre_m);
@@ -115,7 +118,8 @@ impl MeasureTool {
         next: Option<[f64; 2]>,
     ) {
         let by_key = std::mem::take(&mut self.wants_corner);
-        if context.app.measuring.tool.is_none() {
+        let tool = context.app.measuring.tool;
+        if tool.is_none() || tool == Some(MeasurementKind::Height) {
             return;
         }
         let corner = |at: Pos2| Command::Measure(Measure::Corner(scene.position(at)));
@@ -166,40 +170,12 @@ impl MeasureTool {
     }
 }
 
-/// Points that the arrow keys move the cross by: to the right, and up.
-fn arrows(ui: &mut Ui) -> [f64; 2] {
-    if ui.text_edit_focused() || ui.memory(|memory| memory.focused().is_some()) {
-        return [0.0; 2];
-    }
-    let keys = [
-        (Key::ArrowLeft, [-1.0, 0.0]),
-        (Key::ArrowRight, [1.0, 0.0]),
-        (Key::ArrowUp, [0.0, 1.0]),
-        (Key::ArrowDown, [0.0, -1.0]),
-    ];
-    let mut moved = [0.0; 2];
-    for (key, way) in keys {
-        // A plain arrow would match with Shift held too.
-        for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
-            let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
-            if pressed > 0 {
-                // egui has seen it too, and would walk to a control.
-                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
-            }
-            for axis in 0..2 {
-                moved[axis] += pressed as f64 * step * way[axis];
-            }
-        }
-    }
-    moved
-}
-
 /// The figure as it is on the map: with the next corner while it is being drawn.
 fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
     let measuring = &app.measuring;
     let figure = &measuring.figure.as_deref()?.measurement;
     Some(match next.filter(|_| measuring.is_drawing()) {
-        Some(next) => figure.with(next),
+        Some(next) => figure.with(next, None),
         None => figure.clone(),
     })
 }
@@ -207,53 +183,4 @@ fn shown(app: &App, next: Option<LonLat>) -> Option<Measurement> {
 /// The depths along the line of the profile.
 fn stations(app: &App) -> &[Station] {
     app.measuring.profile().map_or(&[], |line| &line.stations)
-}
-
-/// What is measured or how to, and what can be done with it.
-fn strip(
-    ui: &mut Ui,
-    context: &mut ViewContext<'_>,
-    scene: &Scene<'_>,
-    shown: Option<&Measurement>,
-) {
-    const KEYS: &str =
-        "Enter or a double-click ends it, Backspace takes a corner back, Esc leaves.";
-    let Some(text) = figure::words(context.app, shown) else {
-        return;
-    };
-    let is_drawing = context.app.measuring.is_drawing();
-    let foot = scene.rect.left_bottom();
-    let right = scene.rect.right() - 84.0;
-    let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
-    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.options).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(&text).size(11.5))
-                    .on_hover_text(KEYS);
-                if is_drawing && legend::has_room(scene.rect) && scene.rect.width() > 560.0 {
-                    ui.label(RichText::new(KEYS).size(11.5).weak());
-                }
-                if is_drawing || shown.is_none() || context.app.is_picture {
-                    return;
-                }
-                let copy = ui
-                    .small_button("Copy")
-                    .accessible_name("Copy the measurement");
-                if copy.clicked() {
-                    ui.copy_text(text);
-                }
-                let save = Action::SaveFigure;
-                let button = ui.small_button("Save…").accessible_name(save.label());
-                if button.on_hover_text(save.hint()).clicked() {
-                    context.push(Command::Do(save));
-                }
-                let action = Action::RemoveFigure;
-                let remove = ui.small_button("Remove").accessible_name(action.label());
-                if remove.on_hover_text(action.hint()).clicked() {
-                    context.push(Command::Do(action));
-                }
-            })
-        });
-    });
 }

@@ -1,0 +1,145 @@
+//! The height from a shadow that was measured in the waterfall: its construction, and all that it follows from.
+
+use super::parts::{Section, fact, remark, section};
+use crate::app::{Action, Command};
+use crate::detection::targets::ShadowHeight;
+use crate::project::MeasurementKind;
+use crate::ui::views::measured;
+use crate::ui::{ViewContext, text, theme};
+use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+
+/// Height of the drawing, points.
+const DRAWING_HEIGHT: f32 = 110.0;
+
+/// Draws the section; nothing where no height is measured.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let measuring = &context.app.measuring;
+    let figure = measuring.figure.as_deref();
+    let is_height = |kind| kind == MeasurementKind::Height;
+    if !figure.is_some_and(|figure| is_height(figure.measurement.kind)) {
+        return;
+    }
+    let heading = Section {
+        number: None,
+        title: "Height from shadow",
+        stage: None,
+    };
+    let found = context.app.measured_height();
+    section(ui, context, &heading, |ui, context| match found {
+        None => remark(ui, "Drag in the waterfall on to the end of the shadow."),
+        Some(Err(error)) => remark(ui, format!("There is no height: {error}.")),
+        Some(Ok(shadow)) => inputs(ui, context, &shadow),
+    });
+}
+
+fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
+    drawing(ui, context, shadow);
+    fact(
+        ui,
+        "Height h",
+        "h = H (e - t) / e. The standard deviation holds the pulse and sample at both ends, 5 % of the altitude, and a bottom that slopes by 2 degrees.",
+        measured::height(&Ok(*shadow)),
+    );
+    fact(
+        ui,
+        "Altitude H",
+        "Height of the transducer above the bottom: the median over 13 pings of the drawn bottom, the recorded depth or the first return.",
+        text::measure(shadow.altitude_m, 2, "m"),
+    );
+    fact(
+        ui,
+        "Top t",
+        "Slant range where the shadow begins: of the object's top, not of its foot.",
+        text::measure(shadow.top_m, 2, "m"),
+    );
+    fact(
+        ui,
+        "End e",
+        "Slant range of the shadow's end on the bottom.",
+        text::measure(shadow.end_m, 2, "m"),
+    );
+    if shadow.is_least {
+        remark(
+            ui,
+            "The shadow runs off the recorded range: the object is at least so high.",
+        );
+    }
+    ui.horizontal(|ui| {
+        for action in [Action::SaveFigure, Action::RemoveFigure] {
+            let button = ui.button(action.label());
+            if button.on_hover_text(action.hint()).clicked() {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
+
+/// A section across the track: transducer, bottom, object, and the ray over its top to the end of its shadow.
+fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
+    let (area, response) =
+        ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
+    let spoken = format!("Construction: height {}", measured::height(&Ok(*shadow)));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
+    let painter = ui.painter_at(area);
+    let ink = ui.visuals().text_color();
+    let weak = ui.visuals().weak_text_color();
+    let inner = Rect::from_min_max(area.min + vec2(18.0, 12.0), area.max - vec2(14.0, 18.0));
+    let [top_m, end_m] = shadow.ground_m();
+    // Heights are drawn larger than distances where the water is shallow; the drawing says how, not how much.
+    let at = |ground_m: f64, height_m: f64| -> Pos2 {
+        let x = (ground_m / end_m.max(1e-6)) as f32;
+        let y = (height_m / shadow.altitude_m) as f32;
+        pos2(
+            inner.left() + x * inner.width(),
+            inner.bottom() - y * inner.height(),
+        )
+    };
+    let [boat, below, end] = [at(0.0, shadow.altitude_m), at(0.0, 0.0), at(end_m, 0.0)];
+    let [top, foot] = [at(top_m, shadow.height_m()), at(top_m, 0.0)];
+    painter.line_segment([below, end], Stroke::new(1.5, ink));
+    painter.add(Shape::convex_polygon(
+        vec![foot, top, end],
+        ink.gamma_multiply(0.18),
+        Stroke::NONE,
+    ));
+    painter.add(Shape::dashed_line(
+        &[boat, below],
+        Stroke::new(1.0, weak),
+        3.0,
+        3.0,
+    ));
+    painter.line_segment([boat, end], Stroke::new(1.0, weak));
+    painter.line_segment([foot, top], Stroke::new(3.0, theme::measure_colour()));
+    painter.circle_filled(boat, 3.0, theme::accent_colour(context.app.options.theme));
+    let font = FontId::proportional(theme::SMALL);
+    let words = [
+        (
+            below.lerp(boat, 0.5) + vec2(-4.0, 0.0),
+            Align2::RIGHT_CENTER,
+            "H",
+        ),
+        (
+            foot.lerp(top, 0.5) + vec2(-4.0, 0.0),
+            Align2::RIGHT_CENTER,
+            "h",
+        ),
+        (
+            boat.lerp(top, 0.5) + vec2(4.0, -2.0),
+            Align2::LEFT_BOTTOM,
+            "t",
+        ),
+        (
+            top.lerp(end, 0.5) + vec2(4.0, -2.0),
+            Align2::LEFT_BOTTOM,
+            "to e",
+        ),
+        (
+            foot.lerp(end, 0.5) + vec2(0.0, 3.0),
+            Align2::CENTER_TOP,
+            "shadow",
+        ),
+    ];
+    for (at, anchor, word) in words {
+        painter.text(at, anchor, word, font.clone(), ink);
+    }
+}

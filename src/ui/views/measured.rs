@@ -1,0 +1,188 @@
+//! What is measured, in words, and what the views share to measure: the strip that says it and the keys of the cross.
+
+use super::legend;
+use crate::app::{Action, App, Command};
+use crate::detection::targets::{ShadowError, ShadowHeight};
+use crate::geo::{course_rad, distance_m};
+use crate::project::{Measurement, MeasurementKind};
+use crate::ui::{ViewContext, text};
+use egui::{FocusDirection, Key, Modifiers, Rect, RichText, Ui, UiBuilder, pos2, vec2};
+
+/// Points that the cross moves at a key, and with Shift.
+const STEPS: [f64; 2] = [10.0, 1.0];
+
+/// The whole, and the last leg with its course.
+pub fn beside(app: &App, figure: &Measurement) -> Option<String> {
+    let [.., from, to] = figure.corners[..] else {
+        return None;
+    };
+    let whole = measured(app, figure)?;
+    if figure.corners.len() == 2 || figure.kind == MeasurementKind::Area {
+        return Some(whole);
+    }
+    let leg = text::length(distance_m(from, to));
+    let course = text::and_course(course_rad(from, to));
+    Some(format!("{whole}\nleg {leg}{course}"))
+}
+
+/// What is measured; `None` while there is nothing between the corners.
+fn measured(app: &App, figure: &Measurement) -> Option<String> {
+    let length = text::length(figure.length_m());
+    match (figure.kind, &figure.corners[..]) {
+        (_, [] | [_]) => None,
+        (MeasurementKind::Height, _) => {
+            let (top, recorded_m) = figure.shadow()?;
+            Some(height(&app.shadow_height(top, recorded_m)?))
+        }
+        (MeasurementKind::Area, [_, _]) => Some(text::length(0.5 * figure.length_m())),
+        (MeasurementKind::Area, _) => Some(format!(
+            "{}, around it {length}",
+            text::area(figure.area_m2())
+        )),
+        (_, &[from, to]) => {
+            let course = text::and_course(course_rad(from, to));
+            Some(format!("{length}{course}"))
+        }
+        _ => Some(length),
+    }
+}
+
+/// What is measured, or else what the tool waits for.
+pub fn words(app: &App, shown: Option<&Measurement>) -> Option<String> {
+    let measured = shown.and_then(|figure| Some((figure.kind, measured(app, figure)?)));
+    if let Some((kind, measured)) = measured {
+        return Some(match kind {
+            MeasurementKind::Distance => format!("Distance {measured}"),
+            MeasurementKind::Area => format!("Area {measured}"),
+            MeasurementKind::Profile => format!("Depth profile over {measured}"),
+            MeasurementKind::Height => format!("Height from shadow: {measured}"),
+        });
+    }
+    app.measuring.tool.map(|kind| {
+        let what = match kind {
+            MeasurementKind::Distance => "Measure distance: click the corners of a line.",
+            MeasurementKind::Area => "Measure area: click its corners.",
+            MeasurementKind::Profile => "Depth profile: click the corners of a line.",
+            MeasurementKind::Height => {
+                "Height from shadow: drag in the waterfall from the top of the object, where its shadow begins, to the shadow's end."
+            }
+        };
+        what.to_owned()
+    })
+}
+
+/// A height with its standard deviation, or why there is none.
+pub fn height(found: &Result<ShadowHeight, ShadowError>) -> String {
+    match found {
+        Ok(shadow) => {
+            let least = if shadow.is_least { "at least " } else { "" };
+            format!(
+                "{least}{:.2} m ± {:.2} m",
+                shadow.height_m(),
+                shadow.sigma_m()
+            )
+        }
+        Err(error) => error.to_string(),
+    }
+}
+
+/// What is measured or how to, and what can be done with it.
+pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: Option<&Measurement>) {
+    const KEYS: &str =
+        "Enter or a double-click ends it, Backspace takes a corner back, Esc leaves.";
+    let Some(text) = words(context.app, shown) else {
+        return;
+    };
+    let is_drawing = context.app.measuring.is_drawing();
+    let foot = rect.left_bottom();
+    let right = rect.right() - 84.0;
+    let bar = Rect::from_min_max(foot + vec2(6.0, -78.0), pos2(right, foot.y - 50.0));
+    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
+        legend::frame(&context.app.options).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.label(RichText::new(&text).size(11.5))
+                    .on_hover_text(KEYS);
+                if is_drawing && legend::has_room(rect) && rect.width() > 560.0 {
+                    ui.label(RichText::new(KEYS).size(11.5).weak());
+                }
+                if is_drawing || shown.is_none() || context.app.is_picture {
+                    return;
+                }
+                let copy = ui
+                    .small_button("Copy")
+                    .accessible_name("Copy the measurement");
+                if copy.clicked() {
+                    ui.copy_text(text);
+                }
+                let save = Action::SaveFigure;
+                let button = ui.small_button("Save…").accessible_name(save.label());
+                if button.on_hover_text(save.hint()).clicked() {
+                    context.push(Command::Do(save));
+                }
+                let action = Action::RemoveFigure;
+                let remove = ui.small_button("Remove").accessible_name(action.label());
+                if remove.on_hover_text(action.hint()).clicked() {
+                    context.push(Command::Do(action));
+                }
+            })
+        });
+    });
+}
+
+/// Points that the arrow keys move the cross by: to the right, and up.
+pub fn arrows(ui: &mut Ui) -> [f64; 2] {
+    if ui.text_edit_focused() || ui.memory(|memory| memory.focused().is_some()) {
+        return [0.0; 2];
+    }
+    let keys = [
+        (Key::ArrowLeft, [-1.0, 0.0]),
+        (Key::ArrowRight, [1.0, 0.0]),
+        (Key::ArrowUp, [0.0, 1.0]),
+        (Key::ArrowDown, [0.0, -1.0]),
+    ];
+    let mut moved = [0.0; 2];
+    for (key, way) in keys {
+        // A plain arrow would match with Shift held too.
+        for (modifiers, step) in [(Modifiers::SHIFT, STEPS[1]), (Modifiers::NONE, STEPS[0])] {
+            let pressed = ui.input_mut(|input| input.count_and_consume_key(modifiers, key));
+            if pressed > 0 {
+                // egui has seen it too, and would walk to a control.
+                ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+            }
+            for axis in 0..2 {
+                moved[axis] += pressed as f64 * step * way[axis];
+            }
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::App;
+    use crate::geo::LonLat;
+
+    #[test]
+    fn a_corner_on_the_last_one_has_no_course() {
+        let at = |lon_deg: f64| LonLat {
+            lon_deg,
+            lat_deg: 36.9,
+        };
+        let figure = |corners: &[LonLat]| Measurement {
+            corners: corners.to_vec(),
+            ..Measurement::new(MeasurementKind::Distance)
+        };
+        let app = App::new(crate::app::Jobs::Inline);
+        let (here, there) = (at(-111.5), at(-111.4999));
+        assert_eq!(
+            beside(&app, &figure(&[here, here])).as_deref(),
+            Some("0.00 m")
+        );
+        let words = beside(&app, &figure(&[here, there, there])).expect("words");
+        assert!(words.ends_with("\nleg 0.00 m"), "{words}");
+        let words = beside(&app, &figure(&[there, here, there])).expect("words");
+        assert!(words.ends_with(", 90°"), "{words}");
+    }
+}

@@ -1,0 +1,261 @@
+//! Measuring in the waterfall: corners on the ground under the picture, and the height of what casts a shadow.
+
+use super::labels;
+use super::lens::{Lens, Place, across_m};
+use crate::app::{Action, App, Command, Measure, View};
+use crate::project::{Measurement, MeasurementKind, Pick};
+use crate::survey::{Identity, Side, Survey};
+use crate::ui::views::{drag, measured};
+use crate::ui::{ViewContext, theme};
+use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
+
+/// Half of the stroke that ends a shadow, points.
+const TICK: f32 = 7.0;
+
+/// What the view keeps between frames for measuring.
+#[derive(Default)]
+pub(super) struct MeasureTool {
+    /// Where the arrow keys have moved the cross; the pointer takes over when it moves.
+    cross: Option<Place>,
+    /// A corner was asked for by key.
+    wants_corner: bool,
+    /// A drag along a shadow is under way.
+    drags: bool,
+    /// Where the next corner would be.
+    next: Option<Pick>,
+}
+
+impl MeasureTool {
+    /// Sets a corner in the next frame.
+    pub fn set_corner(&mut self) {
+        self.wants_corner = true;
+    }
+
+    /// Follows pointer and keys with a measuring tool in hand; returns whether a drag must not move the picture.
+    pub fn follow(
+        &mut self,
+        ui: &mut Ui,
+        response: &Response,
+        lens: &Lens,
+        survey: &Survey,
+        context: &mut ViewContext<'_>,
+    ) -> bool {
+        let by_key = std::mem::take(&mut self.wants_corner);
+        let Some(kind) = context.app.measuring.tool else {
+            *self = Self::default();
+            return false;
+        };
+        if response.hovered() {
+            ui.set_cursor_icon(CursorIcon::Crosshair);
+        }
+        let place = self.next_place(ui, response, lens, context);
+        let pick = |place: Place| Some(context.app.on_one_ping(pick_at(survey, place)?));
+        self.next = place.and_then(pick);
+        let set = |at: Option<Pos2>| pick(lens.place_at(at?));
+        let mut picked = None;
+        if kind == MeasurementKind::Height
+            && let Some(at) = drag::begun(ui, response)
+        {
+            picked = set(Some(at));
+            self.drags = picked.is_some();
+        }
+        let held = self.drags;
+        if self.drags && response.drag_stopped() {
+            self.drags = false;
+            match drag::is_given_up(ui, response) {
+                true => context.push(Command::Do(Action::TakeCornerBack)),
+                false => picked = set(response.interact_pointer_pos()),
+            }
+        }
+        if response.double_clicked() {
+            // Its first click has set the last corner.
+            context.push(Command::Do(Action::EndFigure));
+        } else if response.clicked() {
+            picked = set(response.interact_pointer_pos());
+        } else if by_key {
+            picked = self.next.clone();
+        }
+        if let Some(pick) = picked {
+            context.push(Command::Measure(Measure::Pick(pick)));
+        }
+        held
+    }
+
+    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have moved it.
+    fn next_place(
+        &mut self,
+        ui: &mut Ui,
+        response: &Response,
+        lens: &Lens,
+        context: &ViewContext<'_>,
+    ) -> Option<Place> {
+        let hover = response.hover_pos();
+        if hover.is_some() && ui.input(|input| input.pointer.delta() != Vec2::ZERO) {
+            self.cross = None;
+        }
+        let under = hover.map(|at| lens.place_at(at));
+        let moved = match context.target {
+            View::Waterfall => measured::arrows(ui),
+            View::Map | View::Cloud => [0.0; 2],
+        };
+        if moved != [0.0; 2] {
+            let from = self.cross.or(under);
+            let from = from.map_or(lens.rect.center(), |place| lens.screen_at(place));
+            // Up on the screen is less of its y.
+            let to = from + vec2(moved[0] as f32, -moved[1] as f32);
+            self.cross = Some(lens.place_at(to));
+        }
+        self.cross.or(under)
+    }
+
+    /// Draws what is measured in this log, on to the next corner while it is drawn.
+    pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+        if let Some(place) = self.cross.filter(|_| app.measuring.tool.is_some()) {
+            let at = lens.screen_at(place);
+            let stroke = Stroke::new(1.5, theme::measure_colour());
+            for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
+                painter.line_segment([at - arm, at - 0.3 * arm], stroke);
+                painter.line_segment([at + 0.3 * arm, at + arm], stroke);
+            }
+        }
+        let Some(shown) = self.shown(app) else {
+            return;
+        };
+        match shown.kind {
+            MeasurementKind::Height => shadow(painter, lens, app, &shown),
+            _ => corners(painter, lens, app, &shown),
+        }
+    }
+
+    /// The strip that says what is measured, where it was measured in a waterfall or is about to be.
+    pub fn strip(&self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
+        let shown = self.shown(context.app);
+        let is_picked = |shown: &Measurement| !shown.picks.is_empty();
+        let waits = context.app.measuring.tool.is_some() && shown.is_none();
+        if waits || shown.as_ref().is_some_and(is_picked) {
+            measured::strip(ui, context, rect, shown.as_ref());
+        }
+    }
+
+    /// The figure as it is: with the next corner while it is being drawn.
+    fn shown(&self, app: &App) -> Option<Measurement> {
+        let figure = &app.measuring.figure.as_deref()?.measurement;
+        let next = self.next.as_ref().filter(|_| app.measuring.is_drawing());
+        let at = figure.corners.last().copied();
+        Some(match next.zip(at) {
+            // Its place on the ground is not known before it is set; only the picture needs it until then.
+            Some((next, at)) if figure.kind == MeasurementKind::Height => {
+                figure.with(at, Some(next.clone()))
+            }
+            _ => figure.clone(),
+        })
+    }
+}
+
+/// The pick at a place of the picture; `None` where nothing was recorded.
+fn pick_at(survey: &Survey, place: Place) -> Option<Pick> {
+    if place.ping < 0.0 {
+        return None;
+    }
+    let (ping, side) = (place.ping as usize, place.side());
+    let span = survey.span(ping, side)?;
+    let far_m = span.range_m(f64::from(span.count));
+    Some(Pick {
+        log: Identity::of(survey),
+        side,
+        ping,
+        slant_m: place.across_m.abs().min(far_m),
+    })
+}
+
+/// Where the picks of a figure lie that are of the shown log.
+fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usize, Pos2)> {
+    let Some(survey) = &app.log.survey else {
+        return Vec::new();
+    };
+    let shown = Identity::of(survey);
+    let own = figure
+        .picks
+        .iter()
+        .filter(|(_, pick)| pick.log.is_same_log(&shown));
+    let at = |side: Side, ping: usize, slant_m: f64| {
+        lens.screen_at(Place {
+            ping: ping as f64 + 0.5,
+            across_m: across_m(side, slant_m),
+        })
+    };
+    own.map(|(corner, pick)| (*corner, at(pick.side, pick.ping, pick.slant_m)))
+        .collect()
+}
+
+/// Corners, lines between neighbours of this log, and the numbers beside the last one.
+fn corners(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
+    let corners = on_screen(lens, app, figure);
+    let colour = theme::measure_colour();
+    let casing = egui::Color32::from_black_alpha(180);
+    let count = figure.corners.len();
+    let closes = figure.kind == MeasurementKind::Area && count > 2;
+    let next = |corner: usize| match corner + 1 == count {
+        true => closes.then_some(0),
+        false => Some(corner + 1),
+    };
+    for (corner, at) in &corners {
+        let to = next(*corner).and_then(|next| corners.iter().find(|(other, _)| *other == next));
+        if let Some((_, to)) = to {
+            painter.line_segment([*at, *to], Stroke::new(4.0, casing));
+            painter.line_segment([*at, *to], Stroke::new(2.0, colour));
+        }
+    }
+    for (_, at) in &corners {
+        painter.circle(*at, 3.5, colour, Stroke::new(1.0, casing));
+    }
+    let last = corners.last().filter(|(corner, _)| corner + 1 == count);
+    if let Some(((_, at), words)) = last.zip(measured::beside(app, figure)) {
+        label(painter, lens, *at, &words);
+    }
+}
+
+/// The shadow between its ends, with the height that follows.
+fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
+    let ends = on_screen(lens, app, figure);
+    let colour = theme::measure_colour();
+    let casing = egui::Color32::from_black_alpha(180);
+    if let [(_, top), (_, end)] = ends[..] {
+        let along = match (end - top).length() > 0.0 {
+            true => (end - top).normalized(),
+            false => vec2(0.0, 1.0),
+        };
+        let tick = TICK * along.rot90();
+        for (width, ink) in [(4.0, casing), (2.0, colour)] {
+            let stroke = Stroke::new(width, ink);
+            painter.line_segment([top, end], stroke);
+            for at in [top, end] {
+                painter.line_segment([at - tick, at + tick], stroke);
+            }
+        }
+    }
+    for (corner, at) in &ends {
+        if *corner == 0 {
+            // The top: a triangle that stands on its place.
+            let tip = [vec2(0.0, -7.0), vec2(6.0, 4.0), vec2(-6.0, 4.0)].map(|by| *at + by);
+            let outline = Stroke::new(1.0, casing);
+            painter.add(Shape::convex_polygon(tip.to_vec(), colour, outline));
+        }
+    }
+    let words = figure
+        .shadow()
+        .and_then(|(top, recorded_m)| app.shadow_height(top, recorded_m))
+        .map(|found| measured::height(&found));
+    if let Some(((_, at), words)) = ends.last().zip(words) {
+        label(painter, lens, *at, &words);
+    }
+}
+
+/// Numbers beside a place, on the side where there is room.
+fn label(painter: &Painter, lens: &Lens, at: Pos2, words: &str) {
+    let (shift, anchor) = match at.x < lens.rect.center().x {
+        true => (vec2(12.0, -12.0), Align2::LEFT_BOTTOM),
+        false => (vec2(-12.0, -12.0), Align2::RIGHT_BOTTOM),
+    };
+    labels::text(painter, at + shift, anchor, words);
+}
