@@ -91,6 +91,19 @@ pub struct PairDifference {
     pub residual_m: f64,
 }
 
+/// What offsets leave of the difference between two logs is worth a warning from so many metres and standard errors on: errors of
+/// a crossing are not quite independent, so fewer standard errors would warn of surveys that are sound.
+const CONTRADICTION_M: f64 = 0.05;
+const CONTRADICTION_SIGMAS: f64 = 5.0;
+
+impl PairDifference {
+    /// Whether no offset of whole logs explains how these two differ: other ground, a bottom that moved, a wrong clock or water level.
+    pub fn is_contradiction(&self) -> bool {
+        let left_m = self.residual_m.abs();
+        left_m > CONTRADICTION_M && left_m > CONTRADICTION_SIGMAS * self.standard_error_m
+    }
+}
+
 /// Height offsets of all logs, and what they come from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HeightOffsets {
@@ -119,4 +132,28 @@ pub fn height_offsets(
 ) -> Result<HeightOffsets, Cancelled> {
     let meetings = meetings(tracks, progress)?;
     Ok(adjust(tracks.len(), &meetings, datum))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_logs_contradict_each_other_beyond_their_scatter_only() {
+        let pair = |residual_m: f64, standard_error_m: f64| PairDifference {
+            logs: [0, 1],
+            kind: MeetingKind::Crossing,
+            n: 9,
+            difference_m: residual_m,
+            spread_m: 3.0 * standard_error_m,
+            standard_error_m,
+            residual_m,
+        };
+        assert!(pair(-0.27, 0.03).is_contradiction());
+        assert!(
+            !pair(0.04, 0.001).is_contradiction(),
+            "too little to matter"
+        );
+        assert!(!pair(0.27, 0.06).is_contradiction(), "its meetings scatter");
+    }
 }

@@ -13,4 +13,4 @@ mod report;
 pub use comparison::compare_logs;
 pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
 pub use objects::{JointObject, PlacedBox, joint_objects};
-pub use report::{LogReport, LogsReport, joint_report};
+pub use report::{LogReport, LogsReport, contradictions, joint_report};

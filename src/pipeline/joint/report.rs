@@ -116,6 +116,7 @@ pub fn joint_report(
     }
     all.statement = statement(&listed);
     all.warnings.extend(not_connected(&listed));
+    all.warnings.extend(contradictions(&found.pairs, names));
     all.logs = Some(LogsReport {
         datum: DATUM,
         logs: listed,
@@ -174,6 +175,21 @@ fn not_connected(logs: &[LogReport]) -> Option<String> {
         format!(
             "heights cannot be compared with the first log, since no track leads there by crossings: {}",
             apart.join(", ")
+        )
+    })
+}
+
+/// A warning for every two logs that no height offsets bring together; `names` are what the logs are called.
+pub fn contradictions<'a>(
+    pairs: &'a [PairDifference],
+    names: &'a [String],
+) -> impl Iterator<Item = String> + 'a {
+    let left = pairs.iter().filter(|pair| pair.is_contradiction());
+    left.map(|pair| {
+        let [one, other] = pair.logs.map(|log| names.get(log).map_or("", String::as_str));
+        let (left_m, places) = (pair.residual_m, pair.n);
+        format!(
+            "{one} and {other} differ by {left_m:+.2} m at {places} places after all height offsets: look for a clock, a water level or a bottom that changed, and leave out what is wrong"
         )
     })
 }

@@ -1,7 +1,8 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
-use super::parts::{Section, fact, remark, section};
+use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, App, Command, LogId, OpenLog};
+use crate::pipeline::joint::contradictions;
 use crate::ui::{ViewContext, left_out_words, text, theme};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
@@ -212,6 +213,10 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 found.groups()
             ),
         );
+    }
+    let names: Vec<String> = found.logs().map(|(id, _)| name_of(app, id)).collect();
+    for text in contradictions(&found.offsets().pairs, &names) {
+        warning(ui, context, &text);
     }
 }
 
