@@ -100,6 +100,11 @@ actions! {
     CoordinatesMinutes, "Coordinates: degrees and minutes", None, "Writes positions as 36° 52.6260' N 111° 30.9780' W.";
     CoordinatesSeconds, "Coordinates: degrees, minutes and seconds", None, "Writes positions as 36° 52' 37.56\" N 111° 30' 58.68\" W.";
     CoordinatesUtm, "Coordinates: UTM metres", None, "Writes positions as UTM 12N 453987.7 E 4081363.2 N, in the zone of the survey's start.";
+    UnitsMetres, "Units: metres", None, "Writes lengths, depths and areas in metres.";
+    UnitsFeet, "Units: feet", None, "Writes lengths, depths and areas in feet.";
+    UnitsFathoms, "Units: fathoms", None, "Writes lengths and depths in fathoms of six feet, areas in feet.";
+    SpeedMetres, "Speeds: metres a second", None, "Writes the boat's speed in metres a second.";
+    SpeedKnots, "Speeds: knots", None, "Writes the boat's speed in knots.";
     Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";
     PreviousPing, "Previous ping", Some("Left"), "Selects the ping before.";
     NextPing, "Next ping", Some("Right"), "Selects the ping after.";

@@ -12,6 +12,7 @@ use crate::detection::review::Edit;
 use crate::geo::CoordinateFormat;
 use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
+use crate::presentation::units::{LengthUnit, SpeedUnit};
 use crate::project::MeasurementKind;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -284,6 +285,11 @@ impl App {
             Action::CoordinatesMinutes => self.options.coordinates = CoordinateFormat::Minutes,
             Action::CoordinatesSeconds => self.options.coordinates = CoordinateFormat::Seconds,
             Action::CoordinatesUtm => self.options.coordinates = CoordinateFormat::Utm,
+            Action::UnitsMetres => self.options.units.length = LengthUnit::Metres,
+            Action::UnitsFeet => self.options.units.length = LengthUnit::Feet,
+            Action::UnitsFathoms => self.options.units.length = LengthUnit::Fathoms,
+            Action::SpeedMetres => self.options.units.speed = SpeedUnit::MetresPerSecond,
+            Action::SpeedKnots => self.options.units.speed = SpeedUnit::Knots,
             Action::CalibrateHere => self.calibrate_here(),
             Action::CalibrationReset => {
                 let mut settings = Settings::clone(&self.log.settings);

@@ -1,11 +1,12 @@
 //! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, made off the window's thread.
 
 use super::{App, MapLayer};
-use crate::bathymetry::isobaths::TooManyLevels;
+use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
 use crate::pipeline::{
     Background, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
     MosaicPlane, ProcessedLog, colour_range_m,
 };
+use crate::presentation::units::LengthUnit;
 use std::sync::Arc;
 
 /// Layers that are drawn from the depth map.
@@ -15,6 +16,8 @@ const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, 
 pub struct DrawnIsobaths {
     /// What they run through.
     pub depth_map: Arc<DepthMap>,
+    /// Which depths they are at: an interval that is left to the depths is round in the unit in use.
+    pub settings: IsobathSettings,
     /// Lines and depths; why there are none.
     pub isobaths: Result<Arc<Isobaths>, TooManyLevels>,
     /// Every line smoothed, as places in the plane of the survey, metres.
@@ -27,7 +30,7 @@ pub(super) struct Deriving {
     /// Shared with what writes files, so that nothing is made twice.
     pub results: Arc<Derived>,
     depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Background<IsobathKey, Arc<DrawnIsobaths>>,
+    isobaths: Background<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
     mosaic: Background<MosaicKey, Option<Arc<Mosaic>>>,
 }
 
@@ -90,10 +93,16 @@ impl App {
         };
         let settings = first.products.settings.isobaths.clone();
         let results = self.deriving.results.clone();
-        let key = IsobathKey::of(&depth_map, &settings);
+        let unit = self.options.units.length;
+        let key = (IsobathKey::of(&depth_map, &settings), unit);
         self.deriving
             .isobaths
             .ask(key, &self.jobs, move |progress| {
+                let settings = match unit {
+                    // As in the files, which have them already then.
+                    LengthUnit::Metres => settings,
+                    _ => settings.round_in(unit.metres(), depth_map.surface.range_m()),
+                };
                 let isobaths = results.isobaths(&depth_map, &settings, progress).ok()?;
                 let on_ground = match &isobaths {
                     Ok(isobaths) => isobaths.on_ground(&depth_map, settings.smooth),
@@ -101,6 +110,7 @@ impl App {
                 };
                 Some(Arc::new(DrawnIsobaths {
                     depth_map,
+                    settings,
                     isobaths,
                     on_ground,
                 }))

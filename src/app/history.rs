@@ -4,6 +4,7 @@ use super::reviewing::{LogStep, Step};
 use super::{App, LogId};
 use crate::pipeline::settings::{Kind, row};
 use crate::pipeline::{Settings, setting_values};
+use crate::presentation::units::Units;
 use crate::project;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -86,7 +87,7 @@ impl App {
 
     fn title(&self, label: &str, before: &Step, after: &Step) -> String {
         let mut title = label.to_owned();
-        if let Some(value) = value_of_change(before, after) {
+        if let Some(value) = value_of_change(before, after, self.options.units) {
             title += &format!(" {value}");
         }
         let name = |id: LogId| self.open_log(id).map(|log| log.name());
@@ -115,7 +116,7 @@ fn changed_logs<'a>(
 }
 
 /// What the one setting became that differs, as its control writes it; `None` where none or several do.
-fn value_of_change(before: &Step, after: &Step) -> Option<String> {
+fn value_of_change(before: &Step, after: &Step, units: Units) -> Option<String> {
     let (was, is) = match Arc::ptr_eq(&before.shared, &after.shared) {
         false => (
             setting_values(&before.shared),
@@ -142,7 +143,7 @@ fn value_of_change(before: &Step, after: &Step) -> Option<String> {
             let value = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;
-            Some(format!("{value:.*}{}", number.decimals, number.suffix()))
+            Some(number.shown_in(units).said(value))
         }
         (Kind::Number(number), None) if number.without.is_some() => Some("none".to_owned()),
         (Kind::Choice(choice), Some(Value::String(chosen))) => {

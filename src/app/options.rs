@@ -3,6 +3,7 @@
 use super::{LayerStack, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
+use crate::presentation::units::Units;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
@@ -244,6 +245,8 @@ pub struct ViewOptions {
     pub side_colours: SideColours,
     /// How positions are written.
     pub coordinates: CoordinateFormat,
+    /// What lengths, depths, areas and speeds are written in.
+    pub units: Units,
     /// Waterfall.
     pub waterfall: WaterfallOptions,
     /// Map.

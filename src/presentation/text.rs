@@ -1,6 +1,5 @@
 //! Numbers, places and times as the analyst reads them, in the window and in the report.
 
-use super::ticks;
 use crate::calendar;
 use crate::geo::{CoordinateFormat, LonLat};
 
@@ -37,24 +36,6 @@ pub fn decimal(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number with a unit, or a dash when it is not a number.
-pub fn measure(value: f64, decimals: usize, unit: &str) -> String {
-    match value.is_finite() {
-        true => format!("{value:.decimals$} {unit}"),
-        false => NONE.to_owned(),
-    }
-}
-
-/// A length that was measured on the ground: metres, from a kilometre on kilometres.
-pub fn length(value_m: f64) -> String {
-    match value_m {
-        _ if !value_m.is_finite() => NONE.to_owned(),
-        ..100.0 => format!("{value_m:.2} m"),
-        100.0..1000.0 => format!("{value_m:.1} m"),
-        _ => format!("{:.3} km", value_m / 1000.0),
-    }
-}
-
 /// A way that was sailed, no finer than a boat's track is: metres, from two kilometres on kilometres.
 pub fn way(length_m: f64) -> String {
     match length_m < 2000.0 {
@@ -80,21 +61,6 @@ pub fn area(value_m2: f64) -> String {
         2e4..2e6 => format!("{:.2} ha", value_m2 / 1e4),
         _ => format!("{:.2} km²", value_m2 / 1e6),
     }
-}
-
-/// A difference in centimetres below one metre, else in metres.
-pub fn difference(value_m: f64) -> String {
-    if value_m.abs() < 1.0 {
-        format!("{:.1} cm", value_m * 100.0)
-    } else {
-        format!("{value_m:.2} m")
-    }
-}
-
-/// [`difference`] with its sign also above 0.
-pub fn signed_difference(value_m: f64) -> String {
-    let sign = if value_m > 0.0 { "+" } else { "" };
-    format!("{sign}{}", difference(value_m))
 }
 
 /// A number with its sign for print, `+0.25` or `\u{2212}0.25`; no minus stands before a zero.
@@ -164,11 +130,6 @@ pub fn plural(number: usize, one: &str, many: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { many })
 }
 
-/// Metres at a tick, with as many decimals as the step between ticks needs.
-pub fn metres(value_m: f64, step_m: f64) -> String {
-    format!("{} m", ticks::label(value_m, step_m))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,17 +140,6 @@ mod tests {
         assert_eq!(count(999), "999");
         assert_eq!(count(1_000), "1 000");
         assert_eq!(count(1_234_567), "1 234 567");
-    }
-
-    #[test]
-    fn lengths_and_areas_change_their_unit_where_they_grow_long() {
-        let lengths = [12.345, 99.994, 123.45, 999.94, 1234.5, f64::NAN].map(length);
-        assert_eq!(
-            lengths,
-            ["12.35 m", "99.99 m", "123.5 m", "999.9 m", "1.234 km", NONE]
-        );
-        let areas = [12.34, 12_345.6, 123_456.0, 2.5e7].map(area);
-        assert_eq!(areas, ["12.3 m²", "12 346 m²", "12.35 ha", "25.00 km²"]);
     }
 
     #[test]
@@ -215,12 +165,5 @@ mod tests {
         };
         assert_eq!(position(place), "36.932541° N, 111.488102° W");
         assert_eq!([decimal(1.005, 1), decimal(f64::NAN, 2)], ["1.0", NONE]);
-    }
-
-    #[test]
-    fn ticks_show_no_more_than_their_step() {
-        assert_eq!(metres(5.0, 5.0), "5 m");
-        assert_eq!(metres(2.5, 0.5), "2.5 m");
-        assert_eq!(metres(0.25, 0.05), "0.25 m");
     }
 }

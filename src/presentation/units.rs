@@ -1,6 +1,8 @@
 //! The units that lengths, depths, areas and speeds are shown in. Results, settings and files are in metres and seconds; only what is
 //! shown is turned.
 
+mod sentence;
+
 use super::text::{self, NONE};
 use super::ticks;
 use crate::geo::{METRES_PER_FOOT, MPS_PER_KNOT};
@@ -48,6 +50,18 @@ pub struct Units {
 }
 
 impl LengthUnit {
+    /// All of them in the order of the menu.
+    pub const ALL: [Self; 3] = [Self::Metres, Self::Feet, Self::Fathoms];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Metres => "metres",
+            Self::Feet => "feet",
+            Self::Fathoms => "fathoms",
+        }
+    }
+
     /// Metres in one of it.
     pub fn metres(self) -> f64 {
         match self {
@@ -76,6 +90,17 @@ impl LengthUnit {
 }
 
 impl SpeedUnit {
+    /// All of them in the order of the menu.
+    pub const ALL: [Self; 2] = [Self::MetresPerSecond, Self::Knots];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MetresPerSecond => "metres a second",
+            Self::Knots => "knots",
+        }
+    }
+
     /// Metres a second in one of it.
     pub fn metres_per_second(self) -> f64 {
         match self {
@@ -142,7 +167,10 @@ impl Units {
     /// A speed with its unit; a dash where there is none.
     pub fn speed(self, value_mps: f64, decimals: usize) -> String {
         let value = value_mps / self.speed.metres_per_second();
-        text::measure(value, decimals, self.speed.symbol())
+        match value.is_finite() {
+            true => format!("{value:.decimals$} {}", self.speed.symbol()),
+            false => NONE.to_owned(),
+        }
     }
 
     /// A length that was measured on the ground: metres, from a kilometre on kilometres; feet or fathoms, from a nautical mile on
@@ -150,7 +178,8 @@ impl Units {
     pub fn ground_length(self, value_m: f64) -> String {
         let is_long = value_m >= METRES_PER_NAUTICAL_MILE;
         match self.length {
-            LengthUnit::Metres => text::length(value_m),
+            LengthUnit::Metres => metres_on_ground(value_m),
+            _ if !value_m.is_finite() => NONE.to_owned(),
             _ if is_long => format!("{:.3} NM", value_m / METRES_PER_NAUTICAL_MILE),
             _ if value_m < 100.0 => self.measure(value_m, 2),
             _ => self.measure(value_m, 1),
@@ -185,8 +214,9 @@ impl Units {
     pub fn difference(self, value_m: f64) -> String {
         let feet = value_m / METRES_PER_FOOT;
         match self.length {
-            LengthUnit::Metres => text::difference(value_m),
             _ if !value_m.is_finite() => NONE.to_owned(),
+            LengthUnit::Metres if value_m.abs() < 1.0 => format!("{:.1} cm", 100.0 * value_m),
+            LengthUnit::Metres => format!("{value_m:.2} m"),
             _ if feet.abs() < 1.0 => format!("{:.1} in", 12.0 * feet),
             _ => format!("{feet:.2} ft"),
         }
@@ -196,6 +226,25 @@ impl Units {
     pub fn signed_difference(self, value_m: f64) -> String {
         let sign = if value_m > 0.0 { "+" } else { "" };
         format!("{sign}{}", self.difference(value_m))
+    }
+
+    /// A difference too small for its own unit as a whole number of centimetres or inches, with its sign.
+    pub fn small_difference(self, value_m: f64) -> String {
+        match self.length {
+            LengthUnit::Metres => format!("{:+.0} cm", 100.0 * value_m),
+            _ => format!("{:+.0} in", 12.0 * value_m / METRES_PER_FOOT),
+        }
+    }
+
+    /// A length as it was chosen, with no more decimals than it needs: three at most.
+    pub fn chosen(self, value_m: f64) -> String {
+        let value = (self.from_m(value_m) * 1e3).round() / 1e3 + 0.0;
+        format!("{value} {}", self.symbol())
+    }
+
+    /// The smallest round length, in metres, that is at least so many metres: round in the unit in use.
+    pub fn round_up_m(self, least_m: f64) -> f64 {
+        ticks::round_up(self.from_m(least_m)) * self.length.metres()
     }
 
     /// A round step, in metres, that divides a span of metres into at most so many parts: round in the unit in use.
@@ -213,21 +262,29 @@ impl Units {
         format!("{} {}", self.tick(value_m, step_m), self.symbol())
     }
 
-    /// Whole units of the length of a scale bar that is at most so long: its length in metres, and what it says.
-    pub fn scale_bar(self, most_m: f64) -> (f64, String) {
-        let is_far = most_m >= METRES_PER_NAUTICAL_MILE && self.length != LengthUnit::Metres;
+    /// A round length for a scale bar that is at least so long: its length in metres, and what it says.
+    pub fn scale_bar(self, least_m: f64) -> (f64, String) {
+        let is_far = least_m >= METRES_PER_NAUTICAL_MILE && self.length != LengthUnit::Metres;
         if is_far {
-            let miles = ticks::round_down(most_m / METRES_PER_NAUTICAL_MILE);
+            let miles = ticks::round_up(least_m / METRES_PER_NAUTICAL_MILE);
             let label = format!("{} NM", ticks::label(miles, miles));
             return (miles * METRES_PER_NAUTICAL_MILE, label);
         }
-        let length = ticks::round_down(self.from_m(most_m));
-        let length_m = length * self.length.metres();
+        let length_m = self.round_up_m(least_m);
         let label = match self.length {
-            LengthUnit::Metres => ticks::bar_label(length),
+            LengthUnit::Metres => ticks::bar_label(length_m),
             _ => self.tick_with_unit(length_m, length_m),
         };
         (length_m, label)
+    }
+}
+
+fn metres_on_ground(value_m: f64) -> String {
+    match value_m {
+        _ if !value_m.is_finite() => NONE.to_owned(),
+        ..100.0 => format!("{value_m:.2} m"),
+        100.0..1000.0 => format!("{value_m:.1} m"),
+        _ => format!("{:.3} km", value_m / 1000.0),
     }
 }
 
@@ -275,15 +332,50 @@ mod tests {
     fn steps_are_round_in_the_unit_that_is_shown() {
         let step_m = FEET.round_step_m(30.0, 5.0);
         assert_eq!(FEET.tick_with_unit(step_m, step_m), "20 ft");
-        let (length_m, label) = FEET.scale_bar(17.0);
+        let (length_m, label) = FEET.scale_bar(14.0);
         assert!(
             (length_m - 15.24).abs() < 1e-9 && label == "50 ft",
             "{label}"
         );
-        let (length_m, label) = Units::default().scale_bar(1700.0);
+        let (length_m, label) = FEET.scale_bar(3000.0);
+        assert!(
+            (length_m - 3704.0).abs() < 1e-9 && label == "2 NM",
+            "{label}"
+        );
+        let (length_m, label) = Units::default().scale_bar(700.0);
         assert!(
             (length_m - 1000.0).abs() < 1e-9 && label == "1 km",
             "{label}"
         );
+        assert_eq!(FATHOMS.tick_with_unit(9.144, 0.9144), "5.0 fm");
+    }
+
+    #[test]
+    fn a_length_that_was_chosen_has_the_decimals_that_it_needs() {
+        assert_eq!(Units::default().chosen(30.0), "30 m");
+        assert_eq!(FEET.chosen(0.3 * 3.048), "3 ft");
+        assert_eq!(FEET.chosen(0.25), "0.82 ft");
+    }
+
+    #[test]
+    fn lengths_and_areas_change_their_unit_where_they_grow_long() {
+        let units = Units::default();
+        let lengths = [12.345, 99.994, 123.45, 999.94, 1234.5, f64::NAN];
+        assert_eq!(
+            lengths.map(|length_m| units.ground_length(length_m)),
+            ["12.35 m", "99.99 m", "123.5 m", "999.9 m", "1.234 km", NONE]
+        );
+        let areas = [12.34, 12_345.6, 123_456.0, 2.5e7].map(|area_m2| units.area(area_m2));
+        assert_eq!(areas, ["12.3 m²", "12 346 m²", "12.35 ha", "25.00 km²"]);
+        let differences = [0.123, -1.5, f64::NAN].map(|value_m| units.difference(value_m));
+        assert_eq!(differences, ["12.3 cm", "-1.50 m", NONE]);
+    }
+
+    #[test]
+    fn ticks_show_no_more_than_their_step() {
+        let units = Units::default();
+        let ticks = [(5.0, 5.0), (2.5, 0.5), (0.25, 0.05)];
+        let said = ticks.map(|(value_m, step_m)| units.tick_with_unit(value_m, step_m));
+        assert_eq!(said, ["5 m", "2.5 m", "0.25 m"]);
     }
 }

@@ -1,12 +1,13 @@
 //! What is said of left-out stretches, the same in all views and panels.
 
 use crate::app::{Action, App, Extent, Leave, LogId};
+use crate::presentation::units::Units;
 use crate::survey::LeftOutStretch;
 use crate::ui::text;
 
 /// `412 pings · 512 m · 1:02`.
-pub fn extent(extent: &Extent) -> String {
-    let way = text::way(extent.length_m);
+pub fn extent(extent: &Extent, units: Units) -> String {
+    let way = units.way(extent.length_m);
     let lasts = text::duration(extent.duration_s);
     match extent.pings {
         0 => format!("{way} · {lasts}"),
@@ -15,13 +16,13 @@ pub fn extent(extent: &Extent) -> String {
 }
 
 /// What a drag with the tool will do.
-pub fn of_drag(leave: Leave, covered: &Extent) -> String {
+pub fn of_drag(leave: Leave, covered: &Extent, units: Units) -> String {
     let what = match leave {
         Leave::Out => "leave out",
         Leave::In => "take back in",
         Leave::AsFound => "as found",
     };
-    format!("{what} {}", extent(covered))
+    format!("{what} {}", extent(covered, units))
 }
 
 /// Why a ping does not count, `left out: turn`; `None` where it does.

@@ -43,7 +43,11 @@ pub fn depth_m(app: &App, ping: &SidePing) -> f64 {
 pub fn depth(app: &App, ping: &SidePing) -> String {
     let depth_m = depth_m(app, ping);
     match depth_m.is_finite() {
-        true => format!("{depth_m:.2} m {}", reduction(app).reference().name()),
+        true => format!(
+            "{} {}",
+            app.options.units.measure(depth_m, 2),
+            reduction(app).reference().name()
+        ),
         false => text::NONE.to_owned(),
     }
 }

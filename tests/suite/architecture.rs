@@ -55,6 +55,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "mosaic",
             "geo",
             "formats",
+            "presentation",
         ],
     ),
     (
@@ -124,6 +125,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "html_report",
             "waterfall",
             "simulation",
+            "presentation",
         ],
     ),
     ("manual", &["app", "outputs", "pipeline"]),

@@ -34,6 +34,15 @@ pub struct TooManyLevels {
 }
 
 impl IsobathSettings {
+    /// The same with an interval that is round in a unit of so many metres, where it is left to the depths between two.
+    pub fn round_in(&self, unit_m: f64, [least_m, most_m]: [f64; 2]) -> Self {
+        let chosen_m = || unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m);
+        Self {
+            interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)),
+            ..self.clone()
+        }
+    }
+
     /// The levels, ascending, for depths between two.
     pub fn levels_m(&self, [least_m, most_m]: [f64; 2]) -> Result<Vec<f64>, TooManyLevels> {
         if !self.depths_m.is_empty() {
@@ -101,6 +110,19 @@ mod tests {
         assert_eq!(levels(None, [1.03, 3.02]).len(), 10);
         assert_eq!(levels(None, [1.0, 8.9])[..2], [1.0, 2.0]);
         assert_eq!(levels(None, [2.0, 2.0]), [0.0; 0]);
+    }
+
+    #[test]
+    fn the_interval_of_a_unit_is_round_in_it() {
+        let range_m = [1.0, 8.9];
+        let feet = IsobathSettings::default().round_in(0.3048, range_m);
+        let levels_m = feet.levels_m(range_m).unwrap();
+        assert_eq!(levels_m[..2], [1.524, 3.048], "5 and 10 feet");
+        let metres = IsobathSettings::default().round_in(1.0, range_m);
+        assert_eq!(
+            metres.levels_m(range_m),
+            IsobathSettings::default().levels_m(range_m)
+        );
     }
 
     #[test]

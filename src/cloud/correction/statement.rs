@@ -23,12 +23,12 @@ impl DepthReference {
         }
     }
 
-    /// Over a scale of depths in metres; short where nothing was corrected, which is the rule.
-    pub fn title(self) -> &'static str {
+    /// Over a scale of depths in some unit, `m`; short where nothing was corrected, which is the rule.
+    pub fn title(self, unit: &str) -> String {
         match self {
-            Self::Transducer => "depth, m",
-            Self::Surface => "m below surface",
-            Self::Level => "m below level",
+            Self::Transducer => format!("depth, {unit}"),
+            Self::Surface => format!("{unit} below surface"),
+            Self::Level => format!("{unit} below level"),
         }
     }
 
@@ -93,7 +93,7 @@ impl Correction {
                 None => String::new(),
             };
             applied.push(format!(
-                "sound speed {water_m_s:.1} m/s{source} in place of the recorder's {}, ranges and depths times {:.5}",
+                "sound speed {water_m_s:.1} m/s{source} in place of the recorder's {} m/s, ranges and depths times {:.5}",
                 speed.recorder_m_s,
                 self.range_factor()
             ));

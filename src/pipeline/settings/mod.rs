@@ -1,14 +1,16 @@
 //! All settings of the pipeline under the keys that scripts use, and the two presets.
 //!
 //! `rows` is the table of them: key, range, unit, words. `table` makes check, help and the manual's page of it, `keys` lays files and
-//! assignments over settings.
+//! assignments over settings, `shown` has a number in the unit of the window.
 
 mod keys;
 pub mod rows;
+mod shown;
 mod table;
 #[cfg(test)]
 mod tests;
 
+pub use shown::ShownNumber;
 pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
 
 use crate::bathymetry::SurfaceSettings;

@@ -275,7 +275,7 @@ rows! {
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
     // Finer than a millimetre no depth is known.
     INTERVAL: "isobaths.interval_m", "Isobaths", "isobath interval",
-        "Metres from one isobath to the next, counted from depth 0. Every fifth is thick.",
+        "Depth from one isobath to the next, counted from depth 0. Every fifth is thick.",
         number!(isobaths.interval_m, "m", [0.001, 1000.0], 0.01, 2, LogSlider, Some("1, 2 or 5 times a power of ten that makes about ten isobaths"));
     LEVELS: "isobaths.depths_m", "Depths", "depths of the isobaths",
         "Depths of the isobaths; when there are any, the interval does not count.",

@@ -87,19 +87,6 @@ impl Number {
         }
     }
 
-    /// The value at its control; 0 without one.
-    pub fn shown(&self, settings: &Settings) -> f64 {
-        (self.get)(settings).unwrap_or(0.0)
-    }
-
-    /// Takes over the value of its control; hundredths stay hundredths.
-    pub fn take(&self, settings: &mut Settings, value: f64) {
-        let per_unit = 10f64.powi(self.decimals as i32);
-        let value = (value * per_unit).round() / per_unit;
-        let is_none = self.zero_is_none() && value < self.range[0];
-        (self.set)(settings, (!is_none).then_some(value));
-    }
-
     /// The unit behind a number, ` m` or `°`.
     pub fn suffix(&self) -> String {
         match self.unit {

@@ -2,6 +2,7 @@
 
 use super::rows::{self, ROWS};
 use super::{Kind, Preset, Settings, help, markdown, row};
+use crate::presentation::units::Units;
 use std::collections::BTreeSet;
 
 /// What serde expected in place of a name that does not exist.
@@ -63,10 +64,11 @@ fn a_number_is_checked_at_both_ends_of_its_range() {
             assert!(error.0.contains(row.key), "{error}");
         }
         let mut settings = Settings::default();
-        number.take(&mut settings, 0.5 * (least + most));
-        let shown = number.shown(&settings);
+        let control = number.shown_in(Units::default());
+        control.take(&mut settings, 0.5 * (least + most));
+        let shown = control.value(&settings);
         assert!((shown - 0.5 * (least + most)).abs() <= 0.5, "{}", row.key);
-        number.take(&mut settings, 0.0);
+        control.take(&mut settings, 0.0);
         if number.zero_is_none() {
             assert_eq!((number.get)(&settings), None, "{}", row.key);
         }

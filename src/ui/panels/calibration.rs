@@ -5,6 +5,7 @@ use crate::app::{Action, Command};
 use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
+use crate::presentation::units::Units;
 use crate::ui::{ViewContext, text};
 use egui::Ui;
 use std::ops::Range;
@@ -30,13 +31,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             parts::remark(ui, "No result yet.");
             return;
         };
-        scales(ui, &products.calibration);
+        scales(ui, &products.calibration, context.app.options.units);
         let survey = context.app.log.survey.as_ref();
         if survey.is_some_and(|survey| survey.soundings.is_empty()) {
             parts::remark(ui, "This log records no depth to measure a scale against.");
         }
         for text in &products.calibration.warnings {
-            parts::warning(ui, context, text);
+            parts::warning(ui, context, &context.app.options.units.sentence(text));
         }
         spot_in_use(ui, context, &products.calibration);
         ranked_spots(ui, context, &products.flat_spots);
@@ -50,7 +51,7 @@ fn scale(scale: Option<&Scale>) -> String {
     )
 }
 
-fn scales(ui: &mut Ui, calibration: &Calibration) {
+fn scales(ui: &mut Ui, calibration: &Calibration, units: Units) {
     fact(
         ui,
         "PPD",
@@ -66,8 +67,9 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
     let measured = calibration.measured_offset.map_or(String::new(), |found| {
         let added_m = -found.offset_m;
         format!(
-            " This log asks for {added_m:+.2} ±{:.2} m.",
-            found.uncertainty_m
+            " This log asks for {} ±{}.",
+            units.signed(added_m, 2),
+            units.measure(found.uncertainty_m, 2)
         )
     });
     fact(
@@ -77,13 +79,16 @@ fn scales(ui: &mut Ui, calibration: &Calibration) {
             "What is added to every recorded range, so that first returns and recorded depths agree where the bottom is level.{measured}"
         ),
         match calibration.offset_note {
-            Some(note) => format!("+0 m: {note}"),
-            None => format!("{:+.2} m", -calibration.offset_m),
+            Some(note) => format!("+0 {}: {}", units.symbol(), units.sentence(note)),
+            None => units.signed(-calibration.offset_m, 2),
         },
     );
     let fit = calibration.fit.map_or_else(
         || text::NONE.to_owned(),
-        |fit| format!("k {:.3} b {:+.2} ±{:.2} m", fit.k, fit.b_m, fit.spread_m),
+        |fit| {
+            let [b, spread] = [units.signed(fit.b_m, 2), units.measure(fit.spread_m, 2)];
+            format!("k {:.3} b {b} ±{spread}", fit.k)
+        },
     );
     fact(
         ui,
@@ -149,24 +154,30 @@ fn ranked_spot(ui: &mut Ui, context: &mut ViewContext<'_>, rank: usize, spot: &F
         end: spot.pings.end,
     };
     ui.horizontal(|ui| {
+        let units = context.app.options.units;
         let [port, starboard] = spot.picks;
         let label = match spot.ppd {
             Some(ppd) => format!(
-                "{rank}  {:.1} m  {:.1} ±{:.1} px/m  {port}+{starboard}",
-                spot.depth_m, ppd.px_per_m, ppd.spread_px_per_m
+                "{rank}  {}  {:.1} ±{:.1} px/m  {port}+{starboard}",
+                units.measure(spot.depth_m, 1),
+                ppd.px_per_m,
+                ppd.spread_px_per_m
             ),
-            None => format!("{rank}  {:.1} m  {port}+{starboard} picks", spot.depth_m),
+            None => format!(
+                "{rank}  {}  {port}+{starboard} picks",
+                units.measure(spot.depth_m, 1)
+            ),
         };
         let row = ui
             .selectable_label(picked == Some(range), label)
             .accessible_name(format!(
-                "Flat stretch {rank}, pings {}, {:.2} m deep",
+                "Flat stretch {rank}, pings {}, {} deep",
                 pings(&spot.pings),
-                spot.depth_m
+                units.measure(spot.depth_m, 2)
             ));
         let row = row.on_hover_text(format!(
             "{}\nClick to calibrate on it and show it in all views.",
-            spot.summary()
+            units.sentence(&spot.summary())
         ));
         if row.clicked() {
             context.push(Command::CalibrateAt(range));

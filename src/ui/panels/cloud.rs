@@ -5,6 +5,7 @@ use crate::app::Figures;
 use crate::cloud::{Geometry, Residuals};
 use crate::pipeline::settings::rows;
 use crate::pipeline::{Products, Stage};
+use crate::presentation::units::Units;
 use crate::survey::{HeadingSource, Projection};
 use crate::ui::{ViewContext, text};
 use egui::Ui;
@@ -15,11 +16,11 @@ pub(super) const SAME_PING: &str = "At same ping";
 pub(super) const SAME_PING_HINT: &str = "Elevation of side-scan points minus that of the sounding at the same ping, over all points that are kept: median, where above 0 is shallower than the sounding, and 95th percentile of the absolute difference. On a slope part of it is real.";
 
 /// Its figures.
-pub(super) fn same_ping(residuals: &Residuals) -> String {
+pub(super) fn same_ping(residuals: &Residuals, units: Units) -> String {
     format!(
         "{} · p95 {}",
-        text::signed_difference(residuals.median_m),
-        text::difference(residuals.p95_m)
+        units.signed_difference(residuals.median_m),
+        units.difference(residuals.p95_m)
     )
 }
 
@@ -34,13 +35,13 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         if let (Some(products), Some(figures)) =
             (&context.app.log.products, &context.app.log.figures)
         {
-            found(ui, products, figures);
+            found(ui, products, figures, context.app.options.units);
         }
         controls(ui, context);
     });
 }
 
-fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
+fn found(ui: &mut Ui, products: &Products, figures: &Figures, units: Units) {
     fact(
         ui,
         "Points",
@@ -60,7 +61,7 @@ fn found(ui: &mut Ui, products: &Products, figures: &Figures) {
         format!("{} ({share:.1} %)", text::plural(zero, "ping", "pings")),
     );
     if let Some(residuals) = figures.residuals {
-        fact(ui, SAME_PING, SAME_PING_HINT, same_ping(&residuals));
+        fact(ui, SAME_PING, SAME_PING_HINT, same_ping(&residuals, units));
     }
 }
 

@@ -37,7 +37,10 @@ fn clock(ui: &mut Ui, context: &mut ViewContext<'_>) {
     if !apart.pairs.is_empty() {
         let hint = "Median distance between the places that recorder and receiver have at the same times: \
                     least where their clocks agree.";
-        let text = format!("{:.2} m from the recorder's", apart.median_m);
+        let text = format!(
+            "{} from the recorder's",
+            context.app.options.units.measure(apart.median_m, 2)
+        );
         fact(ui, "Lies", hint, text);
     }
     remark(

@@ -72,7 +72,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
             .on_hover_text(format!("First returns that are less sure than the least confidence, {share:.1} % of all: their points are neither in the cloud nor in the map."));
     }
     for text in &products.returns.warnings {
-        parts::warning(ui, context, text);
+        parts::warning(ui, context, &context.app.options.units.sentence(text));
     }
 }
 

@@ -33,7 +33,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             return;
         };
         for text in &found.left_out.warnings {
-            warning(ui, context, text);
+            warning(ui, context, &context.app.options.units.sentence(text));
         }
         counts(ui, context, &found);
         list(ui, context, &found);
@@ -55,6 +55,7 @@ fn tool(ui: &mut Ui, context: &mut ViewContext<'_>) {
 /// How much is left out, for each reason and of all logs.
 fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
     use LeftOutReason::{Bad, Drawn, Stop, Turn};
+    let units = context.app.options.units;
     if found.left_out.is_empty() {
         return remark(ui, "Nothing is left out of this log.");
     }
@@ -67,7 +68,10 @@ fn counts(ui: &mut Ui, context: &ViewContext<'_>, found: &FoundLeftOut) {
         let extent = found.extent(Some(reason));
         if extent.stretches > 0 {
             let what = text::plural(extent.stretches, one, many);
-            ui.label(format!("{what}: {}", left_out_words::extent(&extent)));
+            ui.label(format!(
+                "{what}: {}",
+                left_out_words::extent(&extent, units)
+            ));
         }
     }
     let others = context.app.visible_logs().filter_map(OpenLog::left_out);
@@ -93,7 +97,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, found: &FoundLeftOut) {
         .min_scrolled_height(height)
         .show_rows(ui, ROW, stretches.len(), |ui, range| {
             for (stretch, length_m) in &stretches[range] {
-                let way = text::way(*length_m);
+                let way = context.app.options.units.way(*length_m);
                 let part = stretch.part();
                 let where_at = place(&survey, part);
                 let label = format!("{}  {where_at}  {way}", stretch.reason.name());

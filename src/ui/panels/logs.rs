@@ -3,6 +3,7 @@
 use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::pipeline::joint::contradictions;
+use crate::presentation::units::Units;
 use crate::ui::{ViewContext, left_out_words, text, theme};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
@@ -95,7 +96,7 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
                 let label = Button::selectable(id == app.log.id, title).truncate();
                 let label = ui.add(label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
-                let shown = label.on_hover_ui(|ui| describe(ui, log));
+                let shown = label.on_hover_ui(|ui| describe(ui, log, app.options.units));
                 ask(shown.clicked(), Command::ShowLog(id));
             });
         });
@@ -109,7 +110,7 @@ fn accessible(response: egui::Response, role: egui::Role, name: &str) -> egui::R
 }
 
 /// Date, length, depths and warnings of a log.
-fn describe(ui: &mut Ui, log: &OpenLog) {
+fn describe(ui: &mut Ui, log: &OpenLog, units: Units) {
     let Some(survey) = &log.survey else {
         return;
     };
@@ -130,17 +131,17 @@ fn describe(ui: &mut Ui, log: &OpenLog) {
     fact(ui, "Side-scan", "", pings);
     let depths = log
         .depth_span_m
-        .map(|[low, high]| format!("{low:.1} to {high:.1} m"));
+        .map(|span_m| units.span(span_m.map(f64::from), 1));
     fact(ui, "Depths", "", depths.unwrap_or(text::NONE.to_owned()));
     if let Some(found) = log.left_out().filter(|found| !found.left_out.is_empty()) {
-        let extent = left_out_words::extent(&found.extent(None));
+        let extent = left_out_words::extent(&found.extent(None), units);
         fact(ui, "Left out", "", extent);
     }
     for file in &survey.source.files {
         ui.label(file.display().to_string());
     }
     for warning in survey.warnings.iter().take(8) {
-        remark(ui, warning.text.clone());
+        remark(ui, units.sentence(&warning.text));
     }
 }
 
@@ -178,9 +179,9 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 ("Log", ""),
                 (
                     "offset",
-                    "How much deeper the log's depths are than the common level, metres.",
+                    "How much deeper the log's depths are than the common level.",
                 ),
-                ("±", "Standard error, metres."),
+                ("±", "Standard error of the offset."),
                 (
                     "meets",
                     "Places at which its track meets those of other logs.",
@@ -195,8 +196,8 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 let (value, error) = match offset.meetings {
                     0 => (text::NONE.to_owned(), text::NONE.to_owned()),
                     _ => (
-                        format!("{:+.3} m", offset.offset_m),
-                        format!("{:.3}", offset.standard_error_m),
+                        app.options.units.signed(offset.offset_m, 3),
+                        app.options.units.number(offset.standard_error_m, 3),
                     ),
                 };
                 ui.label(RichText::new(value).small());

@@ -77,9 +77,10 @@ fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notic
                 }
             }
             ui.with_layout(Layout::left_to_right(Align::Min), |ui| {
+                let text = context.app.options.units.sentence(&notice.text);
                 // Laid out here: a label in a row would be as wide as its text, and lie over the buttons.
-                let lines = ui.painter().layout_job(words(ui, &notice.text));
-                ui.add(Label::new(lines)).on_hover_text(&notice.text);
+                let lines = ui.painter().layout_job(words(ui, &text));
+                ui.add(Label::new(lines)).on_hover_text(&text);
             });
         });
     });

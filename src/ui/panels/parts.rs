@@ -1,7 +1,7 @@
 //! The few parts that all panels are made of: sections, rows, facts, and controls that change a setting.
 
 use crate::app::{Action, Command};
-use crate::pipeline::settings::{Choice, Control, Kind, Number, Row};
+use crate::pipeline::settings::{Choice, Control, Kind, Number, Row, ShownNumber};
 use crate::pipeline::{EngineStatus, Settings, Stage};
 use crate::ui::{ViewContext, theme};
 use egui::{Align, DragValue, Layout, Response, RichText, Ui, WidgetText};
@@ -255,15 +255,15 @@ pub fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
 }
 
 /// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider than its panel.
-fn value_width(ui: &Ui, number: &Number) -> f32 {
+fn value_width(ui: &Ui, number: &ShownNumber<'_>) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
     let width = |value: f64| {
-        let text = format!("{value:.*}{}", number.decimals, number.suffix());
+        let text = format!("{value:.*}{}", number.decimals, number.suffix);
         let colour = egui::Color32::PLACEHOLDER;
         let galley = ui.painter().layout_no_wrap(text, font.clone(), colour);
         galley.size().x
     };
-    let widest = number.range.map(width).into_iter().fold(0.0, f32::max);
+    let widest = number.ends.map(width).into_iter().fold(0.0, f32::max);
     (widest + 2.0 * ui.spacing().button_padding.x)
         .ceil()
         .max(58.0)
@@ -296,43 +296,42 @@ fn number(
     setting: &'static Row,
     number: &'static Number,
 ) {
-    let [least, most] = number.ends();
-    let mut requested = number.shown(&context.app.log.settings);
+    let units = context.app.options.units;
+    let shown = number.shown_in(units);
+    let [least, most] = shown.ends;
+    let mut requested = shown.value(&context.app.log.settings);
     let hint = match number.without.filter(|_| number.zero_is_none()) {
         Some(without) => format!("{} At 0: {without}.", setting.hint),
         None => setting.hint.to_owned(),
     };
+    let hint = units.sentence(&hint);
     let response = row(ui, setting.label, &hint, |ui| {
         if number.control == Control::Drag {
             let value = DragValue::new(&mut requested)
                 .range(least..=most)
                 // Showing must change nothing.
                 .clamp_existing_to_range(false)
-                .speed(2.0 * number.step);
-            return ui.add(
-                value
-                    .fixed_decimals(number.decimals)
-                    .suffix(number.suffix()),
-            );
+                .speed(2.0 * shown.step);
+            return ui.add(value.fixed_decimals(shown.decimals).suffix(&shown.suffix));
         }
-        let value_width = value_width(ui, number);
+        let value_width = value_width(ui, &shown);
         ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
             egui::Slider::new(&mut requested, least..=most)
                 .logarithmic(number.control == Control::LogSlider)
-                .smallest_positive(number.step)
+                .smallest_positive(shown.step)
                 // A value is rounded when it is edited, not when it is shown: showing must change nothing.
                 .clamping(egui::SliderClamping::Edits)
-                .step_by(number.step)
-                .fixed_decimals(number.decimals)
-                .suffix(number.suffix()),
+                .step_by(shown.step)
+                .fixed_decimals(shown.decimals)
+                .suffix(&shown.suffix),
         )
     });
     if response.changed() || response.drag_stopped() {
         let mut settings = Settings::clone(&context.app.log.settings);
         if response.changed() {
-            number.take(&mut settings, requested);
+            shown.take(&mut settings, requested);
         }
         context.push(Command::Change {
             settings: Box::new(settings),

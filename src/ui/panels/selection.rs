@@ -26,6 +26,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
+    let units = context.app.options.units;
     let Some(survey) = context.app.log.survey.clone() else {
         return;
     };
@@ -49,7 +50,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         "By the recorder's own bottom lock at the time of this ping, with the depth correction, as on the map.",
         format!(
             "{}{}",
-            text::measure(place::depth_m(context.app, ping), 2, "m"),
+            units.measure(place::depth_m(context.app, ping), 2),
             if had_bottom(&survey, ping.time_s) {
                 ""
             } else {
@@ -69,7 +70,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
             ui,
             "Range here",
             "Slant range of the selected place by the calibration and the speed of sound in force.",
-            format!("{range:.2} m {side}"),
+            format!("{} {side}", units.measure(range, 2)),
         );
     }
     if let Some(stretch) = context.app.left_out_at(context.app.log.id, mark.ping) {
@@ -119,7 +120,7 @@ fn first_return(ui: &mut Ui, context: &ViewContext<'_>, ping: usize, side: Side)
             };
             format!(
                 "{} · conf. {:.2}{above_bottom}",
-                text::measure(range, 2, "m"),
+                context.app.options.units.measure(range, 2),
                 pick.confidence
             )
         }
@@ -165,7 +166,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         ui,
         "Speed",
         "Over ground.",
-        text::measure(here.speed_mps, 1, "m/s"),
+        context.app.options.units.speed(here.speed_mps, 1),
     );
 }
 
@@ -190,8 +191,8 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         "Point",
         "What measured the selected point of the cloud, and its depth.",
         format!(
-            "{source} · {:.2} m deep{}",
-            -point.z_m,
+            "{source} · {} deep{}",
+            context.app.options.units.measure(-point.z_m, 2),
             if removed { " · outlier" } else { "" }
         ),
     );

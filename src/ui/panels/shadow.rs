@@ -5,7 +5,7 @@ use crate::app::{Action, Command};
 use crate::detection::targets::ShadowHeight;
 use crate::project::MeasurementKind;
 use crate::ui::views::measured;
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, theme};
 use egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Height of the drawing, points.
@@ -27,36 +27,40 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let found = context.app.measured_height();
     section(ui, context, &heading, |ui, context| match found {
         None => remark(ui, "Drag in the waterfall on to the end of the shadow."),
-        Some(Err(error)) => remark(ui, format!("There is no height: {error}.")),
+        Some(Err(error)) => {
+            let why = context.app.options.units.sentence(&error.to_string());
+            remark(ui, format!("There is no height: {why}."));
+        }
         Some(Ok(shadow)) => inputs(ui, context, &shadow),
     });
 }
 
 fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
+    let units = context.app.options.units;
     drawing(ui, context, shadow);
     fact(
         ui,
         "Height h",
         "h = H (e - t) / e. The standard deviation holds the pulse and sample at both ends, 5 % of the altitude, and a bottom that slopes by 2 degrees.",
-        measured::height(&Ok(*shadow)),
+        measured::height(&Ok(*shadow), units),
     );
     fact(
         ui,
         "Altitude H",
         "Height of the transducer above the bottom: the median over 13 pings of the drawn bottom, the recorded depth or the first return.",
-        text::measure(shadow.altitude_m, 2, "m"),
+        units.measure(shadow.altitude_m, 2),
     );
     fact(
         ui,
         "Top t",
         "Slant range where the shadow begins: of the object's top, not of its foot.",
-        text::measure(shadow.top_m, 2, "m"),
+        units.measure(shadow.top_m, 2),
     );
     fact(
         ui,
         "End e",
         "Slant range of the shadow's end on the bottom.",
-        text::measure(shadow.end_m, 2, "m"),
+        units.measure(shadow.end_m, 2),
     );
     if shadow.is_least {
         remark(
@@ -78,7 +82,10 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
 fn drawing(ui: &mut Ui, context: &ViewContext<'_>, shadow: &ShadowHeight) {
     let (area, response) =
         ui.allocate_exact_size(vec2(ui.available_width(), DRAWING_HEIGHT), Sense::hover());
-    let spoken = format!("Construction: height {}", measured::height(&Ok(*shadow)));
+    let spoken = format!(
+        "Construction: height {}",
+        measured::height(&Ok(*shadow), context.app.options.units)
+    );
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &spoken));
     let painter = ui.painter_at(area);
     let ink = ui.visuals().text_color();

@@ -3,7 +3,7 @@
 use crate::app::{Action, Command, Mark};
 use crate::pipeline::EngineStatus;
 use crate::survey::Side;
-use crate::ui::{ViewContext, place, text, theme};
+use crate::ui::{ViewContext, place, theme};
 use egui::{RichText, Ui};
 
 /// A job that takes longer than this is shown.
@@ -33,6 +33,7 @@ fn cell(ui: &mut Ui, text: String) {
 
 fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
     let app = context.app;
+    let units = app.options.units;
     let Some(ping) = app
         .log
         .survey
@@ -51,7 +52,7 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
             Some(Side::Starboard) => " stbd",
             None => "",
         };
-        cell(ui, format!("range {range:.2} m{side}"));
+        cell(ui, format!("range {}{side}", units.measure(range, 2)));
     }
     cell(ui, format!("depth {}", place::depth(app, ping)));
     let speed = app
@@ -60,7 +61,7 @@ fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         .as_ref()
         .and_then(|products| products.navigation.pings.get(mark.ping))
         .map_or(f64::NAN, |here| here.speed_mps);
-    cell(ui, text::measure(speed, 1, "m/s"));
+    cell(ui, units.speed(speed, 1));
 }
 
 fn rest(ui: &mut Ui, context: &ViewContext<'_>) {

@@ -4,6 +4,7 @@ use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, Command};
 use crate::calendar;
 use crate::pipeline::Preset;
+use crate::presentation::units::Units;
 use crate::printable::one_line;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::{ViewContext, text};
@@ -62,7 +63,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
             ui.label(file.display().to_string());
         }
     });
-    channels(ui, survey);
+    channels(ui, survey, context.app.options.units);
     let span = time_span(survey);
     let pings = survey.side_scan.len();
     let length = span.map_or(text::NONE.to_owned(), |(from, to)| {
@@ -121,12 +122,19 @@ fn soundings(context: &ViewContext<'_>, survey: &Survey) -> String {
     match context.app.log.depth_span_m {
         _ if survey.soundings.is_empty() => "none".to_owned(),
         None => format!("{count} · bottom never found"),
-        Some([low, high]) => format!("{count} · {low:.1} to {high:.1} m"),
+        Some([low, high]) => {
+            let span = context
+                .app
+                .options
+                .units
+                .span([low, high].map(f64::from), 1);
+            format!("{count} · {span}")
+        }
     }
 }
 
 /// Format and size; every channel of the log on hover.
-fn channels(ui: &mut Ui, survey: &Survey) {
+fn channels(ui: &mut Ui, survey: &Survey, units: Units) {
     let line = format!(
         "{} · {} · {}",
         survey.source.format,
@@ -141,7 +149,7 @@ fn channels(ui: &mut Ui, survey: &Survey) {
                 .frequency_khz
                 .map_or(String::new(), |khz| format!(", {khz:.0} kHz"));
             let range = channel.range_m.map_or(String::new(), |(near, far)| {
-                format!(", {near:.1} to {far:.1} m")
+                format!(", {}", units.span([near, far].map(f64::from), 1))
             });
             ui.label(format!(
                 "{} ({}): {}{frequency}{range}",
@@ -154,6 +162,7 @@ fn channels(ui: &mut Ui, survey: &Survey) {
 }
 
 fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    let units = context.app.options.units;
     match survey.side_scan_state {
         SideScanState::Usable => {}
         SideScanState::Absent => warning(
@@ -164,7 +173,10 @@ fn state_line(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         SideScanState::Noise { range_m } => warning(
             ui,
             context,
-            &format!("no side-scan: range ±{range_m:.1} m, noise; was a transducer connected?"),
+            &format!(
+                "no side-scan: range ±{}, noise; was a transducer connected?",
+                units.measure(f64::from(range_m), 1)
+            ),
         ),
     }
 }
@@ -188,7 +200,8 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
                         text::count(offset as usize)
                     )
                 });
-                warning(ui, context, &format!("{}{place}", one.text));
+                let said = context.app.options.units.sentence(&one.text);
+                warning(ui, context, &format!("{said}{place}"));
             }
             if count > WARNINGS_SHOWN {
                 remark(

@@ -22,7 +22,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         levels(ui, context);
         sound_speed(ui, context);
         if let Some(products) = &context.app.log.products {
-            parts::remark(ui, products.correction.statement());
+            let statement = products.correction.statement();
+            parts::remark(ui, context.app.options.units.sentence(&statement));
         }
     });
 }

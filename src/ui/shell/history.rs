@@ -36,8 +36,9 @@ impl HistoryList {
     }
 
     fn list(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let units = context.app.options.units;
         let steps: Vec<(String, bool)> = (context.app.history())
-            .map(|step| (step.label.to_owned(), step.is_undone))
+            .map(|step| (units.sentence(step.label), step.is_undone))
             .collect();
         let done = steps.iter().filter(|(_, is_undone)| !is_undone).count();
         let opened = std::iter::once(("as opened".to_owned(), false));

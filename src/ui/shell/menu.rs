@@ -3,6 +3,7 @@
 use super::{map_layers, swipe, toolbar};
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
+use crate::presentation::units::{LengthUnit, SpeedUnit};
 use crate::ui::ViewContext;
 use egui::{Button, Ui};
 
@@ -188,12 +189,14 @@ fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
 }
 
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    // A change that was made in metres is named in the units in use.
+    let units = context.app.options.units;
     for (action, label) in [
         (Action::Undo, context.app.undo_label()),
         (Action::Redo, context.app.redo_label()),
     ] {
         let title = match label {
-            Some(label) => format!("{} {label}", action.label()),
+            Some(label) => format!("{} {}", action.label(), units.sentence(label)),
             None => action.label().to_owned(),
         };
         titled(ui, context, action, &title, label.is_some());
@@ -231,6 +234,15 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.menu_button("Coordinates", |ui| {
         for format in CoordinateFormat::ALL {
             ui.radio_value(&mut options.coordinates, format, format.name());
+        }
+    });
+    ui.menu_button("Units", |ui| {
+        for unit in LengthUnit::ALL {
+            ui.radio_value(&mut options.units.length, unit, unit.name());
+        }
+        ui.separator();
+        for unit in SpeedUnit::ALL {
+            ui.radio_value(&mut options.units.speed, unit, unit.name());
         }
     });
     ui.menu_button("Side colours", |ui| {
@@ -293,6 +305,7 @@ fn truth(ui: &mut Ui, context: &mut ViewContext<'_>) {
 fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let undo = context.app.undo_label();
     let redo = context.app.redo_label();
+    let units = context.app.options.units;
     let open = "Open";
     for (action, label, enabled, what) in [
         (Action::Open, open, true, None),
@@ -301,7 +314,7 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ] {
         let hint = what.map_or_else(
             || action.hint().to_owned(),
-            |what| format!("{}: {what}", action.label()),
+            |what| format!("{}: {}", action.label(), units.sentence(what)),
         );
         let hint = format!("{hint} ({})", action.keys().unwrap_or_default());
         let button = ui.add_enabled(enabled, Button::new(label));

@@ -4,6 +4,7 @@ use super::ticks;
 use crate::app::ViewOptions;
 use crate::cloud::DepthReference;
 use crate::presentation::colours::{depth_colour, difference_colour};
+use crate::presentation::units::Units;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
 
@@ -57,8 +58,8 @@ pub fn frame(options: &ViewOptions) -> egui::Frame {
 
 /// Colours and what they stand for.
 pub struct Scale {
-    title: &'static str,
-    /// Values at the top and at the bottom.
+    title: String,
+    /// Values at the top and at the bottom, in the unit of the title.
     ends: [f64; 2],
     /// Colour at a share of the way from the top.
     colour: fn(f32) -> [u8; 3],
@@ -68,20 +69,21 @@ pub struct Scale {
 
 impl Scale {
     /// Depths, shallow on top.
-    pub fn of_depth(range_m: [f32; 2], reference: DepthReference) -> Self {
+    pub fn of_depth(range_m: [f32; 2], reference: DepthReference, units: Units) -> Self {
         Self {
-            title: reference.title(),
-            ends: range_m.map(f64::from),
+            title: reference.title(units.symbol()),
+            ends: range_m.map(|depth_m| units.from_m(f64::from(depth_m))),
             colour: depth_colour,
             signed: false,
         }
     }
 
     /// Residuals up to `reach_m` to either side of zero, the higher on top.
-    pub fn of_residuals(reach_m: f64) -> Self {
+    pub fn of_residuals(reach_m: f64, units: Units) -> Self {
+        let reach = units.from_m(reach_m);
         Self {
-            title: "residual, m",
-            ends: [reach_m, -reach_m],
+            title: format!("residual, {}", units.symbol()),
+            ends: [reach, -reach],
             colour: |share| difference_colour(1.0 - share),
             signed: true,
         }
@@ -96,7 +98,7 @@ impl Scale {
         height: f32,
     ) -> Rect {
         let text = theme::canvas_text_colour(options);
-        let title = painter.layout_no_wrap(self.title.to_owned(), font(), text);
+        let title = painter.layout_no_wrap(self.title.clone(), font(), text);
         let width = (title.size().x + 10.0).max(64.0);
         let plate = Rect::from_min_max(corner - vec2(width, height + 34.0), corner);
         painter.rect_filled(plate, 3.0, theme::plate_colour(options));

@@ -4,6 +4,7 @@ use super::legend;
 use crate::app::{Action, App, Command};
 use crate::detection::targets::{ShadowError, ShadowHeight};
 use crate::geo::{course_rad, distance_m};
+use crate::presentation::units::Units;
 use crate::project::{Measurement, MeasurementKind};
 use crate::ui::{ViewContext, text};
 use egui::{FocusDirection, Key, Modifiers, Rect, RichText, Ui, UiBuilder, pos2, vec2};
@@ -20,24 +21,25 @@ pub fn beside(app: &App, figure: &Measurement) -> Option<String> {
     if figure.corners.len() == 2 || figure.kind == MeasurementKind::Area {
         return Some(whole);
     }
-    let leg = text::length(distance_m(from, to));
+    let leg = app.options.units.ground_length(distance_m(from, to));
     let course = text::and_course(course_rad(from, to));
     Some(format!("{whole}\nleg {leg}{course}"))
 }
 
 /// What is measured; `None` while there is nothing between the corners.
 fn measured(app: &App, figure: &Measurement) -> Option<String> {
-    let length = text::length(figure.length_m());
+    let units = app.options.units;
+    let length = units.ground_length(figure.length_m());
     match (figure.kind, &figure.corners[..]) {
         (_, [] | [_]) => None,
         (MeasurementKind::Height, _) => {
             let (top, recorded_m) = figure.shadow()?;
-            Some(height(&app.shadow_height(top, recorded_m)?))
+            Some(height(&app.shadow_height(top, recorded_m)?, units))
         }
-        (MeasurementKind::Area, [_, _]) => Some(text::length(0.5 * figure.length_m())),
+        (MeasurementKind::Area, [_, _]) => Some(units.ground_length(0.5 * figure.length_m())),
         (MeasurementKind::Area, _) => Some(format!(
             "{}, around it {length}",
-            text::area(figure.area_m2())
+            units.area(figure.area_m2())
         )),
         (_, &[from, to]) => {
             let course = text::and_course(course_rad(from, to));
@@ -72,17 +74,17 @@ pub fn words(app: &App, shown: Option<&Measurement>) -> Option<String> {
 }
 
 /// A height with its standard deviation, or why there is none.
-pub fn height(found: &Result<ShadowHeight, ShadowError>) -> String {
+pub fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String {
     match found {
         Ok(shadow) => {
             let least = if shadow.is_least { "at least " } else { "" };
             format!(
-                "{least}{:.2} m ± {:.2} m",
-                shadow.height_m(),
-                shadow.sigma_m()
+                "{least}{} ± {}",
+                units.measure(shadow.height_m(), 2),
+                units.measure(shadow.sigma_m(), 2)
             )
         }
-        Err(error) => error.to_string(),
+        Err(error) => units.sentence(&error.to_string()),
     }
 }
 

@@ -2,19 +2,20 @@
 
 use crate::bathymetry::compare::Comparison;
 use crate::cloud::Residuals;
+use crate::presentation::units::Units;
 use crate::ui::panels::cloud;
 use crate::ui::panels::parts::fact;
 use crate::ui::text;
 use egui::Ui;
 
 /// Draws them; `same_ping` are those against the sounding of each point's own ping, where that is the reference.
-pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>) {
+pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>, units: Units) {
     if let Some(residuals) = same_ping {
         fact(
             ui,
             cloud::SAME_PING,
             cloud::SAME_PING_HINT,
-            cloud::same_ping(residuals),
+            cloud::same_ping(residuals, units),
         );
     }
     let matched = comparison.measured - comparison.unmatched;
@@ -33,17 +34,17 @@ pub fn ui(ui: &mut Ui, comparison: &Comparison, same_ping: Option<&Residuals>) {
             (
                 "Mean, median",
                 "Of the differences at the same place: above 0 is shallower than the reference.",
-                [found.mean_m, found.median_m].map(text::signed_difference),
+                [found.mean_m, found.median_m].map(|value_m| units.signed_difference(value_m)),
             ),
             (
                 "SD, RMS",
                 "Standard deviation about the mean, and root mean square about 0.",
-                [found.sd_m, found.rms_m].map(text::difference),
+                [found.sd_m, found.rms_m].map(|value_m| units.difference(value_m)),
             ),
             (
                 "MAE, 95 %",
                 "Mean absolute difference, and the one that 95 % do not exceed.",
-                [found.mae_m, found.p95_m].map(text::difference),
+                [found.mae_m, found.p95_m].map(|value_m| units.difference(value_m)),
             ),
         ];
         for (name, hint, [first, second]) in pairs {

@@ -32,7 +32,8 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let same_ping = figures
             .filter(|_| agreement.reference.is_none() && agreement.logs.len() == 1)
             .and_then(|figures| figures.residuals.as_ref());
-        figures::ui(ui, &agreement.comparison, same_ping);
+        let units = context.app.options.units;
+        figures::ui(ui, &agreement.comparison, same_ping, units);
         let id = egui::Id::unique("residuals over");
         let mut over = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         // Wrapped: a row that is wider than the panel would widen it when it comes into view.

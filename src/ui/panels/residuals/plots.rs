@@ -66,8 +66,12 @@ pub fn picture(ui: &mut Ui, tables: &ResidualTables, over: Over, options: &ViewO
         Over::Across => &tables.by_across_m,
         Over::Heading => &tables.by_heading_deg,
     };
-    let unit = if over == Over::Heading { "°" } else { " m" };
-    medians(&painter, rect, bins, unit, options);
+    let units = options.units;
+    let written = |value: f64| match over {
+        Over::Heading => format!("{}°", short(value)),
+        _ => format!("{} {}", short(units.from_m(value)), units.symbol()),
+    };
+    medians(&painter, rect, bins, written, options);
     let said = format!("Differences in {} stretches", bins.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &said));
 }
@@ -98,7 +102,8 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
         .abs()
         .max((from_m + width_m * counts.len() as f64).abs());
     let across = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |value| {
-        format!("{} m", short(value))
+        let units = options.units;
+        format!("{} {}", short(units.from_m(value)), units.symbol())
     });
     let up = axis([0.0, most], [0.0, most], |count| format!("{count:.0}"));
     let axes = Axes::new(painter, rect, across, up);
@@ -114,7 +119,13 @@ fn columns(painter: &Painter, rect: Rect, histogram: &Histogram, options: &ViewO
     }
 }
 
-fn medians(painter: &Painter, rect: Rect, bins: &[Bin], unit: &str, options: &ViewOptions) {
+fn medians(
+    painter: &Painter,
+    rect: Rect,
+    bins: &[Bin],
+    written: impl Fn(f64) -> String,
+    options: &ViewOptions,
+) {
     let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
         return;
     };
@@ -127,10 +138,10 @@ fn medians(painter: &Painter, rect: Rect, bins: &[Bin], unit: &str, options: &Vi
     let across = axis(
         [first.from, last.to],
         [first.from, middle, last.to],
-        |value| format!("{}{unit}", short(value)),
+        written,
     );
     let up = axis([-reach_m, reach_m], [-reach_m, 0.0, reach_m], |metres| {
-        format!("{:+.0} cm", 100.0 * metres)
+        options.units.small_difference(metres)
     });
     let axes = Axes::new(painter, rect, across, up);
     axes.draw(painter, theme::plot_ink(options));

@@ -6,7 +6,7 @@ use crate::ui::panels::parts::{self, fact};
 use egui::{Button, Slider, Ui};
 
 /// Radii that can be chosen, metres.
-const RADII_M: std::ops::RangeInclusive<f64> = 0.1..=20.0;
+const RADII_M: [f64; 2] = [0.1, 20.0];
 
 const BYS: [(ReferenceBy, &str, &str); 2] = [
     (
@@ -41,7 +41,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         parts::remark(ui, "Another mission, processed with the same settings.");
     }
     for note in &reference.notes {
-        parts::remark(ui, note.as_str());
+        parts::remark(ui, context.app.options.units.sentence(note));
     }
 }
 
@@ -62,22 +62,30 @@ fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>, is_open: bool) {
 
 fn matching(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let comparing = &context.app.comparing;
-    let (before, mut by, mut radius_m) = (comparing.by, comparing.by, comparing.radius_m);
+    let (before, mut by, radius_m) = (comparing.by, comparing.by, comparing.radius_m);
     ui.horizontal_wrapped(|ui| {
         for (each, name, hint) in BYS {
             ui.selectable_value(&mut by, each, name).on_hover_text(hint);
         }
     });
+    let units = context.app.options.units;
+    let [least, most] = RADII_M.map(|radius_m| units.from_m(radius_m));
+    let (mut radius, radii) = (units.from_m(radius_m), least..=most);
     let mut moved = false;
     if by == ReferenceBy::Nearest {
         let hint = "How far the nearest point may be.";
         let slider = parts::row(ui, "Radius", hint, |ui| {
-            let slider = Slider::new(&mut radius_m, RADII_M).logarithmic(true);
-            ui.add(slider.fixed_decimals(1).suffix(" m"))
+            let slider = Slider::new(&mut radius, radii).logarithmic(true);
+            let unit = format!(" {}", units.symbol());
+            ui.add(slider.fixed_decimals(1).suffix(unit))
         });
         moved = slider.changed();
     }
     if by != before || moved {
+        let radius_m = match moved {
+            true => (radius * units.length.metres()).clamp(RADII_M[0], RADII_M[1]),
+            false => radius_m,
+        };
         context.push(Command::MatchBy { by, radius_m });
     }
 }

@@ -4,6 +4,7 @@ use crate::app::{ColourMap, OpenLog, PIXEL_M};
 use crate::detection::review::{Review, Reviewed};
 use crate::detection::{Mark, Raster, TILE_PX, level};
 use crate::pipeline::Same;
+use crate::presentation::units::Units;
 use crate::survey::{Navigation, Survey};
 use crate::ui::views::waterfall::{outline, palette};
 use egui::{ColorImage, Rect, Response, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
@@ -85,13 +86,13 @@ impl Chip {
     }
 
     /// Shows it as wide as there is room.
-    pub fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review) {
+    pub fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
         let response = self.draw(ui, one, ui.available_width(), Sense::hover());
         let name = format!(
-            "Picture of box {}, {}, {:.1} m high, range to the right",
+            "Picture of box {}, {}, {} high, range to the right",
             one.id.0,
             review.class_name(one.class),
-            self.height_m
+            units.measure(self.height_m, 1)
         );
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
         response.on_hover_text("Slant range grows to the right, time runs down; square pixels.");

@@ -10,7 +10,8 @@ mod selected;
 use super::parts::{Section, remark, section, warning};
 use crate::app::{Action, Command, LogBox};
 use crate::pipeline::Background;
-use crate::ui::{ViewContext, text, theme};
+use crate::presentation::units::Units;
+use crate::ui::{ViewContext, theme};
 use chip::Chip;
 use egui::{Button, ProgressBar, RichText, Ui};
 use object::ObjectPictures;
@@ -120,10 +121,14 @@ fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, name: &str
 }
 
 /// Extent along the track and in slant range: `0.82 × 1.30 m`.
-fn size([along_m, across_m]: [f64; 2]) -> String {
+fn size([along_m, across_m]: [f64; 2], units: Units) -> String {
     if along_m.is_finite() {
-        format!("{along_m:.2} × {across_m:.2} m")
+        format!(
+            "{} × {}",
+            units.number(along_m, 2),
+            units.measure(across_m, 2)
+        )
     } else {
-        text::measure(across_m, 2, "m across")
+        format!("{} across", units.measure(across_m, 2))
     }
 }

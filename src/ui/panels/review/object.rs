@@ -149,8 +149,8 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
         let at = RichText::new(place::written(app, object.position)).monospace();
         fact(ui, "Mean place", hint, at);
         let hint = "Standard deviation of that place, and the mean of the heights that are known.";
-        let height = text::measure(object.joint.height_m, 2, "m");
-        let within = text::measure(object.joint.sigma_m, 2, "m");
+        let height = app.options.units.measure(object.joint.height_m, 2);
+        let within = app.options.units.measure(object.joint.sigma_m, 2);
         fact(ui, "Within", hint, format!("{within}, height {height}"));
     }
 }

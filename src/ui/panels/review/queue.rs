@@ -3,6 +3,7 @@
 use super::super::parts::{remark, row};
 use crate::app::Command;
 use crate::detection::review::{Queue, Sort, State};
+use crate::presentation::units::Units;
 use crate::ui::{ViewContext, text};
 use egui::{ComboBox, DragValue, Response, Slider, Ui};
 
@@ -18,7 +19,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     class(ui, context, &mut queue);
     state(ui, &mut queue);
     score(ui, &mut queue);
-    size(ui, &mut queue);
+    size(ui, &mut queue, context.app.options.units);
     let counts = context.app.review_counts();
     let (line, all) = (counts.in_line, counts.boxes.total());
     if line < all {
@@ -96,27 +97,28 @@ fn score(ui: &mut Ui, queue: &mut Queue) {
     }
 }
 
-fn size(ui: &mut Ui, queue: &mut Queue) {
+fn size(ui: &mut Ui, queue: &mut Queue, units: Units) {
     let filter = &mut queue.filter.size_m;
-    let before = [*filter.start(), filter.end().min(ANY_M)];
+    let before = [*filter.start(), filter.end().min(ANY_M)].map(|size_m| units.from_m(size_m));
+    let any = units.from_m(ANY_M);
     let [mut low, mut high] = before;
     let hint = "Only boxes whose longer side is between these.";
     between(ui, "Size", hint, |ui, which| {
         let value = if which == 0 { &mut low } else { &mut high };
         let value = DragValue::new(value)
-            .range(0.0..=ANY_M)
+            .range(0.0..=any)
             .speed(0.05)
             .max_decimals(2)
-            .suffix(" m");
+            .suffix(format!(" {}", units.symbol()));
         ui.add(value)
     });
     if [low, high] != before {
-        let high = if high >= ANY_M {
-            f64::INFINITY
-        } else {
-            high.max(low)
+        let unit_m = units.length.metres();
+        let high_m = match high >= any {
+            true => f64::INFINITY,
+            false => high.max(low) * unit_m,
         };
-        *filter = low..=high;
+        *filter = low * unit_m..=high_m;
     }
 }
 

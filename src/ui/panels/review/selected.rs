@@ -6,7 +6,7 @@ use super::{ReviewPanel, button, chip, size};
 use crate::app::{Action, Command, LogBox, Tool};
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
-use crate::ui::{ViewContext, place, text, theme};
+use crate::ui::{ViewContext, place, theme};
 use egui::{Button, RichText, TextEdit, Ui};
 
 /// Classes that have a key.
@@ -50,7 +50,7 @@ impl ReviewPanel {
         self.chip
             .ask(key, app.jobs(), move |_| Chip::new(&of, &ctx));
         if let Some(picture) = self.chip.result() {
-            picture.ui(ui, one, &app.log.reviewing.review);
+            picture.ui(ui, one, &app.log.reviewing.review, app.options.units);
         }
     }
 
@@ -182,11 +182,11 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         ui,
         "Size",
         "Along the track and in slant range; echo and shadow together.",
-        size(app.log.reviewing.size_m(mark)),
+        size(app.log.reviewing.size_m(mark), app.options.units),
     );
     fact(ui, "Range", "Slant range of its near and far edge.", {
-        let [near_m, far_m] = place::ranges_m(app, mark);
-        format!("{near_m:.2} to {far_m:.2} m {}", mark.side.name())
+        let ranges = app.options.units.span(place::ranges_m(app, mark), 2);
+        format!("{ranges} {}", mark.side.name())
     });
     if let Some(placed) = app.log.reviewing.placed(one.id) {
         on_the_ground(ui, context, &placed.target);
@@ -197,6 +197,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
 
 /// Where its object lies and how large it is.
 fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
+    let units = context.app.options.units;
     fact(
         ui,
         "Place",
@@ -207,17 +208,16 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
         ui,
         "Within",
         "Standard deviation of the place, without the receiver's own error.",
-        text::measure(target.sigma_m, 2, "m"),
+        units.measure(target.sigma_m, 2),
     );
     fact(
         ui,
         "Object",
         "Length along the track, width across it, and height from the shadow where it ends within the range.",
         format!(
-            "{:.2} × {:.2} m, height {}",
-            target.length_m,
-            target.width_m,
-            text::measure(target.height_m, 2, "m")
+            "{}, height {}",
+            size([target.length_m, target.width_m], units),
+            units.measure(target.height_m, 2)
         ),
     );
     fact(
@@ -227,6 +227,6 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
             "Of the bottom where it lies, {}.",
             place::reduction(context.app).reference().name()
         ),
-        text::measure(target.depth_m, 2, "m"),
+        units.measure(target.depth_m, 2),
     );
 }

@@ -67,11 +67,14 @@ impl Frame {
         depth.draw(ui, &strips.side_scan, colour.gamma_multiply(0.12), colour);
         let colour = theme::speed_strip_colour(look);
         speed.draw(ui, &strips.speed, colour.gamma_multiply(0.35), colour);
-        let reach = |high: Option<f32>, unit: &str| match high {
-            Some(high) => format!("to {high:.1} {unit}"),
+        let units = context.app.options.units;
+        let reach = |high: Option<f32>, written: &dyn Fn(f64) -> String| match high {
+            Some(high) => format!("to {}", written(f64::from(high))),
             None => text::NONE.to_owned(),
         };
-        self.gutter(ui, self.depth, "Depth", reach(deepest, "m"));
+        let to_depth = reach(deepest, &|depth_m| units.measure(depth_m, 1));
+        let to_speed = reach(fastest, &|speed_mps| units.speed(speed_mps, 1));
+        self.gutter(ui, self.depth, "Depth", to_depth);
         // The gutter has no room for what they count from; at its foot the strip of depths is mostly empty.
         ui.painter().text(
             self.depth.right_bottom() - egui::vec2(4.0, 1.0),
@@ -80,7 +83,7 @@ impl Frame {
             egui::FontId::proportional(10.0),
             ui.visuals().weak_text_color(),
         );
-        self.gutter(ui, self.speed, "Speed", reach(fastest, "m/s"));
+        self.gutter(ui, self.speed, "Speed", to_speed);
         self.axis(ui, context, strips);
     }
 

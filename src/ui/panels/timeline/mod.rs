@@ -89,7 +89,7 @@ impl TimeLine {
         let ping = context.app.selection.map_or(0, |mark| mark.ping);
         response.widget_info(|| {
             let strips = self.strips.result().and_then(Option::as_ref);
-            let depth = strips.and_then(Strips::deepest);
+            let depth = strips.and_then(|strips| strips.deepest(context.app.options.units));
             let depth = depth.map_or(String::new(), |depth| format!(", depth {depth}"));
             let left_out = left_out_words::and_stretches(context.app);
             let name = format!("Time line, ping {ping} of {count}{depth}{left_out}");

@@ -3,6 +3,7 @@
 use super::columns::{Columns, columns, span};
 use crate::cloud::{DepthReference, DepthSource};
 use crate::pipeline::Products;
+use crate::presentation::units::Units;
 use crate::survey::{Sounding, Survey};
 use egui::Rect;
 
@@ -87,9 +88,10 @@ impl Strips {
     }
 
     /// How deep the strip of depths goes, and what it counts from; `None` without depths.
-    pub fn deepest(&self) -> Option<String> {
+    pub fn deepest(&self, units: Units) -> Option<String> {
         let deepest_m = span(&self.depth).or_else(|| span(&self.lost))?[1];
-        Some(format!("to {deepest_m:.1} m {}", self.reference.name()))
+        let deepest = units.measure(f64::from(deepest_m), 1);
+        Some(format!("to {deepest} {}", self.reference.name()))
     }
 
     /// Where a time lies on the screen.

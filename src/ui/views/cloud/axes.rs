@@ -1,4 +1,4 @@
-//! The box around the cloud with metres on its edges.
+//! The box around the cloud with lengths on its edges.
 
 use crate::app::ViewOptions;
 use crate::render::Projection;
@@ -90,23 +90,21 @@ impl Axes<'_> {
         }
     }
 
-    /// Metres along the outline, and what they count; to be painted after the points.
+    /// Lengths along the outline, and what they count; to be painted after the points.
     pub fn labels(&self, painter: &Painter) {
         let walls = walls(self.corners, self.projection.eye);
-        for (axis, name) in ["east, m", "north, m", "elevation, m"]
-            .into_iter()
-            .enumerate()
-        {
+        for (axis, name) in ["east", "north", "elevation"].into_iter().enumerate() {
             let edges = outline(axis, &walls);
             let place = |edge: &Edge| self.at(self.on(edge, 0.5)).map(|at| (at, *edge));
             let places = edges.iter().filter_map(place);
-            // Horizontal metres stand below the cloud, elevations to its left.
+            // Horizontal lengths stand below the cloud, elevations to its left.
             let chosen = match axis {
                 2 => places.min_by(|a, b| a.0.x.total_cmp(&b.0.x)),
                 _ => places.max_by(|a, b| a.0.y.total_cmp(&b.0.y)),
             };
             if let Some((_, edge)) = chosen {
-                self.label_edge(painter, &edge, name);
+                let unit = self.options.units.symbol();
+                self.label_edge(painter, &edge, &format!("{name}, {unit}"));
             }
         }
     }
@@ -138,7 +136,7 @@ impl Axes<'_> {
             outward = -outward;
         }
         let text = theme::canvas_text_colour(self.options);
-        let step = f64::from(self.step(axis));
+        let step_m = self.step_m(axis);
         let [level, upright] = LABEL_SPACING;
         let spacing = level + (upright - level) * along.y.abs();
         let mut last: Option<Pos2> = None;
@@ -153,7 +151,8 @@ impl Axes<'_> {
             }
             last = Some(at);
             painter.line_segment([at, at + 4.0 * outward], Stroke::new(1.0, text));
-            let label = ticks::label(self.origin_m[axis] + f64::from(value), step);
+            let at_m = self.origin_m[axis] + f64::from(value);
+            let label = self.options.units.tick(at_m, step_m);
             painter.text(
                 at + 15.0 * outward,
                 Align2::CENTER_CENTER,
@@ -177,22 +176,21 @@ impl Axes<'_> {
         painter.text(at, anchor, name, legend::font(), text.gamma_multiply(0.75));
     }
 
-    fn step(&self, axis: usize) -> f32 {
+    fn step_m(&self, axis: usize) -> f64 {
         let extent = self.corners[1] - self.corners[0];
-        let step = match axis {
-            2 => ticks::round_step(f64::from(extent.z), 4.0),
+        let units = self.options.units;
+        match axis {
+            2 => units.round_step_m(f64::from(extent.z), 4.0),
             // East and north share a step, so that the grid shows squares.
-            _ => ticks::round_step(f64::from(extent.x.max(extent.y)), 6.0),
-        };
-        step as f32
+            _ => units.round_step_m(f64::from(extent.x.max(extent.y)), 6.0),
+        }
     }
 
-    /// Round metres of the survey inside the box, as coordinates of the scene.
+    /// Round lengths of the survey inside the box, as coordinates of the scene.
     fn ticks(&self, axis: usize) -> impl Iterator<Item = f32> {
         let zero = self.origin_m[axis];
         let [low, high] = self.corners.map(|corner| f64::from(corner[axis]) + zero);
-        let step = f64::from(self.step(axis));
-        ticks::multiples(low, high, step).map(move |metres| (metres - zero) as f32)
+        ticks::multiples(low, high, self.step_m(axis)).map(move |metres| (metres - zero) as f32)
     }
 }
 

@@ -4,6 +4,7 @@ use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
 use crate::cloud::DepthReference;
 use crate::pipeline::Products;
+use crate::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
 use crate::ui::views::legend::{self, Scale};
@@ -81,14 +82,15 @@ pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Produ
     } else {
         ""
     };
+    let units = app.options.units;
     let text = format!(
-        "{}, ping {}: {:.2} m {}, E {:.1} m  N {:.1} m{outlier}",
+        "{}, ping {}: {} {}, E {}  N {}{outlier}",
         point.source.name(),
         point.ping,
-        -point.z_m,
+        units.measure(-point.z_m, 2),
         products.reduction().reference().name(),
-        point.east_m,
-        point.north_m,
+        units.measure(point.east_m, 1),
+        units.measure(point.north_m, 1),
     );
     let at = rect.left_top() + vec2(50.0, 9.0);
     let colour = theme::canvas_text_colour(&app.options);
@@ -96,12 +98,13 @@ pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Produ
 }
 
 /// Why there are no side-scan points, when there are none.
-fn lack(survey: &Survey) -> Option<String> {
+fn lack(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,
         SideScanState::Absent => Some("no side-scan in this log: soundings only".to_owned()),
         SideScanState::Noise { range_m } => Some(format!(
-            "no side-scan: range ±{range_m:.1} m, noise; soundings only"
+            "no side-scan: range ±{}, noise; soundings only",
+            units.measure(f64::from(range_m), 1)
         )),
     }
 }
@@ -128,7 +131,7 @@ pub fn paint_legend(
         painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
         at.y = plate.bottom() + 1.0;
     }
-    if let Some(text) = lack(survey) {
+    if let Some(text) = lack(survey, options.units) {
         let warning = theme::outlier_colour();
         legend::plate(painter, options, at, Align2::LEFT_TOP, &text, warning);
     }
@@ -137,7 +140,7 @@ pub fn paint_legend(
     {
         let corner = rect.right_bottom() - vec2(8.0, 8.0);
         let height = (rect.height() * 0.4).clamp(50.0, 160.0);
-        Scale::of_depth(range_m, reference).show(painter, options, corner, height);
+        Scale::of_depth(range_m, reference, options.units).show(painter, options, corner, height);
     }
 }
 

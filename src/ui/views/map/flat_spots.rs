@@ -2,6 +2,7 @@
 
 use super::overlay::Scene;
 use crate::calibration::{FlatSpot, ScaleMode};
+use crate::presentation::units::Units;
 use crate::ui::theme;
 use crate::ui::views::legend;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
@@ -90,8 +91,12 @@ pub fn under(scene: &Scene<'_>, pointer: Pos2) -> Option<usize> {
 }
 
 /// A few lines about a stretch.
-pub fn describe(rank: usize, spot: &FlatSpot) -> String {
-    format!("flat stretch {}: {}", rank + 1, spot.summary())
+pub fn describe(rank: usize, spot: &FlatSpot, units: Units) -> String {
+    format!(
+        "flat stretch {}: {}",
+        rank + 1,
+        units.sentence(&spot.summary())
+    )
 }
 
 fn places(scene: &Scene<'_>, pings: &Range<usize>) -> Vec<Pos2> {

@@ -113,7 +113,7 @@ impl LeaveOutTool {
         let stroke = Stroke::new(CASING, theme::hand_colour());
         painter.add(Shape::line(line, stroke));
         if let Some((at, extent)) = last.zip(app.extent_of(drag.log, drag.part())) {
-            let text = left_out_words::of_drag(drag.leave, &extent);
+            let text = left_out_words::of_drag(drag.leave, &extent, app.options.units);
             let (at, ink) = (at + vec2(14.0, 14.0), scene.text_colour());
             let anchor = egui::Align2::LEFT_TOP;
             crate::ui::views::legend::plate(painter, scene.options, at, anchor, &text, ink);

@@ -344,7 +344,8 @@ fn name(app: &App, products: &Products, track: &TrackLayer) -> String {
         count => format!(" of which {} left out", text::count(count)),
     };
     let depths = track.range_m.map_or_else(String::new, |[shallow, deep]| {
-        format!(", depth {shallow:.1} to {deep:.1} m {reference}")
+        let depths = [shallow, deep].map(f64::from);
+        format!(", depth {} {reference}", app.options.units.span(depths, 1))
     });
     format!(
         "Map, track of {} pings{left_out}{depths}, {} flat stretches",

@@ -28,7 +28,10 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     }
     if let Some(depth_map) = scene.depth_map.filter(|_| shows(MapLayer::DepthMap)) {
         notes.push(match depth_map {
-            Some(made) => format!("faded: between\ndepths, to {} m", made.gap_m),
+            Some(made) => {
+                let gap = scene.options.units.chosen(made.gap_m);
+                format!("faded: between\ndepths, to {gap}")
+            }
             None => "no depth map:\nall on one line".to_owned(),
         });
     }

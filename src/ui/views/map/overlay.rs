@@ -10,7 +10,6 @@ use crate::geo::LonLat;
 use crate::pipeline::{DepthMap, Products};
 use crate::survey::Survey;
 use crate::ui::views::legend::{self, Scale};
-use crate::ui::views::ticks;
 use crate::ui::{place, theme};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 use std::sync::Arc;
@@ -115,9 +114,9 @@ fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
     let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
     let reference = scene.products.reduction().reference();
     let depths = scene.range_m().filter(|_| coloured);
-    let depths = depths.map(|range_m| Scale::of_depth(range_m, reference));
+    let depths = depths.map(|range_m| Scale::of_depth(range_m, reference, scene.options.units));
     let residuals = scene.residuals.as_deref();
-    let residuals = residuals.map(|layer| Scale::of_residuals(layer.reach_m));
+    let residuals = residuals.map(|layer| Scale::of_residuals(layer.reach_m, scene.options.units));
     let mut covered = Vec::new();
     for scale in depths.into_iter().chain(residuals) {
         let plate = scale.show(painter, scene.options, corner, height);
@@ -146,7 +145,8 @@ fn north_arrow(painter: &Painter, scene: &Scene<'_>) {
 }
 
 fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
-    let length_m = ticks::round_step(48.0 * scene.transform.metres_per_point, 1.0);
+    let least_m = 48.0 * scene.transform.metres_per_point;
+    let (length_m, text) = scene.options.units.scale_bar(least_m);
     let length = (length_m / scene.transform.metres_per_point) as f32;
     let start = scene.rect.left_bottom() + vec2(40.0, -26.0);
     let end = start + vec2(length, 0.0);
@@ -157,7 +157,6 @@ fn scale_bar(painter: &Painter, scene: &Scene<'_>) -> Rect {
     for at in [start, end] {
         painter.line_segment([at, at - vec2(0.0, 5.0)], stroke);
     }
-    let text = ticks::bar_label(length_m);
     let middle = start + vec2(0.5 * length, -4.0);
     painter.text(
         middle,

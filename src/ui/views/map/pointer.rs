@@ -181,7 +181,8 @@ impl Pointer {
             .pivot(Align2::CENTER_TOP);
         area.show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
-                ui.label(flat_spots::describe(rank, spot));
+                let units = context.app.options.units;
+                ui.label(flat_spots::describe(rank, spot, units));
                 ui.horizontal(|ui| {
                     if ui.button("Calibrate here").clicked() {
                         if let Some(pings) = range_of(scene, rank) {
@@ -225,7 +226,7 @@ impl Pointer {
         if let Some(rank) = flat_spots::under(scene, at) {
             if let Some(spot) = scene.products.flat_spots.get(rank) {
                 let below = plate.left_bottom() + vec2(0.0, 2.0);
-                let text = flat_spots::describe(rank, spot);
+                let text = flat_spots::describe(rank, spot, context.app.options.units);
                 legend::plate(
                     &painter,
                     scene.options,
@@ -280,24 +281,31 @@ fn read_out(app: &App, scene: &Scene<'_>, at: Pos2, near: Option<(LogId, usize)>
         true => "\n",
         false => "   ",
     };
+    let units = app.options.units;
     let mut text = place::written(app, scene.position(at));
     if app.options.coordinates != CoordinateFormat::Utm {
         text += gap(TWO_PLACES);
-        text += &format!("E {east_m:.1} m  N {north_m:.1} m");
+        text += &format!(
+            "E {}  N {}",
+            units.measure(east_m, 1),
+            units.measure(north_m, 1)
+        );
     }
     let depth_map = scene.depth_map.flatten();
     if let Some((depth_m, distance_m)) = depth_map.and_then(|map| map.at([east_m, north_m])) {
         text += gap(ONE_LINE);
         text += &format!(
-            "depth {depth_m:.2} m {} (interpolated, nearest {distance_m:.1} m away)",
-            place::reduction(app).reference().name()
+            "depth {} {} (interpolated, nearest {} away)",
+            units.measure(f64::from(depth_m), 2),
+            place::reduction(app).reference().name(),
+            units.measure(f64::from(distance_m), 1)
         );
     }
     let residuals = scene.residuals.as_deref();
     let reach_m = f64::from(NEAR) * scene.transform.metres_per_point;
     if let Some(difference_m) = residuals.and_then(|layer| layer.at([east_m, north_m], reach_m)) {
         text += gap(ONE_LINE);
-        text += &format!("residual {difference_m:+.3} m");
+        text += &format!("residual {}", units.signed(difference_m, 3));
     }
     if let Some(near) = near {
         text += "   ";

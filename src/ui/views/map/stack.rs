@@ -16,6 +16,7 @@ use crate::app::{DrawnIsobaths, LayerStack, MapLayer, ShownLog};
 use crate::mosaic::{Colours, MosaicSettings};
 use crate::pipeline::{Agreement, DepthMap, Mosaic, Products};
 use crate::pipeline::{Background, Same};
+use crate::presentation::units::Units;
 use crate::render::Uploader;
 use crate::survey::Survey;
 use crate::ui::ViewContext;
@@ -42,7 +43,7 @@ pub struct Layers {
     /// Whether residuals are shown and points are still being compared for them.
     comparing: bool,
     tiles: [(MapLayer, TileLayer); 6],
-    isobaths: Background<Same<DrawnIsobaths>, Arc<IsobathLayer>>,
+    isobaths: Background<(Same<DrawnIsobaths>, Units), Arc<IsobathLayer>>,
     /// What is made of all logs, in words.
     deriving: Vec<&'static str>,
     labels: Background<(Same<IsobathLayer>, i32), Labels>,
@@ -95,7 +96,7 @@ impl Layers {
         let settings = logs.first().map(|one| &one.log.products.settings.mosaic);
         self.take_mosaic(context.app.mosaic().flatten().zip(settings));
         if stack.is_visible(MapLayer::Isobaths) {
-            self.ask_for_isobaths(context, products);
+            self.ask_for_isobaths(context);
         }
         if stack.is_visible(MapLayer::Points) {
             let (logs, options) = (logs.to_vec(), context.app.options.clone());
@@ -197,18 +198,18 @@ impl Layers {
         }
     }
 
-    fn ask_for_isobaths(&mut self, context: &ViewContext<'_>, products: &Products) {
+    fn ask_for_isobaths(&mut self, context: &ViewContext<'_>) {
         let Some(drawn) = context.app.isobaths().cloned() else {
             self.isobaths = Background::default();
             return;
         };
-        let settings = products.settings.isobaths.clone();
-        let key = Same(drawn.clone());
+        let units = context.app.options.units;
+        let key = (Same(drawn.clone()), units);
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
         self.isobaths.ask(key, context.app.jobs(), move |progress| {
-            IsobathLayer::new(&drawn, &settings, uploader.as_ref(), progress).map(Arc::new)
+            IsobathLayer::new(&drawn, units, uploader.as_ref(), progress).map(Arc::new)
         });
     }
 

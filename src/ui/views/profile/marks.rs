@@ -81,7 +81,7 @@ fn pick(painter: &Painter, plot: &Plot, shown: &Shown<'_>, side: Side, options: 
     } else {
         ""
     };
-    let label = format!("{:.2} m{above_bottom}", found.range_m);
+    let label = format!("{}{above_bottom}", options.units.measure(found.range_m, 2));
     let anchor = match side {
         Side::Port => Align2::RIGHT_BOTTOM,
         Side::Starboard => Align2::LEFT_BOTTOM,

@@ -10,6 +10,7 @@ use crate::app::{Command, Mark};
 use crate::cloud::Reduction;
 use crate::first_return::Pick;
 use crate::pipeline::Settings;
+use crate::presentation::units::Units;
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, left_out_words, place, theme};
 use egui::{Rect, Response, Sense, vec2};
@@ -110,7 +111,11 @@ impl ProfileView {
         self.drag_threshold(ui, &response, &plot, context);
         self.hover(&response, &plot, &shown, context);
         response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::Role::Image, true, accessible_name(&shown))
+            egui::WidgetInfo::labeled(
+                egui::Role::Image,
+                true,
+                accessible_name(&shown, context.app.options.units),
+            )
         });
     }
 
@@ -256,16 +261,16 @@ fn empty(painter: &egui::Painter, rect: Rect, response: &Response, text: &str) {
     });
 }
 
-fn accessible_name(shown: &Shown<'_>) -> String {
+fn accessible_name(shown: &Shown<'_>, units: Units) -> String {
     let found = Side::BOTH.map(|side| {
         let found = shown.picks[side as usize];
-        let range = found.map_or("none".to_owned(), |found| format!("{:.2} m", found.range_m));
+        let range = found.map_or("none".to_owned(), |found| units.measure(found.range_m, 2));
         format!("{} first return {range}", side.name())
     });
     let depth = if shown.altitude_m.is_finite() {
         format!(
-            ", recorded bottom {:.2} m below transducer",
-            shown.altitude_m
+            ", recorded bottom {} below transducer",
+            units.measure(shown.altitude_m, 2)
         )
     } else {
         String::new()

@@ -1,8 +1,8 @@
 //! The frame of the profile: intensity up, slant range to both sides.
 
 use crate::app::ViewOptions;
-use crate::presentation::ticks;
-use crate::ui::{text, theme};
+use crate::presentation::units::Units;
+use crate::ui::theme;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
 
 /// Room for the numbers of the vertical axes, points.
@@ -51,13 +51,13 @@ impl Plot {
     }
 
     /// Metres between ticks that leave room for their numbers.
-    fn step_m(&self) -> f64 {
+    fn step_m(&self, units: Units) -> f64 {
         let per_point = 2.0 * self.far_m / f64::from(self.area.width());
-        ticks::round_up(per_point * 44.0)
+        units.round_up_m(per_point * 44.0)
     }
 }
 
-/// Axes with numbers: normalised left, raw right, metres below.
+/// Axes with numbers: normalised left, raw right, slant range below.
 pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
     let ink = theme::plot_ink(options);
     let faint = Stroke::new(1.0, ink.gamma_multiply(0.25));
@@ -77,7 +77,7 @@ pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
             raw.to_owned(),
         );
     }
-    let step_m = plot.step_m();
+    let step_m = plot.step_m(options.units);
     let ticks = (plot.far_m / step_m).floor() as i32;
     for tick in -ticks..=ticks {
         let across_m = f64::from(tick) * step_m;
@@ -87,7 +87,7 @@ pub(super) fn axes(painter: &Painter, plot: &Plot, options: &ViewOptions) {
             area.bottom()..=area.bottom() + 3.0,
             Stroke::new(1.0, ink),
         );
-        let label = text::metres(across_m.abs(), step_m);
+        let label = options.units.tick_with_unit(across_m.abs(), step_m);
         write(pos2(x, area.bottom() + 3.0), Align2::CENTER_TOP, label);
     }
     painter.vline(area.center().x, area.y_range(), faint);

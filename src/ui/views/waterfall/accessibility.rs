@@ -27,7 +27,7 @@ pub(super) fn without_picture(
             "reading the survey".to_owned()
         }
         Some(survey) => {
-            let text = marks::warning(&survey)
+            let text = marks::warning(&survey, context.app.options.units)
                 .unwrap_or_else(|| "no side-scan: no ping has a usable range".to_owned());
             marks::banner(&ui.painter_at(rect), rect, &text);
             text
@@ -60,12 +60,16 @@ fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> S
         (None, true) => "first return not yet found",
         (Some(_), true) => "first return shown",
     };
-    let warning = marks::warning(survey).map_or_else(String::new, |text| format!(", {text}"));
+    let units = context.app.options.units;
+    let warning =
+        marks::warning(survey, units).map_or_else(String::new, |text| format!(", {text}"));
     let left_out = left_out_words::and_stretches(context.app);
     let products = context.app.log.products.as_ref();
     let ranges = products
         .and_then(|products| products.calibration.range_change())
-        .map_or_else(String::new, |change| format!(", {change}"));
+        .map_or_else(String::new, |change| {
+            format!(", {}", units.sentence(&change))
+        });
     format!(
         "Waterfall, pings {} to {} of {}, {first_return}{ranges}{left_out}{warning}",
         visible.start,

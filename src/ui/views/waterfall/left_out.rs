@@ -110,7 +110,7 @@ impl LeaveOutTool {
             painter.line_segment(edge, stroke);
         }
         if let Some(extent) = app.extent_of(app.log.id, part) {
-            let text = left_out_words::of_drag(drag.leave, &extent);
+            let text = left_out_words::of_drag(drag.leave, &extent, app.options.units);
             let at = pos2(area.center().x, area.top() + 18.0);
             labels::text(painter, at, Align2::CENTER_TOP, &text);
         }

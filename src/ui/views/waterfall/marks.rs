@@ -2,6 +2,7 @@
 
 use super::lens::{Lens, Place, across_m};
 use crate::app::Mark;
+use crate::presentation::units::Units;
 use crate::survey::{SideScanState, Survey};
 use crate::ui::theme;
 use egui::{Align2, Color32, Painter, Rect, Stroke, vec2};
@@ -48,14 +49,15 @@ pub(super) fn banner(painter: &Painter, rect: Rect, text: &str) -> Rect {
 }
 
 /// What keeps the picture from being a picture of the bottom.
-pub(super) fn warning(survey: &Survey) -> Option<String> {
+pub(super) fn warning(survey: &Survey, units: Units) -> Option<String> {
     match survey.side_scan_state {
         SideScanState::Usable => None,
         SideScanState::Absent => {
             Some("no side-scan: this log holds no side-scan frames".to_owned())
         }
         SideScanState::Noise { range_m } => Some(format!(
-            "no side-scan: range stuck at ±{range_m:.1} m, noise; was a transducer connected?"
+            "no side-scan: range stuck at ±{}, noise; was a transducer connected?",
+            units.measure(f64::from(range_m), 1)
         )),
     }
 }

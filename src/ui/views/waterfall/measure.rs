@@ -245,7 +245,7 @@ fn shadow(painter: &Painter, lens: &Lens, app: &App, figure: &Measurement) {
     let words = figure
         .shadow()
         .and_then(|(top, recorded_m)| app.shadow_height(top, recorded_m))
-        .map(|found| measured::height(&found));
+        .map(|found| measured::height(&found, app.options.units));
     if let Some(((_, at), words)) = ends.last().zip(words) {
         label(painter, lens, *at, &words);
     }

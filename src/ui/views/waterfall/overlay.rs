@@ -34,8 +34,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     let ink = theme::picture_ink(options);
     let wants_range_lines = options.waterfall.range_lines;
     let reduction = place::reduction(shown.app);
-    let range_lines =
-        wants_range_lines.then(|| RangeLines::in_view(lens, shown.survey, reduction, shown.far_m));
+    let units = options.units;
+    let range_lines = wants_range_lines
+        .then(|| RangeLines::in_view(lens, shown.survey, reduction, shown.far_m, units));
     if let Some(lines) = &range_lines {
         lines.draw(painter, ink);
     }
@@ -81,7 +82,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     scales::sides(&mut labels, lens, options);
     let products = shown.app.log.products.as_ref();
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
-        scales::range_change(&mut labels, lens, &change);
+        scales::range_change(&mut labels, lens, &units.sentence(&change));
     }
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
     for stretch in &veiled {
@@ -95,7 +96,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
 /// What keeps the picture from being one, if anything does.
 fn banner(shown: &Shown<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
-    marks::warning(shown.survey).or_else(|| (!shown.has_gpu).then(no_gpu))
+    marks::warning(shown.survey, shown.app.options.units).or_else(|| (!shown.has_gpu).then(no_gpu))
 }
 
 fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawing) {

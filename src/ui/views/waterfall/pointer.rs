@@ -183,8 +183,10 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
         .and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
         lines += &format!(
-            "\nfirst return dashed: nearer than the depth\nby over {:.2} m (weed, fish, an obstacle)",
-            app.log.settings.first_return.above_bottom_margin_m
+            "\nfirst return dashed: nearer than the depth\nby over {} (weed, fish, an obstacle)",
+            app.options
+                .units
+                .measure(app.log.settings.first_return.above_bottom_margin_m, 2)
         );
     }
     lines
@@ -195,15 +197,16 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
+    let units = app.options.units;
     let mut lines = format!(
-        "ping {}  {}\n{}, range {:.2} m",
+        "ping {}  {}\n{}, range {}",
         mark.ping,
         text::clock(survey.start_unix_s, ping.time_s),
         side.name(),
-        place::range_m(app, mark).unwrap_or(at.across_m.abs()),
+        units.measure(place::range_m(app, mark).unwrap_or(at.across_m.abs()), 2),
     );
     if app.log.products.is_some() {
-        lines += &format!("\n{:.2} m as recorded", at.across_m.abs());
+        lines += &format!("\n{} as recorded", units.measure(at.across_m.abs(), 2));
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
         && let Some(samples) = survey.samples(mark.ping, side)

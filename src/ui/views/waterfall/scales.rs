@@ -5,6 +5,7 @@ use super::lens::{Lens, Place, across_m};
 use crate::app::{Orientation, ViewOptions};
 use crate::cloud::Reduction;
 use crate::presentation::ticks;
+use crate::presentation::units::Units;
 use crate::survey::{Side, SideSpan, Survey};
 use crate::ui::{text, theme};
 use egui::{Align2, Color32, Painter, Pos2, Stroke, vec2};
@@ -25,6 +26,7 @@ const MOST_LINES: u32 = 1000;
 /// stand where the ranges of the cloud and of every read-out are.
 pub(super) struct RangeLines {
     step_m: f64,
+    units: Units,
     lines: Vec<RangeLine>,
 }
 
@@ -36,8 +38,14 @@ struct RangeLine {
 
 impl RangeLines {
     /// The lines that a lens sees of a picture `far_m` wide on each side.
-    pub fn in_view(lens: &Lens, survey: &Survey, reduction: Reduction<'_>, far_m: f64) -> Self {
-        let step_m = ticks::round_up(lens.metres_per_point() * LINE_POINTS);
+    pub fn in_view(
+        lens: &Lens,
+        survey: &Survey,
+        reduction: Reduction<'_>,
+        far_m: f64,
+        units: Units,
+    ) -> Self {
+        let step_m = units.round_up_m(lens.metres_per_point() * LINE_POINTS);
         let seen = lens.metres();
         let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
         let visible = lens.visible(survey.side_scan.len());
@@ -69,7 +77,11 @@ impl RangeLines {
                 }
             }
         }
-        Self { step_m, lines }
+        Self {
+            step_m,
+            units,
+            lines,
+        }
     }
 
     /// Draws the lines.
@@ -92,7 +104,7 @@ impl RangeLines {
         };
         for line in &self.lines {
             if let Some(start) = line.points.first() {
-                let label = text::metres(line.range_m, self.step_m);
+                let label = self.units.tick_with_unit(line.range_m, self.step_m);
                 labels.write(*start + shift, anchor, &label, INK);
             }
         }
@@ -234,7 +246,7 @@ mod tests {
         };
         let size = Size::of(rect.size(), Orientation::Horizontal);
         let lens = Lens::new(Camera::start(&extent, size), rect, Orientation::Horizontal);
-        let lines = RangeLines::in_view(&lens, &survey, reduction, 20.0);
+        let lines = RangeLines::in_view(&lens, &survey, reduction, 20.0, Units::default());
         assert!(lines.lines.len() > 4);
         for line in &lines.lines {
             let recorded_m = lens.place_at(line.points[0]).across_m.abs();

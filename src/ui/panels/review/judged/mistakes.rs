@@ -4,7 +4,7 @@ use super::super::super::parts::{list_rows, remark, row};
 use crate::app::{Action, Command, MistakeSort};
 use crate::detection::metrics::Cause;
 use crate::detection::truth::{Comparison, Mistake};
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, theme};
 use egui::{Button, ComboBox, RichText, Ui};
 
 /// Draws the list, how it is sorted, and the buttons that walk along it.
@@ -61,7 +61,7 @@ fn list(ui: &mut Ui, context: &mut ViewContext<'_>, comparison: &Comparison, mis
 
 /// `rock 0.87, background, 1.2 m` or `missed tyre, 0.8 m`.
 fn said(context: &ViewContext<'_>, comparison: &Comparison, mistake: &Mistake) -> String {
-    let size = text::measure(mistake.size_m(), 1, "m");
+    let size = context.app.options.units.measure(mistake.size_m(), 1);
     match mistake {
         Mistake::FalseAlarm {
             id, score, cause, ..

@@ -9,9 +9,10 @@ use super::overlay::Scene;
 use crate::app::{DrawnIsobaths, ThemeChoice};
 use crate::bathymetry::isobaths::IsobathSettings;
 use crate::pipeline::Isobaths;
+use crate::presentation::units::{LengthUnit, Units};
 use crate::progress::Progress;
 use crate::render::{Specks, Uploader, Vertex};
-use crate::ui::views::{legend, ticks};
+use crate::ui::views::legend;
 use eframe::egui_wgpu::RenderState;
 use egui::epaint::TextShape;
 use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
@@ -57,26 +58,27 @@ impl IsobathLayer {
     /// Makes them ready to draw; `None` when cancelled.
     pub fn new(
         drawn: &DrawnIsobaths,
-        settings: &IsobathSettings,
+        units: Units,
         uploader: Option<&Uploader>,
         progress: &Progress,
     ) -> Option<Self> {
         let grid = &drawn.depth_map.surface.grid;
+        let settings = &drawn.settings;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
         let origin_m = drawn.depth_map.to_survey(middle);
         let isobaths = drawn.isobaths.as_deref().unwrap_or(&NONE);
         let levels_m = &isobaths.levels_m;
         let note = match &drawn.isobaths {
-            Ok(_) => note(settings, levels_m),
+            Ok(_) => note(settings, levels_m, units),
             Err(_) => "no isobaths:\ntoo small a step".to_owned(),
         };
         let step_m = step_m(settings, levels_m);
-        let decimals = decimals(levels_m);
+        let decimals = decimals(levels_m, units);
         let from_origin =
             |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] - origin_m[axis]) as f32);
         let lines: Vec<GroundLine> = (isobaths.lines.iter().zip(&drawn.on_ground))
             .map(|(line, places)| GroundLine {
-                text: format!("{:.decimals$}", line.depth_m + 0.0),
+                text: format!("{:.decimals$}", units.from_m(line.depth_m) + 0.0),
                 is_index: step_m.is_some_and(|step_m| is_index(line.depth_m, step_m)),
                 points: places.iter().map(from_origin).collect(),
             })
@@ -129,28 +131,34 @@ fn is_index(depth_m: f64, step_m: f64) -> bool {
     (count / INDEX).fract() == 0.0
 }
 
-/// Digits after the point that distinguish the levels, at most three.
-fn decimals(levels_m: &[f64]) -> usize {
+/// Digits after the point that distinguish the levels: at most three, and two where levels that are round in metres are not shown in
+/// metres.
+fn decimals(levels_m: &[f64], units: Units) -> usize {
+    let most = match units.length {
+        LengthUnit::Metres => 3,
+        LengthUnit::Feet | LengthUnit::Fathoms => 2,
+    };
     let needs = |level_m: &f64| {
         let fits = |digits: &i32| {
-            let scaled = level_m * 10f64.powi(*digits);
+            let scaled = units.from_m(*level_m) * 10f64.powi(*digits);
             (scaled - scaled.round()).abs() < 1e-6
         };
-        (0..3).find(fits).unwrap_or(3) as usize
+        (0..most).find(fits).unwrap_or(most) as usize
     };
     levels_m.iter().map(needs).max().unwrap_or(0)
 }
 
-fn note(settings: &IsobathSettings, levels_m: &[f64]) -> String {
+fn note(settings: &IsobathSettings, levels_m: &[f64], units: Units) -> String {
     if levels_m.is_empty() {
         return "no isobath in\nthese depths".to_owned();
     }
     match step_m(settings, levels_m) {
-        Some(step_m) => format!(
-            "isobaths: {} m,\nthick {} m",
-            ticks::label(step_m, step_m),
-            ticks::label(INDEX * step_m, step_m)
-        ),
+        Some(step_m) => {
+            let decimals = decimals(&[step_m], units);
+            let [thin, thick] = [1.0, INDEX].map(|times| units.from_m(times * step_m));
+            let unit = units.symbol();
+            format!("isobaths: {thin:.decimals$} {unit},\nthick {thick:.decimals$} {unit}")
+        }
         None => "isobaths at\nlisted depths".to_owned(),
     }
 }
@@ -243,6 +251,7 @@ mod tests {
 
     #[test]
     fn labels_have_the_decimals_that_tell_them_apart() {
+        let decimals = |levels_m: &[f64]| decimals(levels_m, Units::default());
         assert_eq!(decimals(&[1.0, 2.0]), 0);
         assert_eq!(decimals(&[1.0, 1.2, 1.4]), 1);
         assert_eq!(decimals(&[0.25, 0.5]), 2);
@@ -253,8 +262,15 @@ mod tests {
     fn the_legend_tells_the_interval() {
         let mut settings = IsobathSettings::default();
         let levels_m = [2.0, 2.2, 2.4];
-        assert!(note(&settings, &levels_m).contains("0.2 m,\nthick 1.0 m"));
+        let metres = Units::default();
+        assert!(note(&settings, &levels_m, metres).contains("0.2 m,\nthick 1.0 m"));
+        let feet = Units {
+            length: LengthUnit::Feet,
+            ..metres
+        };
+        let levels_ft = [3.048, 4.572];
+        assert!(note(&settings, &levels_ft, feet).contains("5 ft,\nthick 25 ft"));
         settings.depths_m = levels_m.to_vec();
-        assert!(note(&settings, &levels_m).contains("listed"));
+        assert!(note(&settings, &levels_m, metres).contains("listed"));
     }
 }

@@ -81,7 +81,8 @@ impl Frame {
             painter.text(at, anchor, text, legend::font(), ink);
         };
         let [top_m, bottom_m] = self.depths_m;
-        let step_m = ticks::round_step(
+        let units = options.units;
+        let step_m = units.round_step_m(
             bottom_m - top_m,
             f64::from(self.area.height() / 24.0).max(1.0),
         );
@@ -91,20 +92,25 @@ impl Frame {
             write(
                 pos2(self.area.left() - 4.0, y),
                 Align2::RIGHT_CENTER,
-                ticks::label(depth_m, step_m),
+                units.tick(depth_m, step_m),
             );
         }
-        let step_m = ticks::round_step(self.length_m, f64::from(self.area.width() / 70.0).max(1.0));
+        let most = f64::from(self.area.width() / 70.0).max(1.0);
+        let step_m = units.round_step_m(self.length_m, most);
         // The unit stands once, at the end of the axis.
         let last_m = self.distance_m(self.area.right() - 78.0);
         for distance_m in ticks::multiples(0.0, last_m, step_m) {
             let x = self.x(distance_m);
             painter.vline(x, self.area.bottom()..=self.area.bottom() + 3.0, (1.0, ink));
             let at = pos2(x, self.area.bottom() + 4.0);
-            write(at, Align2::CENTER_TOP, ticks::label(distance_m, step_m));
+            write(at, Align2::CENTER_TOP, units.tick(distance_m, step_m));
         }
         let end = pos2(self.area.right(), self.area.bottom() + 4.0);
-        write(end, Align2::RIGHT_TOP, "distance, m".to_owned());
+        write(
+            end,
+            Align2::RIGHT_TOP,
+            format!("distance, {}", units.symbol()),
+        );
         for corner_m in corners_m {
             painter.vline(self.x(*corner_m), self.area.y_range(), faint);
         }

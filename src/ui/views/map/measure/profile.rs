@@ -3,7 +3,8 @@
 use super::frame::Frame;
 use crate::app::{Action, App, Command, ProfileLine};
 use crate::bathymetry::Station;
-use crate::ui::{ViewContext, place, text, theme};
+use crate::presentation::units::Units;
+use crate::ui::{ViewContext, place, theme};
 use egui::{
     Button, Color32, FontId, Label, Mesh, Painter, Pos2, Rect, RichText, Role, Sense, Shape,
     Stroke, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -82,11 +83,14 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, hovered_m: &mu
     if let Some(station) = pointed {
         mark(&painter, &frame, station, context);
     }
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name(stations, pointed)));
+    let units = context.app.options.units;
+    let name = name(stations, pointed, units);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
 }
 
 fn head_line(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, frame: Option<&Frame>) {
     let line = context.app.measuring.profile();
+    let units = context.app.options.units;
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
@@ -109,7 +113,7 @@ fn head_line(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, frame: Opti
                 if let Some(frame) = frame {
                     let figures = format!(
                         "{}, ×{:.0} vertical",
-                        figures(line.map_or(&[], |line| &line.stations)),
+                        figures(line.map_or(&[], |line| &line.stations), units),
                         frame.exaggeration()
                     );
                     ui.add(Label::new(RichText::new(figures).small()).truncate());
@@ -129,13 +133,14 @@ fn lack(line: Option<&ProfileLine>) -> &'static str {
 }
 
 /// Length, depths, and how much of the line has none.
-fn figures(stations: &[Station]) -> String {
+fn figures(stations: &[Station], units: Units) -> String {
     let length_m = stations.last().map_or(0.0, |last| last.distance_m);
     let depths = || stations.iter().filter_map(|station| station.depth_m);
-    let mut text = text::length(length_m);
+    let mut text = units.ground_length(length_m);
     if let (Some(shallow_m), Some(deep_m)) = (depths().reduce(f32::min), depths().reduce(f32::max))
     {
-        text += &format!(", {shallow_m:.2} to {deep_m:.2} m deep");
+        let depths_m = [shallow_m, deep_m].map(f64::from);
+        text += &format!(", {} deep", units.span(depths_m, 2));
     }
     let unknown = stations.len() - depths().count();
     if unknown > 0 {
@@ -147,17 +152,19 @@ fn figures(stations: &[Station]) -> String {
     text
 }
 
-fn name(stations: &[Station], pointed: Option<&Station>) -> String {
-    let at = pointed.map_or_else(String::new, |station| format!("; {}", words(station)));
-    format!("Depth profile, {}{at}", figures(stations))
+fn name(stations: &[Station], pointed: Option<&Station>, units: Units) -> String {
+    let at = pointed.map_or_else(String::new, |station| {
+        format!("; {}", words(station, units))
+    });
+    format!("Depth profile, {}{at}", figures(stations, units))
 }
 
-fn words(station: &Station) -> String {
+fn words(station: &Station, units: Units) -> String {
     let depth = station.depth_m.map_or_else(
         || "no depth".to_owned(),
-        |depth_m| format!("{depth_m:.2} m deep"),
+        |depth_m| format!("{} deep", units.measure(f64::from(depth_m), 2)),
     );
-    format!("at {}: {depth}", text::length(station.distance_m))
+    format!("at {}: {depth}", units.ground_length(station.distance_m))
 }
 
 /// The bed as a line with the ground under it, broken where nothing is known.
@@ -183,7 +190,8 @@ fn curve(painter: &Painter, frame: &Frame, stations: &[Station], context: &ViewC
     let ink = theme::plot_ink(&context.app.options);
     let corner = frame.area.left_top() + vec2(4.0, 2.0);
     let font = crate::ui::views::legend::font();
-    let title = place::reduction(context.app).reference().title();
+    let title = place::reduction(context.app).reference();
+    let title = title.title(context.app.options.units.symbol());
     painter.text(corner, egui::Align2::LEFT_TOP, title, font, ink);
 }
 
@@ -216,5 +224,12 @@ fn mark(painter: &Painter, frame: &Frame, station: &Station, context: &ViewConte
     };
     let at = pos2(x + shift, frame.area.bottom() - 4.0);
     let ink = theme::canvas_text_colour(options);
-    crate::ui::views::legend::plate(painter, options, at, anchor, &words(station), ink);
+    crate::ui::views::legend::plate(
+        painter,
+        options,
+        at,
+        anchor,
+        &words(station, options.units),
+        ink,
+    );
 }
