@@ -104,6 +104,7 @@ impl Logs {
         status: &StatusLine,
         progress: &Progress,
     ) -> Result<Products, String> {
+        status.work_on("", survey.side_scan.len());
         let products = pipeline::run(survey, &self.settings, None, progress, |stage| {
             status.step(stage.name())
         });

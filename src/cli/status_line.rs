@@ -1,5 +1,5 @@
-//! Progress of a headless run on stderr: one line that is rewritten on a terminal; elsewhere a line a step, and lines at intervals while
-//! a step takes long.
+//! Progress of a headless run on stderr: one line that is rewritten on a terminal; elsewhere a line a step, and lines with share and rate
+//! at intervals while a step takes long.
 
 use super::output;
 use crate::progress::Progress;
@@ -32,6 +32,16 @@ pub struct StatusLine {
 struct Step {
     name: String,
     began: Instant,
+    work: Work,
+}
+
+/// What the steps are done to.
+#[derive(Clone, Debug, Default)]
+struct Work {
+    /// What it is called before the step's name; empty where there is one thing only.
+    name: String,
+    /// Its side-scan pings; 0 where it has none.
+    pings: usize,
 }
 
 impl StatusLine {
@@ -40,6 +50,7 @@ impl StatusLine {
         let step = Arc::new(Mutex::new(Step {
             name: String::new(),
             began: Instant::now(),
+            work: Work::default(),
         }));
         let is_terminal = std::io::stderr().is_terminal();
         let (going_on, stop) = mpsc::channel();
@@ -67,14 +78,50 @@ impl StatusLine {
         }
     }
 
+    /// Says what the steps that follow are done to: how many side-scan pings, and `log 2 of 5` where there is more than one thing.
+    pub fn work_on(&self, name: &str, pings: usize) {
+        lock(&self.step).work = Work {
+            name: name.to_owned(),
+            pings,
+        };
+    }
+
     /// Names the step that begins.
     pub fn step(&self, name: &str) {
-        *lock(&self.step) = Step {
-            name: name.to_owned(),
-            began: Instant::now(),
+        let (ended, begun) = {
+            let mut step = lock(&self.step);
+            let ended = step.ended(Instant::now());
+            step.name = match step.work.name.as_str() {
+                "" => name.to_owned(),
+                work => format!("{work}: {name}"),
+            };
+            step.began = Instant::now();
+            (ended, step.name.clone())
         };
         if !self.is_terminal {
-            output::notify(name);
+            ended.into_iter().for_each(output::notify);
+            output::notify(begun);
+        }
+    }
+}
+
+impl Step {
+    /// The line about a step that is over, if it took long.
+    fn ended(&self, now: Instant) -> Option<String> {
+        let passed = now.saturating_duration_since(self.began);
+        let is_worth = passed >= LEAST && !self.name.is_empty();
+        is_worth.then(|| {
+            let (name, passed_s) = (&self.name, passed.as_secs_f32());
+            format!("{name} done, {passed_s:.0} s{}", self.rate(1.0, passed))
+        })
+    }
+
+    /// How many pings a second a share of the work makes, with the comma before it.
+    fn rate(&self, share: f32, passed: Duration) -> String {
+        let rate = self.work.pings as f32 * share / passed.as_secs_f32().max(f32::MIN_POSITIVE);
+        match rate > 0.0 && rate.is_finite() {
+            true => format!(", {rate:.0} pings/s"),
+            false => String::new(),
         }
     }
 }
@@ -88,11 +135,14 @@ fn lock(step: &Mutex<Step>) -> std::sync::MutexGuard<'_, Step> {
 struct Lines {
     /// When the step began that the last line was about, when that was said, and the share then.
     last: Option<(Instant, Instant, f32)>,
+    /// The part of a step that is under way: when the step and the part began, and the share at the last look.
+    part: Option<(Instant, Instant, f32)>,
 }
 
 impl Lines {
     /// The line that is due now: of a step that goes on for long, after each tenth, or after a longer silence.
     fn next(&mut self, step: &Step, fraction: f32, now: Instant) -> Option<String> {
+        let part_began = self.part_of(step, fraction, now);
         // The line that named the step counts as the first.
         let (said, share) = match self.last {
             Some((began, said, share)) if began == step.began => (said, share),
@@ -108,10 +158,29 @@ impl Lines {
         self.last = Some((step.began, now, fraction));
         let passed_s = now.saturating_duration_since(step.began).as_secs_f32();
         let line = format!("{} {:.0} %, {passed_s:.0} s", step.name, 100.0 * fraction);
-        Some(match fraction > 0.0 && fraction < 1.0 {
-            true => format!("{line}, {:.0} s to go", passed_s * (1.0 / fraction - 1.0)),
+        let of_part = now.saturating_duration_since(part_began);
+        let goes_on = fraction > 0.0 && fraction < 1.0 && !of_part.is_zero();
+        Some(match goes_on {
+            true => format!(
+                "{line}{}, {:.0} s to go",
+                step.rate(fraction, of_part),
+                of_part.as_secs_f32() * (1.0 / fraction - 1.0)
+            ),
             false => line,
         })
+    }
+
+    /// When the part of the step under way began: its share falls where the next one does.
+    fn part_of(&mut self, step: &Step, fraction: f32, now: Instant) -> Instant {
+        let began = match self.part {
+            Some((of, began, share)) if of == step.began => match fraction < share {
+                true => now,
+                false => began,
+            },
+            _ => step.began,
+        };
+        self.part = Some((step.began, began, fraction));
+        began
     }
 }
 
@@ -129,6 +198,10 @@ impl Drop for StatusLine {
         if let Some(painter) = self.painter.take() {
             painter.join().ok();
         }
+        if !self.is_terminal {
+            let ended = lock(&self.step).ended(Instant::now());
+            ended.into_iter().for_each(output::notify);
+        }
     }
 }
 
@@ -136,41 +209,65 @@ impl Drop for StatusLine {
 mod tests {
     use super::*;
 
+    fn step(name: &str, began: Instant, pings: usize) -> Step {
+        Step {
+            name: name.to_owned(),
+            began,
+            work: Work {
+                pings,
+                ..Work::default()
+            },
+        }
+    }
+
     #[test]
     fn a_long_step_speaks_after_each_tenth_and_never_stays_silent() {
         let began = Instant::now();
-        let step = Step {
-            name: "objects".to_owned(),
-            began,
-        };
+        let objects = step("objects", began, 8000);
         let mut lines = Lines::default();
         let mut at = |seconds: f32, fraction: f32| {
-            lines.next(&step, fraction, began + Duration::from_secs_f32(seconds))
+            lines.next(&objects, fraction, began + Duration::from_secs_f32(seconds))
         };
         assert_eq!(at(0.1, 0.05), None);
-        assert_eq!(at(1.9, 0.3), None, "too early");
+        assert_eq!(at(1.9, 0.2), None, "too early");
         assert_eq!(
             at(4.0, 0.25).as_deref(),
-            Some("objects 25 %, 4 s, 12 s to go")
+            Some("objects 25 %, 4 s, 500 pings/s, 12 s to go")
         );
         assert_eq!(at(6.5, 0.3), None, "no tenth more");
         assert_eq!(
             at(10.0, 0.5).as_deref(),
-            Some("objects 50 %, 10 s, 10 s to go")
+            Some("objects 50 %, 10 s, 400 pings/s, 10 s to go")
         );
         assert_eq!(at(19.9, 0.51), None);
         assert_eq!(
             at(20.5, 0.51).as_deref(),
-            Some("objects 51 %, 20 s, 20 s to go")
+            Some("objects 51 %, 20 s, 199 pings/s, 20 s to go")
         );
         assert_eq!(at(23.0, 1.0).as_deref(), Some("objects 100 %, 23 s"));
-        // Of a step whose length nobody knows, the time.
-        let next = Step {
-            name: "cloud".to_owned(),
-            began: began + Duration::from_secs(23),
+        // The next part of it has a share and a rate of its own.
+        assert_eq!(at(25.0, 0.0).as_deref(), Some("objects 0 %, 25 s"));
+        assert_eq!(
+            at(27.0, 0.2).as_deref(),
+            Some("objects 20 %, 27 s, 800 pings/s, 8 s to go")
+        );
+        let line = objects.ended(began + Duration::from_secs(32));
+        assert_eq!(line.as_deref(), Some("objects done, 32 s, 250 pings/s"));
+    }
+
+    #[test]
+    fn a_step_whose_length_or_pings_nobody_knows_has_the_time() {
+        let began = Instant::now();
+        let cloud = step("cloud", began, 0);
+        let mut lines = Lines::default();
+        let mut at = |seconds: u64, fraction: f32| {
+            lines.next(&cloud, fraction, began + Duration::from_secs(seconds))
         };
-        let mut at = |seconds: u64| lines.next(&next, 0.0, began + Duration::from_secs(seconds));
-        assert_eq!(at(25), None);
-        assert_eq!(at(33).as_deref(), Some("cloud 0 %, 10 s"));
+        assert_eq!(at(2, 0.0), None);
+        assert_eq!(at(10, 0.0).as_deref(), Some("cloud 0 %, 10 s"));
+        assert_eq!(at(20, 0.5).as_deref(), Some("cloud 50 %, 20 s, 20 s to go"));
+        let ended = |seconds: u64| cloud.ended(began + Duration::from_secs(seconds));
+        assert_eq!(ended(1), None, "not worth a line");
+        assert_eq!(ended(30).as_deref(), Some("cloud done, 30 s"));
     }
 }

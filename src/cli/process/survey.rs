@@ -85,8 +85,18 @@ pub fn all_processed(
     status: &StatusLine,
     progress: &Progress,
 ) -> Result<Vec<ProcessedLog>, String> {
-    let one = |log: &OpenedLog| processed(&log.survey, &log.settings, None, status, progress);
-    opened.iter().map(one).collect()
+    let one = |(number, log): (usize, &OpenedLog)| {
+        let name = match opened.len() {
+            1 => String::new(),
+            count => format!("log {number} of {count}"),
+        };
+        status.work_on(&name, log.survey.side_scan.len());
+        processed(&log.survey, &log.settings, None, status, progress)
+    };
+    let logs = (1..).zip(opened).map(one).collect();
+    let all = opened.iter().map(|log| log.survey.side_scan.len());
+    status.work_on("", all.sum());
+    logs
 }
 
 /// Runs the pipeline on a log; what does not depend on the settings that changed is taken from `previous`.
