@@ -111,15 +111,24 @@ fn a_choice_has_all_names_that_its_type_has() {
 #[test]
 fn help_and_manual_hold_every_key() {
     let (help, page) = (help(), markdown());
+    // The help breaks its lines; a meaning is in it word by word.
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let in_one_line = words(&help);
     for row in ROWS {
-        assert!(help.contains(&format!("\n{} ", row.key)), "{}", row.key);
+        let said = format!("\n{} = {}, ", row.key, row.values());
+        assert!(help.contains(&said), "{said}");
+        assert!(in_one_line.contains(&words(&row.meaning())), "{}", row.key);
         assert!(page.contains(&format!("| `{}` |", row.key)), "{}", row.key);
+    }
+    for line in help.lines().filter(|line| line.starts_with(' ')) {
+        assert!(line.chars().count() <= 88, "{line}");
     }
     let radius = help
         .lines()
         .find(|line| line.starts_with("outliers.radius_m "));
-    let radius = radius.expect("a line");
-    assert!(radius.ends_with("  0.01 to 100 m"), "{radius}");
+    assert_eq!(radius, Some("outliers.radius_m = 0.01 to 100 m, default 1"));
+    assert!(help.contains("\ncloud.geometry = slope | "));
+    assert!(help.contains("\n      nadir: z = r, y = 0"), "{help}");
     let line = page.lines().find(|line| line.contains("`projection`"));
     let line = line.expect("a line");
     assert!(
