@@ -10,7 +10,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Where the chips lie in the folder of the products.
+/// Where the chips lie beside their table.
 const FOLDER: &str = "chips";
 /// Where a version wrote them that did not write the files of a run together.
 const PASSING: &str = "chips.part";
@@ -35,7 +35,7 @@ fn fail(path: &Path) -> impl FnOnce(io::Error) -> ExportError {
 }
 
 impl ChipFolder {
-    /// A folder for the chips in `output`, where the other files of a run are on their way.
+    /// A folder for the chips in `output`, where their table is on its way.
     ///
     /// # Errors
     /// When the folder cannot be made.
@@ -73,19 +73,25 @@ impl ChipFolder {
     }
 }
 
-/// Chips in a folder of products that go with its table of boxes, when that is in `removed` or gives way to one in `new`: those
-/// with a number and a class of either table for a name. Other files in there are somebody's own.
-pub(crate) fn earlier_chips(output: &Path, new: &Path, removed: &[String]) -> Vec<String> {
-    let replaced = new.join(TABLE);
-    if !replaced.exists() && !removed.iter().any(|name| name == TABLE) {
+/// Chips in the subfolder `of` of a folder of products that go with its table of boxes, when that is in `removed` or gives way to one
+/// in `new`: those with a number and a class of either table for a name. Other files in there are somebody's own.
+pub(crate) fn earlier_chips(
+    output: &Path,
+    of: &str,
+    new: Option<&Path>,
+    removed: &[String],
+) -> Vec<String> {
+    let table = format!("{of}{TABLE}");
+    let replaced = new.map(|new| new.join(TABLE)).filter(|new| new.exists());
+    if replaced.is_none() && !removed.contains(&table) {
         return Vec::new();
     }
-    let mut known = classes_in(&output.join(TABLE));
-    known.extend(classes_in(&replaced));
+    let mut known = classes_in(&output.join(&table));
+    known.extend(replaced.into_iter().flat_map(|new| classes_in(&new)));
     known.insert(UNNAMED.to_owned());
-    let chips = chips_in(&output.join(FOLDER), |class| known.contains(class));
+    let chips = chips_in(&output.join(of).join(FOLDER), |class| known.contains(class));
     let names = chips.iter().filter_map(|chip| chip.file_name()?.to_str());
-    names.map(|name| format!("{FOLDER}/{name}")).collect()
+    names.map(|name| format!("{of}{FOLDER}/{name}")).collect()
 }
 
 /// Removes chips that a version which is no more left half done; best effort.
@@ -183,11 +189,19 @@ mod tests {
         }
         fs::create_dir(output.join(FOLDER).join("0004-rock.png")).unwrap();
         fs::create_dir(&new).unwrap();
-        assert!(earlier_chips(&output, &new, &[]).is_empty());
-        let mut found = earlier_chips(&output, &new, &[TABLE.to_owned()]);
+        let root = temporary.path();
+        let earlier = |removed: &[String]| earlier_chips(root, "out/", Some(&new), removed);
+        assert!(earlier(&[]).is_empty());
+        let mut found = earlier(&["out/detections.csv".to_owned()]);
         found.sort();
-        assert_eq!(found, ours.map(|name| format!("chips/{name}")));
+        assert_eq!(found, ours.map(|name| format!("out/chips/{name}")));
         fs::write(new.join(TABLE), "id,class\n1,tyre\n").unwrap();
-        assert_eq!(earlier_chips(&output, &new, &[]).len(), 3);
+        assert_eq!(earlier(&[]).len(), 3);
+        // Those of a version without subfolders go with their own table only.
+        assert!(earlier_chips(&output, "", None, &[]).is_empty());
+        assert_eq!(
+            earlier_chips(&output, "", None, &[TABLE.to_owned()]).len(),
+            3
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! The tables of pings and points, and the cloud for other programs.
 
-use super::record::{Coordinates, FileContent};
+use super::manifest::{Coordinates, FileContent};
 use super::results::Results;
 use crate::cloud::CloudPoint;
 use crate::export::{self, LogPoints};

@@ -1,7 +1,7 @@
 //! `comparison.json` and `comparison.csv`: a survey against a reference, in figures and point by point.
 
 use super::logs::{log_names, log_points};
-use super::record::{Coordinates, FileContent, write_json};
+use super::manifest::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::bathymetry::compare::{Comparison, Match};
 use crate::export::{self, Summary};

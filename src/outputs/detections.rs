@@ -1,8 +1,8 @@
 //! What a search for objects proposes: `detections.*` and `chips`, with a run or into a folder that may hold the files of one.
 
+use super::manifest::{Coordinates, FileContent};
 use super::objects::ObjectRows;
-use super::record::{Coordinates, FileContent};
-use super::registry::{When, row_of};
+use super::registry::{When, row_of, row_of_beside};
 use super::results::Results;
 use super::run_folder::RunFolder;
 use super::write::{Order, write_rows};
@@ -79,7 +79,8 @@ pub fn write_detected_in_picture(
     progress: &Progress,
 ) -> Result<Vec<Scored>, OutputError> {
     let found = find_in_picture(picture, model, settings, progress)?;
-    let folder = run.path();
+    let folder = run.path().join("objects");
+    // The chips come first, and make the folder.
     export::picture_chips(&folder, picture, model.names(), &found).and_then(|_| {
         let table = folder.join("detections.csv");
         export::picture_boxes_csv(&table, name, model.names(), &found)
@@ -88,8 +89,10 @@ pub fn write_detected_in_picture(
     Ok(found)
 }
 
+/// Whether a file is of a search, in whatever version's layout.
 fn is_of_search(name: &str) -> bool {
-    row_of(name).is_some_and(|row| row.when == When::Searched)
+    let row = row_of(name).or_else(|| row_of_beside(name));
+    row.is_some_and(|row| row.when == When::Searched)
 }
 
 /// Writes `detections.csv`.

@@ -2,9 +2,14 @@
 
 use super::registry::{OUTPUT_FILES, OutputFile, row_of};
 use crate::pipeline::{Settings, setting_values};
+use crate::survey::Survey;
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
+use std::ffi::OsString;
 use std::path::Path;
+
+/// What a run of a version without a manifest beside it named its inputs in.
+const REPORT: &str = "report.json";
 
 /// What a folder says of the run that wrote into it.
 #[derive(Clone, Debug)]
@@ -58,6 +63,47 @@ impl EarlierRun {
         let words = words_that_differ(earlier, settings);
         written().filter(|row| row.depends_on(&words)).collect()
     }
+}
+
+/// Whether the run in a folder is of these logs, by the names and sizes of their files, or of some of them and no other, or of them and
+/// others.
+pub fn is_run_of(folder: &Path, surveys: &[&Survey]) -> bool {
+    let read = |record: &Path| -> Option<Origin> {
+        let origin: Origin = serde_json::from_slice(&std::fs::read(record).ok()?).ok()?;
+        origin.program.starts_with("bathyscope ").then_some(origin)
+    };
+    // Versions without subfolders kept the manifest in the report.
+    let mut records = [super::MANIFEST, REPORT]
+        .map(|name| folder.join(name))
+        .into_iter();
+    let Some(origin) = records.find_map(|record| read(&record)) else {
+        return false;
+    };
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_owned();
+    let inputs = origin.inputs.iter();
+    let earlier: HashSet<(OsString, usize)> = inputs
+        .map(|input| (name(Path::new(&input.file)), input.bytes))
+        .collect();
+    let files = surveys.iter().flat_map(|survey| {
+        let lengths = survey.bytes.iter().map(|bytes| bytes.len());
+        survey.source.files.iter().zip(lengths)
+    });
+    let now: HashSet<(OsString, usize)> =
+        files.map(|(path, length)| (name(path), length)).collect();
+    !now.is_empty() && (now.is_subset(&earlier) || earlier.is_subset(&now))
+}
+
+/// What a run was made from.
+#[derive(Deserialize)]
+struct Origin {
+    program: String,
+    inputs: Vec<InputFile>,
+}
+
+#[derive(Deserialize)]
+struct InputFile {
+    file: String,
+    bytes: usize,
 }
 
 /// First words of the settings that are not the same.

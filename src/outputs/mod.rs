@@ -4,7 +4,7 @@
 //! `overwrite` keeps them from taking the place of what they are made from, `earlier_run` tells which are
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
-//! side-scan mosaic, `detections` what a search proposes, `objects` makes one object of its sightings in all logs, `page` writes the report; `record` is what lies beside each file. `boxes` writes
+//! side-scan mosaic, `detections` what a search proposes, `objects` makes one object of its sightings in all logs, `page` writes the report; `manifest` lists the files with what each is. `boxes` writes
 //! what was decided about boxes, `training_tiles` as pictures for training.
 
 mod boxes;
@@ -15,12 +15,12 @@ mod detections;
 mod earlier_run;
 mod error;
 mod logs;
+mod manifest;
 mod mosaic;
 mod objects;
 mod overwrite;
 mod page;
 mod product;
-mod record;
 mod registry;
 mod residuals;
 mod results;
@@ -32,15 +32,15 @@ mod write;
 pub use boxes::{BoxesWritten, write_boxes};
 pub use comparison::{ComparisonRecord, write_differences};
 pub use detections::{Proposed, write_detected, write_detected_in_picture};
-pub use earlier_run::EarlierRun;
+pub use earlier_run::{EarlierRun, is_run_of};
 pub use error::OutputError;
 pub use logs::log_names;
 pub use overwrite::begin;
 pub use product::{Product, files_in_words};
 pub use registry::{Described, OUTPUT_FILES, OutputFile, When, row_of};
 pub use results::Need;
-pub use run_folder::RunFolder;
+pub use run_folder::{Replaced, RunFolder};
 pub use write::{Order, Written, write};
 
 /// The file that names all files of a run, in place last.
-pub const MANIFEST: &str = "report.json";
+pub const MANIFEST: &str = "manifest.json";

@@ -1,6 +1,6 @@
 //! Writes the side-scan mosaic.
 
-use super::record::{Coordinates, FileContent};
+use super::manifest::{Coordinates, FileContent};
 use super::results::Results;
 use crate::bathymetry::Grid;
 use crate::export::{Summary, geotiff};

@@ -1,7 +1,8 @@
 //! No file is written over one that it is made from.
 
-use super::registry::OUTPUT_FILES;
-use super::run_folder::{MANIFESTS, RunFolder};
+use super::MANIFEST;
+use super::registry::{OUTPUT_FILES, OutputFile};
+use super::run_folder::{EARLIER_MANIFESTS, RunFolder, has_foreign_manifest};
 use super::write::Order;
 use crate::export::is_same_file;
 use crate::outputs::OutputError;
@@ -12,10 +13,20 @@ use std::path::{Path, PathBuf};
 /// Whether a run may write a file whose name, without its ending, is this one.
 pub(super) fn is_stem_of_output(stem: &str) -> bool {
     let stems = OUTPUT_FILES.iter().map(|row| row.stem());
-    let manifests = MANIFESTS.iter().map(|name| name.trim_end_matches(".json"));
+    let manifests = EARLIER_MANIFESTS
+        .iter()
+        .map(|name| name.trim_end_matches(".json"));
     stems
         .chain(manifests)
         .any(|one| one.eq_ignore_ascii_case(stem))
+}
+
+/// Subfolders in which a run may write a file whose name, without its ending, is this one.
+fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
+    let rows = OUTPUT_FILES
+        .iter()
+        .filter(move |row| row.stem().eq_ignore_ascii_case(stem));
+    rows.map(OutputFile::folder)
 }
 
 /// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
@@ -51,6 +62,13 @@ pub fn begin<'a>(
 ) -> Result<RunFolder, OutputError> {
     let reference = reference.map(Reference::path);
     refuse(files_of(surveys).chain(reference), folder)?;
+    if has_foreign_manifest(folder) {
+        return Err(format!(
+            "the folder holds a {MANIFEST} of something else; choose another folder: {}",
+            folder.display()
+        )
+        .into());
+    }
     RunFolder::begin(folder)
 }
 
@@ -60,8 +78,11 @@ fn refuse<'a>(
 ) -> Result<(), OutputError> {
     let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
-        is_stem_of_output(&stem)
-            && (input.file_name()).is_some_and(|name| is_same_file(&folder.join(name), input))
+        // On top lie the files of a version without subfolders, which a run takes away.
+        let folders = folders_of(&stem).chain(is_stem_of_output(&stem).then_some(""));
+        let mut there =
+            folders.map(|of| folder.join(of).join(input.file_name().unwrap_or_default()));
+        there.any(|there| is_same_file(&there, input))
     };
     match inputs.find(at_risk) {
         Some(input) => Err(format!(

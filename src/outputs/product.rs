@@ -53,14 +53,14 @@ impl Product {
         }
     }
 
-    /// Its files: `track.gpx, .geojson; footprint.geojson`.
+    /// Its files: `track/track.gpx, .geojson; track/footprint.geojson`.
     pub fn files(self) -> String {
         let rows = OUTPUT_FILES.iter();
         files_in_words(rows.filter(|row| row.when == When::Chosen(self)))
     }
 }
 
-/// The names of some files: `track.gpx, .geojson; footprint.geojson`. What belongs to a shapefile goes without saying.
+/// The names of some files: `track/track.gpx, .geojson; track/footprint.geojson`. What belongs to a shapefile goes without saying.
 pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String {
     let with_colours = |row: &'a OutputFile| {
         let colours = row.companions.iter().filter(|name| name.ends_with(STYLE));

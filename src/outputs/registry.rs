@@ -1,7 +1,7 @@
 //! Every file of a run, one row each. The help of `--products`, what is refused to be written over, what an earlier run has left, what
 //! is out of date and the list in `report.html` follow from these rows.
 
-use super::record::FileContent;
+use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
 use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
@@ -10,10 +10,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A file of a run.
+#[derive(Debug)]
 pub struct OutputFile {
-    /// Its name; that of a folder for the pictures of boxes.
+    /// Its name behind the subfolder that it lies in: `depth/depth.tif`; that of a folder for the pictures of boxes.
     pub name: &'static str,
-    /// Files that are written with it and belong to it.
+    /// Files that are written with it and belong to it, named likewise.
     pub companions: &'static [&'static str],
     /// Who asks for it.
     pub when: When,
@@ -23,13 +24,13 @@ pub struct OutputFile {
     pub regardless_of: &'static [&'static str],
     /// What it is, for people who do not know it, in a few words.
     pub brief: &'static str,
-    /// What its record says of it; `None` where it has no record.
-    pub record: Option<Described>,
+    /// What the manifest says of it; `None` of a page, of records and of pictures.
+    pub described: Option<Described>,
     /// What writes it.
     pub(super) writer: Writer,
 }
 
-/// What a record says of a file, whatever it holds.
+/// What the manifest says of a file, whatever it holds.
 #[derive(Clone, Copy, Debug)]
 pub struct Described {
     /// What it is, in a sentence without its full stop.
@@ -54,7 +55,7 @@ pub enum When {
 }
 
 /// What writes a file.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Writer {
     /// From the results of the survey.
     Results(fn(&Results<'_>, &Path) -> Result<FileContent, OutputError>),
@@ -63,18 +64,19 @@ pub(super) enum Writer {
 }
 
 impl OutputFile {
-    /// The name of its record.
-    pub fn record_name(&self) -> Option<String> {
-        self.record.map(|_| format!("{}.json", self.name))
-    }
-
-    /// Whether a file of a run is this one, its record, or another that belongs to it.
+    /// Whether a file of a run is this one, or another that belongs to it.
     pub fn owns(&self, name: &str) -> bool {
         let in_folder = || name.strip_prefix(self.name)?.strip_prefix('/');
-        name == self.name
-            || self.companions.contains(&name)
-            || self.record_name().is_some_and(|record| record == name)
-            || in_folder().is_some()
+        name == self.name || self.companions.contains(&name) || in_folder().is_some()
+    }
+
+    /// Whether a version that wrote all files beside each other, with a record `NAME.json` of each, wrote this one under such a name.
+    pub(super) fn owned_beside(&self, name: &str) -> bool {
+        let own = file_part(self.name);
+        let in_folder = || name.strip_prefix(own)?.strip_prefix('/');
+        let mut companions = self.companions.iter().map(|one| file_part(one));
+        let record = || self.described.and(name.strip_suffix(".json")) == Some(own);
+        name == own || companions.any(|one| one == name) || record() || in_folder().is_some()
     }
 
     /// Whether a setting that begins with one of these words has to do with it.
@@ -83,15 +85,36 @@ impl OutputFile {
         words.iter().any(|word| !regardless(word))
     }
 
-    /// Its name without the ending.
-    pub fn stem(&self) -> &'static str {
-        self.name.split('.').next().unwrap_or(self.name)
+    /// The subfolder that it lies in; nothing for what lies on top.
+    pub fn folder(&self) -> &'static str {
+        self.name.rsplit_once('/').map_or("", |(folder, _)| folder)
     }
+
+    /// Its name without the subfolder.
+    pub fn file_name(&self) -> &'static str {
+        file_part(self.name)
+    }
+
+    /// Its name without subfolder and ending.
+    pub fn stem(&self) -> &'static str {
+        let name = self.file_name();
+        name.split('.').next().unwrap_or(name)
+    }
+}
+
+/// What of a name comes behind its folders.
+pub(super) fn file_part(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
 }
 
 /// The row that a file of a run belongs to.
 pub fn row_of(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owns(name))
+}
+
+/// The row that a file belongs to which a version wrote that knew no subfolders.
+pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
+    OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
 }
 
 /// What no table or cloud of points depends on.
@@ -142,7 +165,7 @@ const fn row(name: &'static str, when: When, writer: Writer) -> OutputFile {
         needs: &[],
         regardless_of: &[],
         brief: "",
-        record: None,
+        described: None,
         writer,
     }
 }
@@ -169,7 +192,7 @@ const fn cloud(
         needs: &[Need::KeptPoints],
         regardless_of: NOT_OF_POINTS,
         brief,
-        record: described(what, "points", "z_m"),
+        described: described(what, "points", "z_m"),
         ..row(name, When::Chosen(Product::Cloud), writer)
     }
 }
@@ -179,7 +202,7 @@ const fn track_file(name: &'static str, counted: &'static str, writer: Writer) -
         needs: &[Need::Track],
         regardless_of: NOT_OF_TRACK,
         brief: "way of the boat",
-        record: described(TRACK, counted, ""),
+        described: described(TRACK, counted, ""),
         ..row(name, When::Chosen(Product::Track), writer)
     }
 }
@@ -189,7 +212,7 @@ const fn footprint(name: &'static str, writer: Writer) -> OutputFile {
         needs: &[Need::Track, Need::Footprint],
         regardless_of: NOT_OF_FOOTPRINT,
         brief: "ground that the side-scan covers",
-        record: described(FOOTPRINT, "areas", "area_m2"),
+        described: described(FOOTPRINT, "areas", "area_m2"),
         ..row(name, When::Chosen(Product::Track), writer)
     }
 }
@@ -207,7 +230,7 @@ const fn raster(
         needs: &[Need::Surface],
         regardless_of: NOT_OF_DEPTHS,
         brief,
-        record: described(what, "cells", measured),
+        described: described(what, "cells", measured),
         ..row(name, When::Chosen(Product::Depth), writer)
     }
 }
@@ -223,7 +246,7 @@ const fn contours(
         needs: &[Need::Surface, Need::Levels],
         regardless_of: NOT_OF_ISOBATHS,
         brief,
-        record: described(what, counted, "depth_m"),
+        described: described(what, counted, "depth_m"),
         ..row(name, When::Chosen(Product::Isobaths), writer)
     }
 }
@@ -238,7 +261,7 @@ const fn compared(
         needs: &[Need::Reference],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths with the reference",
-        record: described(what, "points", measured),
+        described: described(what, "points", measured),
         ..row(name, When::Compared, writer)
     }
 }
@@ -247,23 +270,23 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
     OutputFile {
         regardless_of: NOT_OF_BOXES,
         brief,
-        record: described(BOXES, "boxes", ""),
+        described: described(BOXES, "boxes", ""),
         ..row(name, When::Searched, writer)
     }
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 30] = [
+pub const OUTPUT_FILES: [OutputFile; 31] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
-        record: described(
+        described: described(
             "First return on both sides, position and recorded depth of every side-scan ping",
             "pings",
             "depth_m",
         ),
         ..row(
-            "first_returns.csv",
+            "points/first_returns.csv",
             When::Always,
             Writer::Results(clouds::first_returns),
         )
@@ -271,62 +294,79 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "all points, with those set aside",
-        record: described(
+        described: described(
             "All points, those that the outlier filter removed too",
             "points",
             "z_m",
         ),
-        ..row("cloud.csv", When::Always, Writer::Results(clouds::table))
+        ..row(
+            "points/cloud.csv",
+            When::Always,
+            Writer::Results(clouds::table),
+        )
     },
     cloud(
-        "cloud.laz",
+        "points/cloud.laz",
         "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257",
         "kept points for GIS and point cloud programs",
         Writer::Results(clouds::laz),
     ),
     cloud(
-        "cloud.ply",
+        "points/cloud.ply",
         KEPT_POINTS,
         "kept points for 3D viewers",
         Writer::Results(clouds::ply),
     ),
     cloud(
-        "cloud.xyz",
+        "points/cloud.xyz",
         KEPT_POINTS,
         "kept points as plain text",
         Writer::Results(clouds::xyz),
     ),
-    track_file("track.gpx", "points", Writer::Results(track::gpx)),
-    track_file("track.geojson", "lines", Writer::Results(track::geojson)),
-    track_file("track.kmz", "lines", Writer::Results(track::kmz)),
+    track_file("track/track.gpx", "points", Writer::Results(track::gpx)),
+    track_file(
+        "track/track.geojson",
+        "lines",
+        Writer::Results(track::geojson),
+    ),
+    track_file("track/track.kmz", "lines", Writer::Results(track::kmz)),
     OutputFile {
-        companions: &["track.shx", "track.dbf", "track.prj", "track.cpg"],
-        ..track_file("track.shp", "lines", Writer::Results(track::shapefile))
+        companions: &[
+            "track/track.shx",
+            "track/track.dbf",
+            "track/track.prj",
+            "track/track.cpg",
+        ],
+        ..track_file(
+            "track/track.shp",
+            "lines",
+            Writer::Results(track::shapefile),
+        )
     },
     footprint(
-        "footprint.geojson",
+        "track/footprint.geojson",
         Writer::Results(track::footprint_geojson),
     ),
-    footprint("footprint.kmz", Writer::Results(track::footprint_kmz)),
+    footprint("track/footprint.kmz", Writer::Results(track::footprint_kmz)),
     raster(
-        "depth.tif",
-        &["depth.qml"],
+        "depth/depth.tif",
+        &["depth/depth.qml"],
         "Depth in metres, positive down",
         "depth_m",
         "depth map, metres",
         Writer::Results(depth::rasters::depth),
     ),
     raster(
-        "uncertainty.tif",
-        &["uncertainty.qml"],
+        "depth/uncertainty.tif",
+        &["depth/uncertainty.qml"],
         "Standard deviation in metres of the depths that carry a cell",
         "standard_deviation_m",
         "how far the depths that carry a cell disagree, metres",
         Writer::Results(depth::rasters::uncertainty),
     ),
     raster(
-        "distance.tif",
-        &["distance.qml"],
+        "depth/distance.tif",
+        &["depth/distance.qml"],
         "Distance in metres from a cell to the nearest depth",
         "distance_m",
         "distance to the nearest depth, metres",
@@ -335,7 +375,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
     OutputFile {
         when: When::Chosen(Product::Xyz),
         ..raster(
-            "depth.xyz",
+            "depth/depth.xyz",
             &[],
             "East, north and depth in metres, positive down, of every cell of the depth map that has one",
             "depth_m",
@@ -344,7 +384,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         )
     },
     contours(
-        "isobaths.geojson",
+        "isobaths/isobaths.geojson",
         "Lines of equal depth",
         "lines",
         "lines of equal depth",
@@ -353,7 +393,7 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
         ..contours(
-            "isobaths.kmz",
+            "isobaths/isobaths.kmz",
             "Lines of equal depth",
             "lines",
             "lines of equal depth",
@@ -363,13 +403,13 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
     OutputFile {
         needs: &[Need::Surface, Need::Levels, Need::Isobaths],
         companions: &[
-            "isobaths.shx",
-            "isobaths.dbf",
-            "isobaths.prj",
-            "isobaths.cpg",
+            "isobaths/isobaths.shx",
+            "isobaths/isobaths.dbf",
+            "isobaths/isobaths.prj",
+            "isobaths/isobaths.cpg",
         ],
         ..contours(
-            "isobaths.shp",
+            "isobaths/isobaths.shp",
             "Lines of equal depth",
             "lines",
             "lines of equal depth",
@@ -377,14 +417,14 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         )
     },
     contours(
-        "depth_areas.geojson",
+        "isobaths/depth_areas.geojson",
         "Areas between depths",
         "areas",
         "areas between them",
         Writer::Results(depth::contours::depth_areas),
     ),
     contours(
-        "storage.csv",
+        "isobaths/storage.csv",
         "Area and volume below each depth",
         "levels",
         "area and volume below each level",
@@ -394,13 +434,13 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         needs: &[Need::Agreement],
         regardless_of: NOT_OF_DEPTHS,
         brief: "agreement of depths, all statistics",
-        record: described(
+        described: described(
             "Side-scan points against the soundings of the survey, and crossing tracks",
             "comparisons",
             "",
         ),
         ..row(
-            "residuals.json",
+            "quality/residuals.json",
             When::Chosen(Product::Residuals),
             Writer::Results(residuals::write),
         )
@@ -409,48 +449,48 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         needs: &[Need::SideScan, Need::Mosaic],
         regardless_of: NOT_OF_MOSAIC,
         brief: "side-scan mosaic",
-        record: described(
+        described: described(
             "Side-scan mosaic: echoes at their place on the ground, transparent where nothing was insonified",
             "cells",
             "",
         ),
         ..row(
-            "mosaic.tif",
+            "mosaic/mosaic.tif",
             When::Chosen(Product::Mosaic),
             Writer::Results(mosaic::write),
         )
     },
     compared(
-        "comparison.json",
+        "quality/comparison.json",
         "The survey against a reference",
         "",
         Writer::Results(comparison::json),
     ),
     compared(
-        "comparison.csv",
+        "quality/comparison.csv",
         "Points of the survey with the elevation of the reference there; measured minus reference, positive is shallower",
         "difference_m",
         Writer::Results(comparison::csv),
     ),
     boxes(
-        "detections.csv",
+        "objects/detections.csv",
         "objects with place and size",
         Writer::Results(detections::csv),
     ),
     boxes(
-        "detections.geojson",
+        "objects/detections.geojson",
         "objects with place and size",
         Writer::Results(detections::geojson),
     ),
     boxes(
-        "detections.gpx",
+        "objects/detections.gpx",
         "objects for maps and plotters",
         Writer::Results(detections::gpx),
     ),
     OutputFile {
-        record: None,
+        described: None,
         ..boxes(
-            "chips",
+            "objects/chips",
             "folder: a picture of each object",
             Writer::Results(detections::chips),
         )
@@ -464,7 +504,15 @@ pub const OUTPUT_FILES: [OutputFile; 30] = [
         )
     },
     OutputFile {
-        brief: "this record for programs: inputs, settings, counts, statistics",
+        brief: "this report for programs: inputs, settings, counts, statistics",
+        ..row(
+            "report.json",
+            When::Always,
+            Writer::Run(super::write::report_json),
+        )
+    },
+    OutputFile {
+        brief: "list of all files: what each is, coordinate system, extent, count, SHA-256",
         ..row(
             super::MANIFEST,
             When::Always,

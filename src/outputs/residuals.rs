@@ -1,6 +1,6 @@
 //! `residuals.json`: side-scan points against the soundings of the survey, the tracks against themselves and each other.
 
-use super::record::{Coordinates, FileContent, write_json};
+use super::manifest::{Coordinates, FileContent, write_json};
 use super::results::Results;
 use crate::export::Summary;
 use crate::outputs::OutputError;

@@ -15,6 +15,8 @@ use crate::export::{earlier_chips, remove_passing_chips};
 use crate::outputs::OutputError;
 use crate::pipeline::Fingerprint;
 use crate::progress::Progress;
+use earlier::EarlierFiles;
+pub(super) use earlier::has_foreign_manifest;
 use journal::Journal;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write as _};
@@ -28,8 +30,19 @@ const NEW: &str = "new";
 const LOCK: &str = "lock";
 /// In it: what is to be renamed and removed. Where it is, the run is decided.
 const JOURNAL: &str = "commit.json";
-/// Files that name what belongs to a run with them. At most one of them is in a folder.
-pub(super) const MANIFESTS: [&str; 2] = [super::MANIFEST, "merged.json"];
+/// Files that named what belongs to a run before there was a manifest beside the report. At most one of them is in a folder.
+pub(super) const EARLIER_MANIFESTS: [&str; 2] = ["report.json", "merged.json"];
+/// The folder of what a search for objects proposes.
+const OBJECTS: &str = "objects/";
+
+/// What became of files of an earlier run that the new one wrote none in the place of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Replaced {
+    /// They were removed.
+    pub removed: Vec<String>,
+    /// They are still there: somebody has changed them, or no manifest names them.
+    pub kept: Vec<String>,
+}
 
 /// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as it was.
 #[derive(Debug)]
@@ -102,12 +115,12 @@ impl RunFolder {
         names.into_iter().map(read).collect()
     }
 
-    /// Puts the files of a whole run in the place of those of the run before, `manifest` among them, and gives back the names of
-    /// files of the earlier run that went without a successor.
+    /// Puts the files of a whole run in the place of those of the run before, `manifest` among them, and gives back what became of
+    /// files of the earlier run that have no successor.
     ///
     /// # Errors
     /// A sentence when something is in the way; then the folder is as it was, or the next run finishes the job.
-    pub fn commit(self, manifest: &str) -> Result<Vec<String>, OutputError> {
+    pub fn commit(self, manifest: &str) -> Result<Replaced, OutputError> {
         self.swap(Some(manifest), |_| true)
     }
 
@@ -116,7 +129,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// As [`RunFolder::commit`].
-    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Vec<String>, OutputError> {
+    pub fn commit_group(self, group: impl Fn(&str) -> bool) -> Result<Replaced, OutputError> {
         let manifest = earlier::without_group(&self.folder, &self.path(), &group)?;
         self.swap(manifest, group)
     }
@@ -125,7 +138,7 @@ impl RunFolder {
         mut self,
         manifest: Option<&str>,
         is_of_ours: impl Fn(&str) -> bool,
-    ) -> Result<Vec<String>, OutputError> {
+    ) -> Result<Replaced, OutputError> {
         let new = self.path();
         let fail = |error: io::Error| {
             format!(
@@ -135,23 +148,25 @@ impl RunFolder {
         };
         let mut files = names_in(&new).map_err(fail)?;
         let goes = |name: &str| is_of_ours(name) && !files.iter().any(|file| file == name);
-        let mut remove = earlier::files(&self.folder, goes);
-        remove.extend(earlier_chips(&self.folder, &new, &remove));
+        let EarlierFiles {
+            unchanged: mut remove,
+            changed: kept,
+        } = earlier::files(&self.folder, goes);
+        // Of a version without subfolders, pictures lie on top.
+        for (of, replaced) in [(OBJECTS, Some(new.join(OBJECTS))), ("", None)] {
+            let chips = earlier_chips(&self.folder, of, replaced.as_deref(), &remove);
+            remove.extend(chips);
+        }
         remove.retain(|name| !files.contains(name));
         remove.sort_unstable();
         remove.dedup();
-        if let Some(name) = files
-            .iter()
-            .find(|name| self.folder.join(name.as_str()).is_dir())
-        {
-            return Err(format!(
-                "a folder has the name of a file that is to be written; rename it: {}",
-                self.folder.join(name).display()
-            )
-            .into());
-        }
+        self.refuse_in_the_way(&files)?;
         files.retain(|name| Some(name.as_str()) != manifest);
         let journal = Journal {
+            first: match manifest {
+                Some(_) => earlier::manifest_names(&self.folder),
+                None => Vec::new(),
+            },
             files,
             remove,
             manifest: manifest.map(str::to_owned),
@@ -161,10 +176,44 @@ impl RunFolder {
         journal.finish(&new, &self.folder).map_err(fail)?;
         self.is_ours = false;
         self.clear();
-        let is_record = |name: &String| name.ends_with(".json");
-        let mut gone = journal.remove;
-        gone.retain(|name| !is_record(name) && !name.contains('/'));
-        Ok(gone)
+        let mut removed = journal.remove;
+        let all = removed.clone();
+        // What belongs to a file goes with it unsaid: its record in versions that had such, and the pictures of a folder.
+        let is_record = |name: &str| {
+            name.strip_suffix(".json")
+                .is_some_and(|of| all.iter().any(|one| one == of))
+        };
+        removed.retain(|name| !is_record(name) && !name.contains("chips/"));
+        Ok(Replaced { removed, kept })
+    }
+
+    /// Refuses to write where a folder has the name of a file, or a file that of a folder.
+    fn refuse_in_the_way(&self, files: &[String]) -> Result<(), OutputError> {
+        let named = |what: &str, name: &Path| {
+            let path = self.folder.join(name);
+            let sentence = format!(
+                "{what} that is to be written; rename it: {}",
+                path.display()
+            );
+            Err(OutputError::from(sentence))
+        };
+        for name in files {
+            let name = Path::new(name);
+            if self.folder.join(name).is_dir() {
+                return named("a folder has the name of a file", name);
+            }
+            let mut folders = name
+                .ancestors()
+                .skip(1)
+                .filter(|inner| !inner.as_os_str().is_empty());
+            if let Some(inner) = folders.find(|inner| {
+                let there = self.folder.join(inner);
+                there.symlink_metadata().is_ok() && !there.is_dir()
+            }) {
+                return named("a file has the name of a folder", inner);
+            }
+        }
+        Ok(())
     }
 
     /// Removes the side folder; best effort, for the next run does so too.
@@ -251,20 +300,16 @@ fn empty(side: &Path) -> io::Result<()> {
 /// The files of a folder and of the folders in it, by name.
 fn names_in(folder: &Path) -> io::Result<Vec<String>> {
     let mut names = Vec::new();
-    let mut add = |folder: &Path, before: &str| -> io::Result<Vec<String>> {
-        let mut folders = Vec::new();
-        for entry in fs::read_dir(folder)? {
-            let entry = entry?;
-            let name = format!("{before}{}", entry.file_name().to_string_lossy());
-            match entry.file_type()?.is_dir() {
-                true => folders.push(name),
-                false => names.push(name),
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        match entry.file_type()?.is_dir() {
+            true => {
+                let inner = names_in(&entry.path())?.into_iter();
+                names.extend(inner.map(|file| format!("{name}/{file}")));
             }
+            false => names.push(name),
         }
-        Ok(folders)
-    };
-    for inner in add(folder, "")? {
-        add(&folder.join(&inner), &format!("{inner}/"))?;
     }
     names.sort_unstable();
     Ok(names)

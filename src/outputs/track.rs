@@ -1,6 +1,6 @@
 //! The track and the insonified ground, for plotters and maps.
 
-use super::record::{Coordinates, FileContent};
+use super::manifest::{Coordinates, FileContent};
 use super::results::Results;
 use crate::bathymetry::isobaths::Polygon;
 use crate::export::{self, ExportError, Line, Summary, TrackPiece};

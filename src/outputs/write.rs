@@ -1,12 +1,12 @@
 //! All files of a run.
 
 use super::detections::Proposed;
+use super::manifest::{FileContent, write_json, write_manifest};
 use super::overwrite::refuse_overwrite;
-use super::product::Product;
-use super::record::{FileContent, write_json, write_record};
+use super::product::{Product, files_in_words};
 use super::registry::{OUTPUT_FILES, OutputFile, When, Writer};
 use super::results::{Missing, Need, Results};
-use super::run_folder::RunFolder;
+use super::run_folder::{Replaced, RunFolder};
 use crate::bathymetry::compare::Matching;
 use crate::detection::Model;
 use crate::detection::review::Review;
@@ -14,7 +14,8 @@ use crate::outputs::OutputError;
 use crate::pipeline::joint::joint_report;
 use crate::pipeline::{Derived, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is to be written.
@@ -23,7 +24,7 @@ pub struct Order<'a> {
     pub logs: &'a [ProcessedLog],
     /// What is made of all logs together, each once.
     pub derived: &'a Derived,
-    /// What is written beside `first_returns.csv`, `cloud.csv` and `report.json`.
+    /// What is written beside the tables of pings and points, `report.json` and the manifest.
     pub requested: &'a [Product],
     /// What the depths are compared with besides, and how a point finds its reference.
     pub reference: Option<(&'a Arc<Reference>, Matching)>,
@@ -57,10 +58,10 @@ impl Order<'_> {
 /// What was written.
 #[derive(Clone, Debug)]
 pub struct Written {
-    /// File names, in the order of writing; beside each but the reports lies its record, `NAME.json`.
-    pub files: Vec<&'static str>,
-    /// Files of an earlier run that were removed, since this one wrote none in their place.
-    pub removed: Vec<String>,
+    /// The files, in the order of writing.
+    pub files: Vec<&'static OutputFile>,
+    /// What became of files of an earlier run.
+    pub replaced: Replaced,
     /// The report, as written to `report.json`.
     pub report: Report,
     /// What was found, where a model searched.
@@ -70,16 +71,22 @@ pub struct Written {
 impl Written {
     /// What was written and removed, in a sentence or two.
     pub fn summary(&self, folder: &Path) -> String {
-        let files = self.files.join(", ");
         // Where comes first: the list of files is long, and the window shows a few lines of it.
-        let wrote = format!(
-            "wrote into {}: {files}, each with its record (.json)",
-            folder.display()
+        let mut text = format!(
+            "wrote into {}: {}",
+            folder.display(),
+            files_in_words(self.files.iter().copied())
         );
-        match self.removed.as_slice() {
-            [] => wrote,
-            removed => format!("{wrote}; removed of an earlier run: {}", removed.join(", ")),
+        let Replaced { removed, kept } = &self.replaced;
+        for (what, names) in [
+            ("removed of an earlier run", removed),
+            ("left from before, not of this run", kept),
+        ] {
+            if !names.is_empty() {
+                text += &format!("; {what}: {}", names.join(", "));
+            }
         }
+        text
     }
 }
 
@@ -88,24 +95,24 @@ pub(super) struct Run<'a> {
     pub results: Results<'a>,
     pub report: Report,
     /// Made of the results so far.
-    written: Vec<&'static OutputFile>,
+    made: Vec<(&'static OutputFile, FileContent)>,
     folder: &'a RunFolder,
 }
 
 impl Run<'_> {
-    /// What is in the folder in the end, as the page lists it: folders last.
+    /// What is in the folder in the end beside the page, as the page lists it: folders last.
     pub fn listed(&self) -> impl Iterator<Item = &'static OutputFile> {
-        let manifest = OUTPUT_FILES
-            .iter()
-            .filter(|row| row.name == super::MANIFEST);
+        let of_run =
+            |row: &&OutputFile| row.when == When::Always && matches!(row.writer, Writer::Run(_));
         let (folders, files): (Vec<_>, Vec<_>) =
-            (self.written.iter().copied()).partition(|row| !row.name.contains('.'));
-        files.into_iter().chain(manifest).chain(folders)
+            (self.made.iter().map(|(row, _)| *row)).partition(|row| !row.file_name().contains('.'));
+        let of_run = OUTPUT_FILES.iter().filter(of_run);
+        files.into_iter().chain(of_run).chain(folders)
     }
 }
 
-/// Writes every file of the registry that is asked for, a record of each, `report.html` and `report.json`, and puts them in the place of
-/// an earlier run's files.
+/// Writes every file of the registry that is asked for, `report.html`, `report.json` and the manifest of them all, and puts them in the
+/// place of an earlier run's files.
 ///
 /// `on_step` receives the next step.
 ///
@@ -124,34 +131,25 @@ pub fn write(
     let mut run = Run {
         report: report(&results)?,
         results,
-        written: Vec::new(),
+        made: Vec::new(),
         folder: &folder,
     };
     let asked = |when| order.asks_for(when);
     let made = write_rows(&mut run.results, &path, asked, &mut on_step)?;
     run.report.warnings.extend(made.warnings);
-    on_step("records");
-    run.report.name_run(folder.files(progress)?)?;
-    for (row, content) in &made.files {
-        progress.check()?;
-        let of_reference = row.needs.contains(&Need::Reference);
-        let more = match of_reference {
-            true => run.results.reference_inputs()?,
-            false => &[],
-        };
-        write_record(row, content, &run.report, more, &path)?;
-    }
-    run.written = made.files.iter().map(|(row, _)| *row).collect();
+    run.made = made.files;
+    on_step("hashes");
+    run.report.name_run(&folder.files(progress)?)?;
     if asked(When::Chosen(Product::Report)) {
         on_step("report");
     }
-    let mut files: Vec<&'static str> = run.written.iter().map(|row| row.name).collect();
+    let mut files: Vec<&OutputFile> = run.made.iter().map(|(row, _)| *row).collect();
     for row in OUTPUT_FILES.iter().filter(|row| asked(row.when)) {
         if let Writer::Run(write) = row.writer
             && first_missing(row, &run.results)?.is_none()
         {
-            write(&mut run, &path.join(row.name))?;
-            files.push(row.name);
+            write(&mut run, &place(&path, row)?)?;
+            files.push(row);
         }
     }
     let found = match asked(When::Searched) {
@@ -162,7 +160,7 @@ pub fn write(
     drop(run.results);
     Ok(Written {
         files,
-        removed: folder.commit(super::MANIFEST)?,
+        replaced: folder.commit(super::MANIFEST)?,
         report,
         found,
     })
@@ -213,7 +211,7 @@ pub(super) fn write_rows(
         match first_missing(row, results)? {
             None => made
                 .files
-                .push((row, write(results, &folder.join(row.name))?)),
+                .push((row, write(results, &place(folder, row)?)?)),
             Some(Missing(why)) => {
                 let new = why.filter(|why| !made.warnings.contains(why));
                 made.warnings.extend(new);
@@ -254,8 +252,30 @@ fn step(when: When) -> &'static str {
     }
 }
 
-/// Writes `report.json`, which names every other file of the run.
-pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
-    run.report.files = run.folder.files(run.results.progress)?;
+/// Where a file is written, its subfolder made.
+fn place(folder: &Path, row: &OutputFile) -> Result<PathBuf, OutputError> {
+    let path = folder.join(row.name);
+    let parent = path.parent().unwrap_or(folder);
+    fs::create_dir_all(parent)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", parent.display()))?;
+    Ok(path)
+}
+
+/// Writes `report.json`.
+pub(super) fn report_json(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
     write_json(path, &run.report)
+}
+
+/// Writes `manifest.json`, which names every other file of the run.
+pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
+    let files = run.folder.files(run.results.progress)?;
+    let compared = run
+        .made
+        .iter()
+        .any(|(row, _)| row.needs.contains(&Need::Reference));
+    let more_inputs = match compared {
+        true => run.results.reference_inputs()?,
+        false => &[],
+    };
+    write_manifest(path, &run.report, &run.made, &files, more_inputs)
 }

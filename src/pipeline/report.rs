@@ -18,7 +18,7 @@ const RUN_BYTES: usize = 8;
 pub struct Report {
     /// Program and version.
     pub program: String,
-    /// Names the run, as every record and `report.html` do: the same inputs, settings and products have the same name. Empty
+    /// Names the run, as the manifest and `report.html` do: the same inputs, settings and products have the same name. Empty
     /// until [`Report::name_run`].
     pub run: String,
     /// The files read.
@@ -49,8 +49,6 @@ pub struct Report {
     pub logs: Option<LogsReport>,
     /// Warnings of the reader and of every stage.
     pub warnings: Vec<String>,
-    /// The other files of the run, records among them: what is not listed here, or is another file by now, is not of this run.
-    pub files: Vec<Fingerprint>,
 }
 
 /// How many of everything.
@@ -210,7 +208,6 @@ impl Report {
             .to_owned(),
             logs: None,
             warnings: warnings(survey, products),
-            files: Vec::new(),
         })
     }
 
@@ -218,11 +215,10 @@ impl Report {
     ///
     /// # Errors
     /// A sentence when a setting cannot be written as text.
-    pub fn name_run(&mut self, products: Vec<Fingerprint>) -> Result<(), String> {
-        let made_of = (&self.program, &self.inputs, &self.settings, &products);
+    pub fn name_run(&mut self, products: &[Fingerprint]) -> Result<(), String> {
+        let made_of = (&self.program, &self.inputs, &self.settings, products);
         let text = serde_json::to_vec(&made_of).map_err(|error| error.to_string())?;
         self.run = in_hexadecimal(&Sha256::digest(text)[..RUN_BYTES]);
-        self.files = products;
         Ok(())
     }
 

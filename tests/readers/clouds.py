@@ -10,9 +10,9 @@ COLOURS = numpy.array([[0, 0, 0], [0, 0, 255], [255, 0, 0]])
 
 def check(folder, made, points):
     if "cloud.laz" in made:
-        check_laz(folder / "cloud.laz", made["cloud.laz"], points)
-        check_ply(folder / "cloud.ply", made["cloud.ply"], points)
-        check_xyz(folder / "cloud.xyz", made["cloud.xyz"], points)
+        check_laz(folder / "points/cloud.laz", made["cloud.laz"], points)
+        check_ply(folder / "points/cloud.ply", made["cloud.ply"], points)
+        check_xyz(folder / "points/cloud.xyz", made["cloud.xyz"], points)
 
 
 def check_record(name, record, xyz):

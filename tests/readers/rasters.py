@@ -17,16 +17,16 @@ LAYERS = {
 def check(folder, made, points):
     for name in LAYERS:
         if name in made:
-            check_layer(name, folder / name, made[name])
+            check_layer(name, folder / "depth" / name, made[name])
     if "depth.xyz" in made:
         check_cells(folder, made["depth.xyz"])
     if "depth.tif" in made:
-        check_depths(folder / "depth.tif", made["depth.tif"], points)
+        check_depths(folder / "depth/depth.tif", made["depth.tif"], points)
     if "mosaic.tif" in made:
-        check_mosaic(folder / "mosaic.tif", made["mosaic.tif"], points)
+        check_mosaic(folder / "mosaic/mosaic.tif", made["mosaic.tif"], points)
     for name in (*LAYERS, "mosaic.tif"):
         if name in made:
-            check_cloud_optimized(name, folder / name)
+            check_cloud_optimized(name, folder / ("mosaic" if name == "mosaic.tif" else "depth") / name)
 
 
 def check_cloud_optimized(name, path):
@@ -83,11 +83,11 @@ def check_style(path, values):
 
 def check_cells(folder, record):
     """Every known cell of the raster, at its middle, and no other."""
-    found = numpy.loadtxt(folder / "depth.xyz", ndmin=2)
+    found = numpy.loadtxt(folder / "depth/depth.xyz", ndmin=2)
     check_count("depth.xyz", record, "cells", len(found))
     check_extent("depth.xyz", record, found[:, :2].min(axis=0), found[:, :2].max(axis=0), 0.001)
     check_values("depth.xyz", record, found[:, 2].min(), found[:, 2].max(), 0.00051)
-    with rasterio.open(folder / "depth.tif") as raster:
+    with rasterio.open(folder / "depth/depth.tif") as raster:
         values = raster.read(1, masked=True)
         rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(values))
         middles = numpy.array(raster.xy(rows, columns)).T

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The checks must be able to fail: each spoils a copy of a folder that passes in one small way."""
 
+import hashlib
 import json
 import shutil
 import sys
@@ -22,57 +23,89 @@ def edit(name, change):
     return spoil
 
 
+def edit_entry(name, change):
+    """Changes what the manifest says of a file."""
+
+    def change_in(manifest):
+        (entry,) = [file for file in manifest["files"] if file["file"] == name]
+        change(entry)
+
+    return edit("manifest.json", change_in)
+
+
+def hashed(spoil, *names):
+    """Spoils files and gives the manifest their hashes, so that the readers have to find what is wrong."""
+
+    def spoil_and_hash(folder):
+        spoil(folder)
+        for name in names:
+            content = (folder / name).read_bytes()
+            said = {"sha256": hashlib.sha256(content).hexdigest(), "bytes": len(content)}
+            edit_entry(name, lambda entry: entry.update(said))(folder)
+
+    return spoil_and_hash
+
+
 def shift_a_point(folder):
     """Moves the last point of cloud.csv by a centimetre."""
-    lines = (folder / "cloud.csv").read_text().splitlines()
+    lines = (folder / "points/cloud.csv").read_text().splitlines()
     fields = lines[-1].split(",")
     fields[3] = f"{float(fields[3]) + 1e-7:.9f}"
-    (folder / "cloud.csv").write_text("\n".join([*lines[:-1], ",".join(fields)]) + "\n")
+    (folder / "points/cloud.csv").write_text("\n".join([*lines[:-1], ",".join(fields)]) + "\n")
 
 
 def deepen(folder):
     """Takes the depth map 10 cm down, its record too."""
-    with rasterio.open(folder / "depth.tif", "r+") as raster:
+    with rasterio.open(folder / "depth/depth.tif", "r+") as raster:
         values = raster.read(1)
         values[values != raster.nodata] += 0.1
         raster.write(values, 1)
-    edit("depth.tif.json", lambda record: [record["values"].update({key: record["values"][key] + 0.1}) for key in ("least", "most")])(folder)
+    edit_entry("depth/depth.tif", lambda record: record["values"].update({key: record["values"][key] + 0.1 for key in ("least", "most")}))(folder)
 
 
 def append_overviews(folder):
     """Has GDAL make the overviews again, at the end of the file."""
     with rasterio.Env(GDAL_DISABLE_READDIR_ON_OPEN=True, IGNORE_COG_LAYOUT_BREAK="YES"):
-        with rasterio.open(folder / "mosaic.tif", "r+") as raster:
+        with rasterio.open(folder / "mosaic/mosaic.tif", "r+") as raster:
             raster.build_overviews([2, 4, 8], rasterio.enums.Resampling.nearest)
 
 
 def darken(folder):
     """Takes a level off a cell of the mosaic, its statistics left as they are."""
-    with rasterio.Env(IGNORE_COG_LAYOUT_BREAK="YES"), rasterio.open(folder / "mosaic.tif", "r+") as raster:
+    with rasterio.Env(IGNORE_COG_LAYOUT_BREAK="YES"), rasterio.open(folder / "mosaic/mosaic.tif", "r+") as raster:
         values = raster.read(1)
         values[values > 100] -= 1
         raster.write(values, 1)
 
 
 def other_zone(folder):
-    path = folder / "isobaths.prj"
+    path = folder / "isobaths/isobaths.prj"
     path.write_text(path.read_text().replace("-81", "-87"))
 
 
 SPOILERS = {
-    "a wrong count": edit("cloud.laz.json", lambda record: record["count"].update(points=1)),
-    "a wrong system": edit("mosaic.tif.json", lambda record: record["crs"].update(epsg=32616)),
-    "a wrong extent": edit("isobaths.shp.json", lambda record: record["extent"].update(west=0.0)),
-    "a missing record": lambda folder: (folder / "track.kmz.json").unlink(),
-    "a point moved by a centimetre": shift_a_point,
-    "a map 10 cm too deep": deepen,
-    "a mosaic that is darker than it says": darken,
-    "overviews at the end of the file": append_overviews,
-    "another zone": other_zone,
-    "a line too few": edit("track.geojson", lambda lines: lines["features"].pop()),
-    "an isobath of another depth": edit("isobaths.geojson", lambda lines: lines["features"][0]["properties"].update(depth_m=1.9)),
-    "a band that crosses itself": edit(
-        "depth_areas.geojson", lambda areas: areas["features"][0]["geometry"]["coordinates"][0][0].insert(1, [0.0, 0.0])
+    "a wrong count": edit_entry("points/cloud.laz", lambda record: record["count"].update(points=1)),
+    "a wrong system": edit_entry("mosaic/mosaic.tif", lambda record: record["crs"].update(epsg=32616)),
+    "a wrong extent": edit_entry("isobaths/isobaths.shp", lambda record: record["extent"].update(west=0.0)),
+    "a wrong hash": lambda folder: (folder / "report.html").write_bytes(b"<p>"),
+    "a file that the manifest does not name": lambda folder: (folder / "track/more.kmz").write_bytes(b""),
+    "a file that is not there": lambda folder: (folder / "track/track.kmz").unlink(),
+    "a point moved by a centimetre": hashed(shift_a_point, "points/cloud.csv"),
+    "a map 10 cm too deep": hashed(deepen, "depth/depth.tif"),
+    "a mosaic that is darker than it says": hashed(darken, "mosaic/mosaic.tif"),
+    "overviews at the end of the file": hashed(append_overviews, "mosaic/mosaic.tif"),
+    "another zone": hashed(other_zone, "isobaths/isobaths.prj"),
+    "a line too few": hashed(edit("track/track.geojson", lambda lines: lines["features"].pop()), "track/track.geojson"),
+    "an isobath of another depth": hashed(
+        edit("isobaths/isobaths.geojson", lambda lines: lines["features"][0]["properties"].update(depth_m=1.9)),
+        "isobaths/isobaths.geojson",
+    ),
+    "a band that crosses itself": hashed(
+        edit(
+            "isobaths/depth_areas.geojson",
+            lambda areas: areas["features"][0]["geometry"]["coordinates"][0][0].insert(1, [0.0, 0.0]),
+        ),
+        "isobaths/depth_areas.geojson",
     ),
 }
 

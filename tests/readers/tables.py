@@ -20,7 +20,7 @@ class Points:
     """cloud.csv: the kept points, and the confidence of the first return that each is (-1 for a sounding)."""
 
     def __init__(self, folder):
-        all_rows = rows(folder / "cloud.csv")
+        all_rows = rows(folder / "points/cloud.csv")
         self.count = len(all_rows)
         kept = [row for row in all_rows if row["kept"] == "1"]
         self.source = numpy.array([SOURCES[row["source"]] for row in kept])
@@ -29,7 +29,7 @@ class Points:
         self.lon, self.lat = column("lon"), column("lat")
         self.local = numpy.array([column("east_m"), column("north_m"), column("z_m")]).T
         self.z = self.local[:, 2]
-        self.pings = rows(folder / "first_returns.csv")
+        self.pings = rows(folder / "points/first_returns.csv")
         names = {1: "port_confidence", 2: "starboard_confidence"}
         confidence = lambda source, ping: float(self.pings[ping][names[source]]) if source else -1.0
         self.confidence = numpy.array([confidence(*pair) for pair in zip(self.source, self.ping)])
@@ -53,11 +53,11 @@ def check(folder, report, made):
         found = sum(bool(row[f"{side}_sample"]) for row in points.pings)
         assert found == counts[f"{side}_first_returns"], f"{found} first returns to {side}"
     if "residuals.json" in made:
-        comparisons = json.loads((folder / "residuals.json").read_text())["comparisons"]
+        comparisons = json.loads((folder / "quality/residuals.json").read_text())["comparisons"]
         check_count("residuals.json", made["residuals.json"], "comparisons", len(comparisons))
         assert all(one["n"] > 0 for one in comparisons)
     if "storage.csv" in made:
-        table = [[float(value) for value in row.values()] for row in rows(folder / "storage.csv")]
+        table = [[float(value) for value in row.values()] for row in rows(folder / "isobaths/storage.csv")]
         check_count("storage.csv", made["storage.csv"], "levels", len(table))
         assert all(numpy.all(numpy.diff(column) <= 0) for column in list(zip(*table))[1:])
     return points
@@ -65,10 +65,10 @@ def check(folder, report, made):
 
 def check_found(folder, made):
     """The detector's boxes, and the page, where they were made."""
-    if (folder / "detections.csv").is_file():
-        found = rows(folder / "detections.csv")
-        features = json.loads((folder / "detections.geojson").read_text())["features"]
-        with open(folder / "detections.gpx") as file:
+    if (folder / "objects/detections.csv").is_file():
+        found = rows(folder / "objects/detections.csv")
+        features = json.loads((folder / "objects/detections.geojson").read_text())["features"]
+        with open(folder / "objects/detections.gpx") as file:
             waypoints = gpxpy.parse(file).waypoints
         places = [feature["geometry"]["coordinates"] for feature in features]
         assert 0 < len(places) <= len(found)
@@ -77,7 +77,7 @@ def check_found(folder, made):
         check_extent("detections.gpx", made["detections.gpx"], numpy.min(places, axis=0), numpy.max(places, axis=0), 0.001)
         for (lon, lat), waypoint in zip(places, waypoints):
             assert max(abs(lon - waypoint.longitude), abs(lat - waypoint.latitude)) < 1e-8
-        assert len(list((folder / "chips").glob("*.png"))) == len(found), "a box without a chip"
+        assert len(list((folder / "objects/chips").glob("*.png"))) == len(found), "a box without a chip"
     page = folder / "report.html"
     if page.is_file():
         tree = lxml.html.fromstring(page.read_bytes())

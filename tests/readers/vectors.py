@@ -51,7 +51,7 @@ def coordinates(element):
 
 def check_lines(folder, made, name):
     """The lines of a GeoJSON are those of the KMZ and the shapefile beside it."""
-    found = features(folder / f"{name}.geojson")
+    found = features(folder / name / f"{name}.geojson")
     lines = [numpy.array(feature["geometry"]["coordinates"]) for feature in found]
     assert all(shapely.geometry.shape(feature["geometry"]).is_valid for feature in found)
     record = made[f"{name}.geojson"]
@@ -60,16 +60,16 @@ def check_lines(folder, made, name):
         return
     check_extent(name, record, *bounds(lines), 0.001)
 
-    placemarks = kml(folder / f"{name}.kmz").findall(f".//{KML}Placemark")
+    placemarks = kml(folder / name / f"{name}.kmz").findall(f".//{KML}Placemark")
     check_count(f"{name}.kmz", made[f"{name}.kmz"], "lines", len(placemarks))
     for line, placemark in zip(lines, placemarks, strict=True):
         drawn = coordinates(placemark.find(f".//{KML}LineString/{KML}coordinates"))
         assert drawn.shape == line.shape and numpy.abs(drawn - line).max() < 1.1e-8, f"{name}.kmz"
 
     record = made[f"{name}.shp"]
-    crs = pyproj.CRS.from_wkt((folder / f"{name}.prj").read_text())
+    crs = pyproj.CRS.from_wkt((folder / name / f"{name}.prj").read_text())
     assert crs.to_epsg() == record["crs"]["epsg"] and crs.equals(system(record), ignore_axis_order=True), crs
-    with shapefile.Reader(str(folder / f"{name}.shp")) as reader:
+    with shapefile.Reader(str(folder / name / f"{name}.shp")) as reader:
         assert reader.shapeType == shapefile.POLYLINE
         shapes, rows = reader.shapes(), [row.as_dict() for row in reader.records()]
         box = reader.bbox
@@ -88,13 +88,13 @@ def check_lines(folder, made, name):
 
 def check_levels(folder, made):
     """Along an isobath the map has its depth: between the centres of four cells, linear along their edges."""
-    found = features(folder / "isobaths.geojson")
+    found = features(folder / "isobaths/isobaths.geojson")
     if "depth.tif" not in made or not found:
         return
     depths = [feature["properties"]["depth_m"] for feature in found]
     check_values("isobaths.geojson", made["isobaths.geojson"], min(depths), max(depths), 1e-9)
     assert not made["isobaths.geojson"]["settings"]["isobaths"]["smooth"], "the check is for lines as measured"
-    with rasterio.open(folder / "depth.tif") as raster:
+    with rasterio.open(folder / "depth/depth.tif") as raster:
         grid, to_cell = raster.read(1).astype(float), ~raster.transform
     worst = 0.0
     for feature, depth_m in zip(found, depths):
@@ -127,7 +127,7 @@ def along_edges(grid, places):
 
 def check_areas(folder, made):
     """Bands are valid, do not overlap, and are as large as they say and as the map."""
-    found = features(folder / "depth_areas.geojson")
+    found = features(folder / "isobaths/depth_areas.geojson")
     shapes = [shapely.geometry.shape(feature["geometry"]) for feature in found]
     for shape, feature in zip(shapes, found):
         assert shape.is_valid, (feature["properties"], shapely.is_valid_reason(shape))
@@ -147,9 +147,9 @@ def check_areas(folder, made):
 
 def check_track(folder, made, points):
     """Every point of the GPX is the place of a ping, in order of time; its length is that of the lines."""
-    with open(folder / "track.gpx") as file:
+    with open(folder / "track/track.gpx") as file:
         track = gpxpy.parse(file).tracks[0]
-    lines = features(folder / "track.geojson")
+    lines = features(folder / "track/track.geojson")
     assert len(track.segments) == len(lines)
     every = [point for segment in track.segments for point in segment.points]
     check_count("track.gpx", made["track.gpx"], "points", len(every))
@@ -179,7 +179,7 @@ def near(pings, place):
 
 def check_footprint(folder, made):
     """The insonified ground: valid, as large as it says, and the ground that the mosaic shows."""
-    (feature,) = features(folder / "footprint.geojson")
+    (feature,) = features(folder / "track/footprint.geojson")
     shape = shapely.geometry.shape(feature["geometry"])
     assert shape.is_valid, shapely.is_valid_reason(shape)
     said_m2 = feature["properties"]["area_m2"]
@@ -187,7 +187,7 @@ def check_footprint(folder, made):
     assert abs(area_m2 - said_m2) < 0.002 * said_m2, (area_m2, said_m2)
     check_extent("footprint.geojson", made["footprint.geojson"], shape.bounds[:2], shape.bounds[2:], 0.001)
     check_values("footprint.geojson", made["footprint.geojson"], said_m2, said_m2, 0.1)
-    outlines = kml(folder / "footprint.kmz").findall(f".//{KML}Polygon/{KML}outerBoundaryIs")
+    outlines = kml(folder / "track/footprint.kmz").findall(f".//{KML}Polygon/{KML}outerBoundaryIs")
     assert len(outlines) == len(shape.geoms)
     drawn = [coordinates(outline.find(f".//{KML}coordinates")) for outline in outlines]
     check_extent("footprint.kmz", made["footprint.kmz"], *bounds(drawn), 0.001)
@@ -197,7 +197,7 @@ def check_footprint(folder, made):
 
 def check_covers(folder, record, shape):
     """What the mosaic shows lies within the footprint, but for its last half metre."""
-    with rasterio.open(folder / "mosaic.tif") as raster:
+    with rasterio.open(folder / "mosaic/mosaic.tif") as raster:
         rows, columns = numpy.nonzero(raster.dataset_mask())
         chosen = numpy.random.default_rng(1).choice(len(rows), 4000)
         places = [raster.xy(rows[one], columns[one]) for one in chosen]

@@ -186,7 +186,8 @@ fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
     window.get_by_label_contains("were made when this log was last open");
 
     run(folder.path(), &PROCESS);
-    let table = fs::read_to_string(folder.path().join("out/first_returns.csv")).expect("a table");
+    let table =
+        fs::read_to_string(folder.path().join("out/points/first_returns.csv")).expect("a table");
     let row = table.lines().nth(351).expect("ping 350");
     let sample: f64 = row
         .split(',')

@@ -153,7 +153,7 @@ fn agreement_with_the_soundings_has_one_sign_in_panels_and_files() {
     let report = json(&folder.path().join("out/report.json"));
     let median_m = report["residuals"]["median_m"].as_f64().expect("a median");
     assert!((0.01..0.1).contains(&median_m), "{median_m}");
-    let record = json(&folder.path().join("out/residuals.json"));
+    let record = json(&folder.path().join("out/quality/residuals.json"));
     assert!(
         record["sign"]
             .as_str()

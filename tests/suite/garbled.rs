@@ -223,10 +223,10 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         }
         text.lines().count() - 1
     };
-    assert_eq!(rows("first_returns.csv", 15), survey.side_scan.len());
-    assert_eq!(rows("cloud.csv", 8), products.cloud.points.len());
+    assert_eq!(rows("points/first_returns.csv", 15), survey.side_scan.len());
+    assert_eq!(rows("points/cloud.csv", 8), products.cloud.points.len());
     let kept = products.kept.iter().filter(|&&kept| kept).count();
-    for name in ["cloud.ply", "cloud.laz"] {
+    for name in ["points/cloud.ply", "points/cloud.laz"] {
         if kept == 0 {
             assert!(!folder.path().join(name).exists(), "{name}");
             continue;

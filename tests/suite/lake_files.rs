@@ -2,6 +2,7 @@
 
 use crate::cli::{refusal, run};
 use crate::many_logs::{HIGHER_M, OBJECTS, sailed, true_boxes, true_offsets_m, write_logs};
+use crate::support::{manifest, manifest_entry};
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::formats;
 use bathyscope::geo::{LocalFrame, LonLat};
@@ -43,7 +44,7 @@ fn write_bed(path: &Path, at: LonLat) {
 
 /// The place that the local metres of a run count from.
 fn origin(folder: &Path) -> LonLat {
-    let record = json(&folder.join("cloud.ply.json"));
+    let record = manifest_entry(folder, "points/cloud.ply");
     let at = &record["crs"]["origin"];
     LonLat {
         lon_deg: number(&at["lon"]),
@@ -71,7 +72,7 @@ fn points_of_all_logs_are_held_against_a_reference() {
     let adjusted_m = [raw_m.iter().sum::<f64>() / 3.0; 3];
     for (out, higher_m) in [("raw", raw_m), ("adjusted", adjusted_m)] {
         let out = folder.join(out);
-        let compared = json(&out.join("comparison.json"));
+        let compared = json(&out.join("quality/comparison.json"));
         let each = compared["logs"].as_array().expect("logs");
         assert_eq!(each.len(), 3);
         for (log, higher_m) in each.iter().zip(higher_m) {
@@ -86,7 +87,7 @@ fn points_of_all_logs_are_held_against_a_reference() {
             (&all["source"], &all["n"]),
             (&"all points".into(), &compared["n"])
         );
-        let table = fs::read_to_string(out.join("comparison.csv")).expect("a table");
+        let table = fs::read_to_string(out.join("quality/comparison.csv")).expect("a table");
         assert!(table.starts_with("log,source,ping,"), "{}", &table[..40]);
         for log in each {
             let name = log["log"].as_str().expect("a name");
@@ -94,9 +95,11 @@ fn points_of_all_logs_are_held_against_a_reference() {
             assert_eq!(lines as f64, number(&log["n"]), "{name}");
         }
     }
-    let record = json(&folder.join("raw/comparison.csv.json"));
-    let inputs = record["inputs"].as_array().expect("inputs");
-    assert_eq!(inputs.len(), 4, "three logs and the bed: {record}");
+    let logs = manifest(&folder.join("raw"));
+    assert_eq!(logs["inputs"].as_array().map(Vec::len), Some(3), "{logs}");
+    let record = manifest_entry(&folder.join("raw"), "quality/comparison.csv");
+    let bed = record["more_inputs"].as_array().expect("inputs");
+    assert_eq!(bed.len(), 1, "the bed: {record}");
 }
 
 #[test]
@@ -111,7 +114,7 @@ fn residuals_are_those_of_all_logs_with_each_log_beside_them() {
     process("lake-0.sl2 lake-1.sl2 lake-2.sl2 -o raw");
     process("lake-0.sl2 lake-1.sl2 lake-2.sl2 --adjust -o adjusted");
     process("lake-1.sl2 -o one");
-    let record = |out: &str| json(&folder.join(out).join("residuals.json"));
+    let record = |out: &str| json(&folder.join(out).join("quality/residuals.json"));
     let [raw, adjusted, alone] = ["raw", "adjusted", "one"].map(record);
 
     let spread = |record: &Value| number(&record["crossline_analysis"]["between_logs"]["sd_m"]);
@@ -189,10 +192,8 @@ fn ten_logs_are_one_set_of_products_with_their_heights_to_a_centimetre() {
     let is_asked = |when| ![When::Searched, When::Compared].contains(&when);
     for row in OUTPUT_FILES.iter().filter(|row| is_asked(row.when)) {
         assert!(out.join(row.name).is_file(), "{}", row.name);
-        if let Some(record) = row.record_name() {
-            assert_eq!(json(&out.join(record))["logs"], 10, "{}", row.name);
-        }
     }
+    assert_eq!(manifest(&out)["logs"], 10);
     let report = json(&out.join("report.json"));
     let logs = report["logs"]["logs"].as_array().expect("logs");
     assert_eq!(logs.len(), HIGHER_M.len());
@@ -363,7 +364,7 @@ fn a_search_goes_over_all_logs_and_says_which() {
     assert!(said.contains("proposed by the detector: "), "{said}");
     process("lake-1.sl2", "second");
     let rows = |out: &str| -> Vec<csv::StringRecord> {
-        let path = folder.join(out).join("detections.csv");
+        let path = folder.join(out).join("objects/detections.csv");
         let mut table = csv::Reader::from_path(path).expect("a table");
         table.records().map(|row| row.expect("a row")).collect()
     };
@@ -384,11 +385,11 @@ fn a_search_goes_over_all_logs_and_says_which() {
         .map(|row| row[1].parse().expect("a number"))
         .collect();
     assert_eq!(ids, (1..=both.len()).collect::<Vec<_>>());
-    let chips = fs::read_dir(folder.join("both/chips"))
+    let chips = fs::read_dir(folder.join("both/objects/chips"))
         .expect("chips")
         .count();
     assert_eq!(chips, both.len());
-    assert_eq!(json(&folder.join("both/detections.csv.json"))["logs"], 2);
+    assert_eq!(manifest(&folder.join("both"))["logs"], 2);
 }
 
 #[test]
@@ -429,7 +430,7 @@ fn groups_of_logs_are_compared_with_each_other() {
 
     let process = "process monday --reference tuesday --no-objects --products residuals -o out";
     run(folder, &process.split(' ').collect::<Vec<_>>());
-    let written = json(&folder.join("out/comparison.json"));
+    let written = json(&folder.join("out/quality/comparison.json"));
     assert_eq!(
         (&written["n"], &written["mean_m"]),
         (&found["n"], &found["mean_m"])

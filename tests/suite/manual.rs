@@ -169,7 +169,7 @@ fn it_is_printed_whole_and_by_topic() {
         );
     }
     let files = run(here(), &["manual", "files"]);
-    assert!(files.starts_with("# Files\n") && files.contains("depth.tif"));
+    assert!(files.starts_with("# Files\n") && files.contains("depth/depth.tif"));
     let refused = refusal(here(), &["manual", "nonsense"], 2);
     assert!(refused.contains("accuracy"), "{refused}");
 }

@@ -43,7 +43,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     );
     let before = ["process", "pond.sl2", "--no-objects", "--products", "track"];
     run(folder, &[&before[..], &["-o", "before"]].concat());
-    let compared = ["--reference", "before/cloud.csv:lon,lat,z_m"];
+    let compared = ["--reference", "before/points/cloud.csv:lon,lat,z_m"];
     // So that there are boxes to write pictures of.
     let search = ["--set", "detector.score=0.01", "-o", "out"];
     run(
@@ -57,8 +57,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     }
     for row in &OUTPUT_FILES {
         let mut missing: Vec<String> = row.companions.iter().map(|one| (*one).into()).collect();
-        missing.extend(row.record_name());
-        if row.name.contains('.') {
+        if row.file_name().contains('.') {
             missing.push(row.name.to_owned());
         }
         missing.retain(|name| !names.contains(name));
@@ -68,7 +67,7 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     // The page lists what lies beside it and says what each is.
     let page = fs::read_to_string(folder.join("out/report.html")).expect("a page");
     for row in OUTPUT_FILES.iter().filter(|row| row.name != "report.html") {
-        let listed = format!("{}</td><td class=\"text\">{}<", row.name, row.brief);
+        let listed = format!(">{}</td><td class=\"text\">{}<", row.name, row.brief);
         assert!(!row.brief.is_empty() && page.contains(&listed), "{listed}");
     }
 
@@ -83,14 +82,23 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
 fn no_input_is_written_over_whatever_file_of_a_run_it_is_named_after() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let survey = Survey::default();
-    for row in OUTPUT_FILES.iter().filter(|row| row.name.contains('.')) {
-        let path = temporary.path().join(row.name);
+    let files = OUTPUT_FILES
+        .iter()
+        .filter(|row| row.file_name().contains('.'));
+    // A file on top may be that of a version without subfolders, which a run takes away.
+    for name in files.flat_map(|row| [row.name, row.file_name()]) {
+        let path = temporary.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         fs::write(&path, "somebody's own").expect("a file");
         let mut survey = survey.clone();
-        survey.source.files = vec![path];
-        let refused = outputs::begin(temporary.path(), [&survey], None).expect_err(row.name);
-        assert!(refused.to_string().contains(row.name), "{refused}");
+        survey.source.files = vec![path.clone()];
+        let refused = outputs::begin(temporary.path(), [&survey], None).expect_err(name);
+        assert!(refused.to_string().contains(name), "{refused}");
+        fs::remove_file(path).expect("a file");
     }
+    fs::write(temporary.path().join("manifest.json"), "{}").expect("a file");
+    let refused = outputs::begin(temporary.path(), [&survey], None).expect_err("another's");
+    assert!(refused.to_string().contains("something else"), "{refused}");
 }
 
 #[test]
@@ -98,12 +106,12 @@ fn help_and_panel_name_the_files_of_the_registry() {
     let files = |product: Product| product.files();
     assert_eq!(
         files(Product::Track),
-        "track.gpx, .geojson, .kmz, .shp; footprint.geojson, .kmz"
+        "track/track.gpx, .geojson, .kmz, .shp; track/footprint.geojson, .kmz"
     );
-    assert_eq!(files(Product::Cloud), "cloud.laz, .ply, .xyz");
+    assert_eq!(files(Product::Cloud), "points/cloud.laz, .ply, .xyz");
     assert_eq!(
         files(Product::Depth),
-        "depth.tif, .qml; uncertainty.tif, .qml; distance.tif, .qml (colours for QGIS)"
+        "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml (colours for QGIS)"
     );
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let help = run(temporary.path(), &["process", "--help"]);
@@ -195,7 +203,8 @@ fn a_file_is_the_same_whatever_the_settings_are_that_its_row_leaves_out() {
         let mut changed = Vec::new();
         for (name, bytes) in &before {
             let row = row_of(name).expect("a row");
-            let is_record = row.record_name().is_some_and(|record| record == *name);
+            // It repeats the settings and hashes of all.
+            let is_record = *name == outputs::MANIFEST;
             let is_same = |now: &Vec<u8>| {
                 now == bytes || figures(now).is_some_and(|now| Some(now) == figures(bytes))
             };
@@ -253,13 +262,14 @@ fn the_window_says_which_files_are_older_than_the_settings() {
     assert_eq!(
         names,
         [
-            "isobaths.geojson",
-            "isobaths.kmz",
-            "isobaths.shp",
-            "depth_areas.geojson",
-            "storage.csv",
+            "isobaths/isobaths.geojson",
+            "isobaths/isobaths.kmz",
+            "isobaths/isobaths.shp",
+            "isobaths/depth_areas.geojson",
+            "isobaths/storage.csv",
             "report.html",
-            "report.json"
+            "report.json",
+            "manifest.json"
         ]
     );
     // Written anew, none is.

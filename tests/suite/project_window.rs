@@ -102,7 +102,7 @@ fn a_project_comes_back_as_it_was_left_and_the_logs_are_untouched() {
         .output()
         .expect("the program");
     assert!(program.status.success(), "{program:?}");
-    let table = std::fs::read_to_string(out.join("first_returns.csv")).expect("a table");
+    let table = std::fs::read_to_string(out.join("points/first_returns.csv")).expect("a table");
     let logs: std::collections::BTreeSet<_> = (table.lines().skip(1))
         .filter_map(|line| line.split(',').next())
         .collect();

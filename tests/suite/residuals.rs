@@ -1,7 +1,7 @@
 //! How points differ from a reference, on the map and in the panel.
 
 use crate::cli::{refusal, run};
-use crate::support::demo_log;
+use crate::support::{demo_log, manifest_entry};
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press, settle};
 use bathyscope::app::{Action, App, Command, Jobs, MapLayer, ReferenceBy, View};
@@ -146,15 +146,16 @@ fn window_compare_and_process_write_the_same_figures() {
     compare_with(&mut window, folder.join("second.sl2"));
     window.state_mut().app.apply(Command::Export(out.clone()));
     window.run();
-    let written: Value = serde_json::from_str(&text(out.join("comparison.json"))).unwrap();
+    let written: Value = serde_json::from_str(&text(out.join("quality/comparison.json"))).unwrap();
     // A number read back from JSON may be off in its last bit.
     let written_m = written["mean_m"].as_f64().expect("a mean");
     assert!((written_m - mean_m(&window)).abs() < 1e-12);
     assert_eq!(written["reference"]["kind"], "mission");
-    let points = text(out.join("comparison.csv"));
+    let points = text(out.join("quality/comparison.csv"));
     let lines = points.lines().count() as u64;
     assert_eq!(written["n"].as_u64(), Some(lines - 1));
-    assert!(text(out.join("comparison.csv.json")).contains("difference_m"));
+    let entry = manifest_entry(&out, "quality/comparison.csv");
+    assert_eq!(entry["values"]["of"], "difference_m");
     assert!(text(out.join("report.html")).contains(">second.sl2<"));
 
     let compare = ["compare", "first.sl2", "second.sl2"];
@@ -168,7 +169,7 @@ fn window_compare_and_process_write_the_same_figures() {
     let process = ["process", "first.sl2", "--reference", "second.sl2"];
     let residuals = ["--no-objects", "--products", "residuals", "-o", "headless"];
     run(folder, &[&process[..], &residuals].concat());
-    assert_eq!(text(folder.join("headless/comparison.csv")), points);
+    assert_eq!(text(folder.join("headless/quality/comparison.csv")), points);
 
     let refused = refusal(folder, &[&compare[..], &["-o", "second.sl2"]].concat(), 1);
     assert!(refused.contains("another name"), "{refused}");
@@ -200,7 +201,7 @@ fn a_setting_acts_on_both_missions_and_on_no_file() {
     assert!((mean_m(&window) - 0.20).abs() < 0.01);
 
     // The cloud that was written without the draft, in metres from the first fix.
-    compare_with(&mut window, out.join("cloud.ply"));
+    compare_with(&mut window, out.join("points/cloud.ply"));
     let (text, is_error) = notice(&window);
     assert!(!is_error && text.contains("first fix"), "{text}");
     // The median: that file holds what is flagged as above-bottom too.

@@ -29,9 +29,17 @@ fn report(folder: &Path) -> Value {
 }
 
 fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("a folder").flatten();
-    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.collect();
+    let mut names = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        match entry.path().is_dir() {
+            true => {
+                let inner = self::names(&entry.path());
+                names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            }
+            false => names.push(name),
+        }
+    }
     names.sort();
     names
 }
@@ -93,7 +101,7 @@ fn everything_at_once(app: &mut App, folder: &Path) -> Vec<String> {
     // Metres that name no system: how they were taken is a note that belongs into the report.
     let process = "process second.sl2 --no-objects --products cloud -o second";
     run(folder, &process.split(' ').collect::<Vec<_>>());
-    let reference = folder.join("second/cloud.ply");
+    let reference = folder.join("second/points/cloud.ply");
     let stroke = BottomStroke {
         side: Side::Port,
         path: vec![[40.0, 4.0], [60.0, 3.5]],
@@ -218,7 +226,7 @@ fn window_and_process_write_the_same_bytes_of_several_logs() {
     write_logs(folder, &[("reference.sl2", 0.10)]);
     let process = "process reference.sl2 --no-objects --products cloud -o reference";
     run(folder, &process.split(' ').collect::<Vec<_>>());
-    let reference = folder.join("reference/cloud.ply");
+    let reference = folder.join("reference/points/cloud.ply");
     app.apply(Command::CompareWith(reference.clone()));
     settle(&mut app);
     let [by_window, by_process] = ["window", "process"].map(|name| folder.join(name));

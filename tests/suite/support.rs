@@ -1,6 +1,7 @@
 //! Where the real recordings are, what a test says when they are not there, and how pictures are compared.
 
-use std::path::PathBuf;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 /// The folder of real recordings: `BATHYSCOPE_DATA`, or `../shared/data` beside the project.
 /// `None` (after a line on stderr) where there is none: the test then has nothing to look at and says so.
@@ -17,6 +18,22 @@ pub fn real_data() -> Option<PathBuf> {
 /// The bundled demo survey as a file.
 pub fn demo_log() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/demo.sl2")
+}
+
+/// What the manifest of a run says, of all its files and of each.
+pub fn manifest(folder: &Path) -> Value {
+    let text = std::fs::read(folder.join("manifest.json")).expect("a manifest");
+    serde_json::from_slice(&text).expect("JSON")
+}
+
+/// What the manifest of a run says of one file.
+pub fn manifest_entry(folder: &Path, name: &str) -> Value {
+    let manifest = manifest(folder);
+    let mut files = manifest["files"].as_array().expect("files").iter();
+    let entry = files.find(|file| file["file"] == name);
+    entry
+        .unwrap_or_else(|| panic!("{name} is not in it"))
+        .clone()
 }
 
 /// How pictures are compared with those in `tests/snapshots/`. lavapipe compiles for the processor it runs on, so the last

@@ -337,7 +337,7 @@ fn review_two_logs(window: &mut Window) {
 }
 
 fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
-    let table = fs::read_to_string(out.join("first_returns.csv")).expect("a table");
+    let table = fs::read_to_string(out.join("points/first_returns.csv")).expect("a table");
     let left_out = rows(&table, "lake-1", ["ping", "left_out"]);
     let drawn = left_out.iter().filter(|[_, reason]| reason == "drawn");
     let drawn: Vec<usize> = drawn
@@ -369,7 +369,12 @@ fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
     }
     assert_eq!(logs[1]["left_out"][0]["pings"], serde_json::json!(turn));
     assert_eq!(report["counts"]["left_out_pings"], turn[1] + 1 - turn[0]);
-    for name in ["depth.tif", "cloud.laz", "isobaths.geojson", "mosaic.tif"] {
+    for name in [
+        "depth/depth.tif",
+        "points/cloud.laz",
+        "isobaths/isobaths.geojson",
+        "mosaic/mosaic.tif",
+    ] {
         let size = fs::metadata(out.join(name)).map_or(0, |file| file.len());
         assert!(size > 100, "{name}");
     }

@@ -1,6 +1,6 @@
 //! The window, driven through its accessibility tree as a screen reader or an analyst would, without a display.
 
-use crate::support::{demo_log, snapshot_options};
+use crate::support::{demo_log, manifest_entry, snapshot_options};
 use bathyscope::app::{App, Command, Jobs, Mark, ThemeChoice};
 use bathyscope::geo::CrsChoice;
 use bathyscope::pipeline::Preset;
@@ -349,7 +349,12 @@ fn products_are_written_where_the_path_field_says() {
     type_export_folder(&mut window, &into);
     window.get_by_label("Export").click();
     window.run();
-    for product in ["report.json", "depth.tif", "mosaic.tif", "report.html"] {
+    for product in [
+        "report.json",
+        "depth/depth.tif",
+        "mosaic/mosaic.tif",
+        "report.html",
+    ] {
         assert!(into.join(product).is_file(), "{product}");
     }
     assert!(window.query_by_label_contains("Wrote ").is_some());
@@ -377,16 +382,16 @@ fn what_is_unticked_is_not_written_and_the_system_is_the_one_chosen() {
     window.run();
     for (product, made) in [
         ("report.json", true),
-        ("depth.tif", true),
-        ("track.gpx", true),
-        ("mosaic.tif", false),
-        ("isobaths.geojson", false),
+        ("depth/depth.tif", true),
+        ("track/track.gpx", true),
+        ("mosaic/mosaic.tif", false),
+        ("isobaths/isobaths.geojson", false),
         ("report.html", false),
     ] {
         assert_eq!(into.join(product).is_file(), made, "{product}");
     }
-    let record = std::fs::read_to_string(into.join("depth.tif.json")).expect("a record");
-    assert!(record.contains("\"epsg\": 4326"), "{record}");
+    let record = manifest_entry(&into, "depth/depth.tif");
+    assert_eq!(record["crs"]["epsg"], 4326, "{record}");
 }
 
 #[derive(Default)]

@@ -2,7 +2,7 @@
 
 use crate::export;
 use crate::outputs::OutputError;
-use crate::outputs::record::{Coordinates, FileContent};
+use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use crate::bathymetry::isobaths::smoothed;
 use crate::export::{self, ExportError, Line, Summary};
 use crate::outputs::OutputError;
-use crate::outputs::record::{Coordinates, FileContent};
+use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use crate::pipeline::Contours;
 use std::path::Path;

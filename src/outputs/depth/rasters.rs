@@ -5,7 +5,7 @@ use crate::bathymetry::{Grid, Surface};
 use crate::export::{Summary, geotiff, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::OutputError;
-use crate::outputs::record::{Coordinates, FileContent};
+use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};

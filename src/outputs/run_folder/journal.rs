@@ -9,11 +9,14 @@ use std::path::{Component, Path};
 /// Renames and removals that put a run in place. They can be begun again after any of them.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Journal {
+    /// Manifests of the run before: they are removed before anything else.
+    #[serde(default)]
+    pub first: Vec<String>,
     /// Files that move from the side folder into the folder.
     pub files: Vec<String>,
     /// Files of the run before that no file takes the place of.
     pub remove: Vec<String>,
-    /// The file that moves last; where one is in the folder, it is removed first.
+    /// The file that moves last.
     pub manifest: Option<String>,
 }
 
@@ -22,11 +25,12 @@ impl Journal {
     pub fn read(path: &Path) -> Option<Self> {
         let journal: Self = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
         let Self {
+            first,
             files,
             remove,
             manifest,
         } = &journal;
-        let mut names = files.iter().chain(remove).chain(manifest);
+        let mut names = first.iter().chain(files).chain(remove).chain(manifest);
         names.all(|name| is_plain(name)).then_some(journal)
     }
 
@@ -39,8 +43,10 @@ impl Journal {
         let whole = (self.manifest.as_ref()).is_some_and(|name| !new.join(name).exists());
         // With the manifest in place all else is, too.
         if !whole {
-            if self.manifest.is_some() {
-                for name in super::MANIFESTS {
+            for name in &self.first {
+                // A file of the new run may have the name of an earlier version's manifest.
+                let is_in_place = self.files.contains(name) && !new.join(name).exists();
+                if !is_in_place {
                     remove(&folder.join(name))?;
                 }
             }
@@ -49,9 +55,11 @@ impl Journal {
             }
             for name in &self.remove {
                 remove(&folder.join(name))?;
-                if let Some((inner, _)) = name.split_once('/') {
-                    // It stays where it holds anything else.
-                    fs::remove_dir(folder.join(inner)).ok();
+                for inner in Path::new(name).ancestors().skip(1) {
+                    if !inner.as_os_str().is_empty() {
+                        // It stays where it holds anything else.
+                        fs::remove_dir(folder.join(inner)).ok();
+                    }
                 }
             }
             if let Some(name) = &self.manifest {
@@ -89,12 +97,12 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Whether a name from a file stays within the folder: a file, or a file in a subfolder.
+/// Whether a name from a file stays within the folder: a file, or a file in a subfolder or in a folder in that.
 pub(super) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     let plain = parts
         .by_ref()
-        .take(2)
+        .take(3)
         .all(|part| matches!(part, Component::Normal(_)));
     plain && !name.is_empty() && parts.next().is_none() && !name.contains('\\')
 }

@@ -12,55 +12,52 @@ fn text(path: &Path) -> String {
 fn write(run: &RunFolder, files: &[&str], content: &str) {
     let new = run.path();
     for file in files {
-        if let Some((inner, _)) = file.split_once('/') {
-            fs::create_dir_all(new.join(inner)).unwrap();
-        }
+        fs::create_dir_all(new.join(file).parent().unwrap()).unwrap();
         fs::write(new.join(file), content).unwrap();
     }
     let files = run.files(&Progress::new()).unwrap();
     let manifest = serde_json::json!({ "program": "bathyscope 1", "run": content, "files": files });
-    fs::write(new.join("report.json"), manifest.to_string()).unwrap();
+    fs::write(new.join("manifest.json"), manifest.to_string()).unwrap();
 }
 
-fn written(folder: &Path, files: &[&str], content: &str) -> Vec<String> {
+fn written(folder: &Path, files: &[&str], content: &str) -> Replaced {
     let run = RunFolder::begin(folder).unwrap();
     write(&run, files, content);
-    run.commit("report.json").unwrap()
+    run.commit("manifest.json").unwrap()
 }
 
 #[test]
 fn a_folder_holds_the_files_of_one_run_and_those_of_its_user() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    written(
-        &out,
-        &[
-            "cloud.csv",
-            "mosaic.tif",
-            "chips/0001-rock.png",
-            "track.gpx",
-        ],
-        "one",
-    );
+    let one = [
+        "mosaic/mosaic.tif",
+        "objects/chips/0001-rock.png",
+        "points/cloud.csv",
+        "track/track.gpx",
+    ];
+    written(&out, &one, "one");
     fs::write(out.join("notes.txt"), "mine").unwrap();
-    fs::write(out.join("chips/best.png"), "mine").unwrap();
+    fs::write(out.join("objects/chips/best.png"), "mine").unwrap();
     // Changed by hand: it is no longer what the run wrote.
-    fs::write(out.join("track.gpx"), "mine").unwrap();
-    let gone = written(&out, &["cloud.csv", "depth.tif"], "two");
-    assert_eq!(gone, ["mosaic.tif"]);
+    fs::write(out.join("track/track.gpx"), "mine").unwrap();
+    let gone = written(&out, &["points/cloud.csv", "depth/depth.tif"], "two");
+    assert_eq!(gone.removed, ["mosaic/mosaic.tif"]);
+    assert_eq!(gone.kept, ["track/track.gpx"]);
     assert_eq!(
         names(&out),
         [
-            "chips/best.png",
-            "cloud.csv",
-            "depth.tif",
+            "depth/depth.tif",
+            "manifest.json",
             "notes.txt",
-            "report.json",
-            "track.gpx"
+            "objects/chips/best.png",
+            "points/cloud.csv",
+            "track/track.gpx"
         ]
     );
-    assert_eq!(text(&out.join("cloud.csv")), "two");
-    assert_eq!(text(&out.join("track.gpx")), "mine");
+    assert!(!out.join("mosaic").exists(), "an empty folder");
+    assert_eq!(text(&out.join("points/cloud.csv")), "two");
+    assert_eq!(text(&out.join("track/track.gpx")), "mine");
 }
 
 #[test]
@@ -70,20 +67,27 @@ fn a_run_that_fails_leaves_all_as_it_was() {
     drop(RunFolder::begin(&out).unwrap());
     assert!(!out.exists());
     written(&out, &["cloud.csv"], "one");
-    let before = text(&out.join("report.json"));
+    let before = text(&out.join("manifest.json"));
     let run = RunFolder::begin(&out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
     drop(run);
-    assert_eq!(names(&out), ["cloud.csv", "report.json"]);
-    assert_eq!(text(&out.join("report.json")), before);
+    assert_eq!(names(&out), ["cloud.csv", "manifest.json"]);
+    assert_eq!(text(&out.join("manifest.json")), before);
     // A folder in the way is reported before anything is moved.
     fs::create_dir(out.join("depth.tif")).unwrap();
     let run = RunFolder::begin(&out).unwrap();
     write(&run, &["cloud.csv", "depth.tif"], "two");
-    let refusal = run.commit("report.json").unwrap_err();
+    let refusal = run.commit("manifest.json").unwrap_err();
     assert!(refusal.to_string().contains("depth.tif"), "{refusal}");
-    assert_eq!(text(&out.join("report.json")), before);
+    assert_eq!(text(&out.join("manifest.json")), before);
     assert_eq!(text(&out.join("cloud.csv")), "one");
+    // And a file in the place of a subfolder.
+    fs::write(out.join("objects"), "mine").unwrap();
+    let run = RunFolder::begin(&out).unwrap();
+    write(&run, &["objects/chips/0001-rock.png"], "two");
+    let refusal = run.commit("manifest.json").unwrap_err();
+    assert!(refusal.to_string().ends_with("objects"), "{refusal}");
+    assert_eq!(text(&out.join("manifest.json")), before);
     assert!(!out.join(SIDE).exists());
 }
 
@@ -94,9 +98,9 @@ fn two_runs_do_not_write_into_one_folder() {
     let refusal = RunFolder::begin(folder.path()).unwrap_err();
     assert!(refusal.to_string().contains("another run"), "{refusal}");
     write(&first, &["cloud.csv"], "one");
-    first.commit("report.json").unwrap();
+    first.commit("manifest.json").unwrap();
     RunFolder::begin(folder.path()).unwrap();
-    assert_eq!(names(folder.path()), ["cloud.csv", "report.json"]);
+    assert_eq!(names(folder.path()), ["cloud.csv", "manifest.json"]);
 }
 
 /// What a process leaves that is killed: no destructor runs, but the lock is gone.
@@ -117,26 +121,40 @@ fn the_next_run_clears_away_what_was_killed_before_it_was_decided() {
     assert_eq!(text(&out.join("cloud.csv")), "one");
     assert!(out.join(SIDE).exists());
     drop(RunFolder::begin(out).unwrap());
-    assert_eq!(names(out), ["cloud.csv", "report.json"]);
+    assert_eq!(names(out), ["cloud.csv", "manifest.json"]);
     assert_eq!(text(&out.join("cloud.csv")), "one");
 }
 
 /// Killed after each of the renames and removals: the next run finishes the job, and a folder with a manifest is whole meanwhile.
 #[test]
 fn a_swap_that_was_killed_is_finished_by_the_next_run() {
-    let old = ["chips/0001-rock.png", "cloud.csv", "depth.tif"];
-    let new = ["chips/0001-boat.png", "cloud.csv", "track.gpx"];
+    let old = [
+        "depth.tif",
+        "objects/chips/0001-rock.png",
+        "points/cloud.csv",
+    ];
+    let new = [
+        "objects/chips/0001-boat.png",
+        "points/cloud.csv",
+        "report.json",
+    ];
     for step in 0.. {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
         written(out, &old, "one");
+        // A version without subfolders called its manifest by the name of a file of now.
+        fs::rename(out.join("manifest.json"), out.join("report.json")).unwrap();
         let run = RunFolder::begin(out).unwrap();
         write(&run, &new, "two");
         let staged = run.path();
         let journal = Journal {
+            first: vec!["report.json".to_owned()],
             files: new.iter().map(|&name| name.to_owned()).collect(),
-            remove: vec!["chips/0001-rock.png".to_owned(), "depth.tif".to_owned()],
-            manifest: Some("report.json".to_owned()),
+            remove: vec![
+                "depth.tif".to_owned(),
+                "objects/chips/0001-rock.png".to_owned(),
+            ],
+            manifest: Some("manifest.json".to_owned()),
         };
         journal.write(&out.join(SIDE).join(JOURNAL)).unwrap();
         // The order in which it is done, as far as the kill lets it.
@@ -144,25 +162,25 @@ fn a_swap_that_was_killed_is_finished_by_the_next_run() {
         let removes = |name: &str| fs::remove_file(out.join(name)).unwrap();
         let steps: [&dyn Fn(); 7] = [
             &|| removes("report.json"),
-            &|| moves("chips/0001-boat.png"),
-            &|| moves("cloud.csv"),
-            &|| moves("track.gpx"),
-            &|| removes("chips/0001-rock.png"),
-            &|| removes("depth.tif"),
+            &|| moves("objects/chips/0001-boat.png"),
+            &|| moves("points/cloud.csv"),
             &|| moves("report.json"),
+            &|| removes("depth.tif"),
+            &|| removes("objects/chips/0001-rock.png"),
+            &|| moves("manifest.json"),
         ];
         for one in &steps[..step] {
             one();
         }
-        if (1..steps.len()).contains(&step) {
-            assert!(!out.join("report.json").exists());
+        if step < steps.len() {
+            assert!(!out.join("manifest.json").exists());
         }
         kill(run);
         drop(RunFolder::begin(out).unwrap());
         let mut expected = new.to_vec();
-        expected.insert(2, "report.json");
+        expected.insert(0, "manifest.json");
         assert_eq!(names(out), expected, "killed at {step}");
-        assert!(text(&out.join("report.json")).contains(r#""run":"two""#));
+        assert!(text(&out.join("manifest.json")).contains(r#""run":"two""#));
         for name in new {
             assert_eq!(text(&out.join(name)), "two", "{name}, killed at {step}");
         }
@@ -185,7 +203,7 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
     ] {
         file.file = name.to_owned();
         let manifest = serde_json::json!({ "program": "bathyscope 1", "files": [&file] });
-        fs::write(out.join("report.json"), manifest.to_string()).unwrap();
+        fs::write(out.join("manifest.json"), manifest.to_string()).unwrap();
         written(&out, &["cloud.csv"], "one");
         assert_eq!(text(&folder.path().join("thesis.txt")), "years");
     }
@@ -200,24 +218,33 @@ fn a_manifest_from_elsewhere_removes_nothing_outside_the_folder() {
 
 #[test]
 fn a_group_of_files_leaves_the_run_and_takes_the_place_of_its_own() {
+    let one = [
+        "objects/detections.csv",
+        "objects/detections.gpx",
+        "points/cloud.csv",
+        "report.json",
+    ];
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path();
-    written(
-        out,
-        &["cloud.csv", "detections.csv", "detections.csv.json"],
-        "one",
-    );
+    written(out, &one, "one");
     let run = RunFolder::begin(out).unwrap();
-    fs::write(run.path().join("detections.csv"), "two").unwrap();
-    run.commit_group(|name| name.starts_with("detections."))
-        .unwrap();
-    assert_eq!(names(out), ["cloud.csv", "detections.csv", "report.json"]);
+    fs::create_dir(run.path().join("objects")).unwrap();
+    fs::write(run.path().join("objects/detections.csv"), "two").unwrap();
+    let gone = run.commit_group(|name| name.starts_with("objects/"));
+    assert_eq!(gone.unwrap().removed, ["objects/detections.gpx"]);
+    let expected = [
+        "manifest.json",
+        "objects/detections.csv",
+        "points/cloud.csv",
+        "report.json",
+    ];
+    assert_eq!(names(out), expected);
     let manifest: serde_json::Value =
-        serde_json::from_str(&text(&out.join("report.json"))).unwrap();
-    let files = manifest["files"].as_array().unwrap();
-    assert_eq!(files.len(), 1);
-    assert_eq!(files[0]["file"], "cloud.csv");
-    assert_eq!(text(&out.join("detections.csv")), "two");
+        serde_json::from_str(&text(&out.join("manifest.json"))).unwrap();
+    let files = manifest["files"].as_array().unwrap().iter();
+    let files: Vec<&str> = files.map(|file| file["file"].as_str().unwrap()).collect();
+    assert_eq!(files, ["points/cloud.csv", "report.json"]);
+    assert_eq!(text(&out.join("objects/detections.csv")), "two");
 }
 
 #[test]
@@ -245,14 +272,16 @@ fn what_a_version_without_a_list_wrote_goes_by_its_records() {
     ] {
         fs::write(out.join(name), content).unwrap();
     }
-    let gone = written(out, &["depth.tif"], "new");
+    let gone = written(out, &["depth/depth.tif", "report.json"], "new");
+    assert_eq!(gone.kept, [""; 0]);
     assert_eq!(
-        gone,
+        gone.removed,
         ["mosaic.tif", "report.html", "track.dbf", "track.shp"]
     );
     let mut expected = vec![
-        "depth.tif",
+        "depth/depth.tif",
         "film.mkv.4294967294.part",
+        "manifest.json",
         "photo.jpg",
         "photo.jpg.json",
         "report.json",

@@ -39,7 +39,10 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         setting(ui, context, &rows::CRS);
         groups(ui, context);
-        parts::remark(ui, "Each has a record: inputs, settings, system, extent.");
+        parts::remark(
+            ui,
+            "manifest.json says of each: inputs, settings, system, extent.",
+        );
     });
 }
 

@@ -36,7 +36,7 @@ fn objects_of_a_log_become_a_table_and_chips() {
         "{text}"
     );
 
-    let table = folder.join("out/detections.csv");
+    let table = folder.join("out/objects/detections.csv");
     assert_eq!(
         header(&table),
         "id,file,class,score,state,side,ping_from,ping_to,sample_from,sample_to,lon,lat,east_m,north_m,length_m,width_m,\
@@ -44,7 +44,7 @@ fn objects_of_a_log_become_a_table_and_chips() {
     );
     let rows = rows(&table);
     assert!(!rows.is_empty(), "a net of random weights fires");
-    let text = fs::read(folder.join("out/detections.geojson")).expect("a map");
+    let text = fs::read(folder.join("out/objects/detections.geojson")).expect("a map");
     let map: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
     let placed = rows.iter().filter(|row| !row[10].is_empty()).count();
     assert!(placed > 0, "the demo pond has positions and depths");
@@ -65,7 +65,7 @@ fn objects_of_a_log_become_a_table_and_chips() {
         assert!(number(6) < number(7) && number(8) <= number(9), "{row:?}");
         assert!(
             folder
-                .join(format!("out/chips/{:04}-{}.png", index + 1, row[2]))
+                .join(format!("out/objects/chips/{:04}-{}.png", index + 1, row[2]))
                 .is_file()
         );
     }
@@ -95,7 +95,7 @@ fn pictures_are_searched_in_their_own_pixels() {
         ],
     );
     for (name, file, width) in [("small", "small.png", 80.0), ("large", "large.jpg", 300.0)] {
-        let table = folder.join("out").join(name).join("detections.csv");
+        let table = folder.join("out").join(name).join("objects/detections.csv");
         assert_eq!(
             header(&table),
             "id,file,class,score,state,x_from,x_to,y_from,y_to"
@@ -118,7 +118,7 @@ fn chips_of_an_earlier_search_give_way() {
     simulated(folder);
     let model = model();
     let chips = || {
-        let entries = fs::read_dir(folder.join("out/chips")).expect("chips");
+        let entries = fs::read_dir(folder.join("out/objects/chips")).expect("chips");
         let names = entries.map(|entry| entry.expect("a chip").file_name());
         let names = names.map(|name| name.into_string().expect("a plain name"));
         names.collect::<BTreeSet<String>>()
@@ -126,7 +126,7 @@ fn chips_of_an_earlier_search_give_way() {
     let search = |iou: &str| {
         let args = ["detect", "pond.sl2", "-o", "out", "--model", &model];
         run(folder, &[&args[..], &["--iou", iou]].concat());
-        rows(&folder.join("out/detections.csv"))
+        rows(&folder.join("out/objects/detections.csv"))
     };
     let named = |rows: &[Vec<String>]| {
         let rows = rows.iter().enumerate();
@@ -135,7 +135,7 @@ fn chips_of_an_earlier_search_give_way() {
     };
     let many = search("0.45");
     assert_eq!(chips(), named(&many));
-    fs::write(folder.join("out/chips/0001-mine.png"), "mine").expect("a file");
+    fs::write(folder.join("out/objects/chips/0001-mine.png"), "mine").expect("a file");
     let few = search("0");
     assert!(!few.is_empty() && few.len() < many.len());
     let mut expected = named(&few);
@@ -192,8 +192,8 @@ fn objects_lie_where_the_settings_put_them_and_process_agrees() {
         &["process", "pond.sl2", "-o", "out"],
         &[&which, score, &deeper],
     );
-    let [plain, deep, of_process] =
-        ["plain", "deeper", "out"].map(|name| rows(&folder.join(name).join("detections.csv")));
+    let [plain, deep, of_process] = ["plain", "deeper", "out"]
+        .map(|name| rows(&folder.join(name).join("objects/detections.csv")));
     assert_eq!(deep, of_process);
     let depths = |rows: &[Vec<String>]| -> Vec<f64> {
         rows.iter().filter_map(|row| row[17].parse().ok()).collect()
@@ -240,18 +240,18 @@ fn process_writes_the_same_objects_as_detect_unless_switched_off() {
         ],
     );
     let [of_process, of_detect] =
-        ["out", "detected"].map(|name| rows(&folder.join(name).join("detections.csv")));
+        ["out", "detected"].map(|name| rows(&folder.join(name).join("objects/detections.csv")));
     assert!(!of_process.is_empty());
     assert_eq!(of_process, of_detect);
     assert!(text.contains("proposed by the detector: "), "{text}");
-    assert!(folder.join("out/detections.geojson").is_file());
+    assert!(folder.join("out/objects/detections.geojson").is_file());
 
     run(
         folder,
         &["process", "pond.sl2", "-o", "bare", "--no-objects"],
     );
     assert!(folder.join("bare/report.json").is_file());
-    assert!(!folder.join("bare/detections.csv").exists());
+    assert!(!folder.join("bare/objects/detections.csv").exists());
 
     // A model that cannot be used is reported before anything is computed or written.
     let refused = refusal(

@@ -2,7 +2,7 @@
 
 use super::{run, simulated};
 use crate::support::Moments;
-use bathyscope::outputs::RunFolder;
+use bathyscope::outputs::{MANIFEST, RunFolder};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeSet;
@@ -26,7 +26,7 @@ fn kills() -> usize {
         .unwrap_or(KILLS)
 }
 
-/// A run with a setting that every record and the report state.
+/// A run with a setting that the manifest and the report state.
 fn start(folder: &Path, draft_m: f64, products: &str) -> Child {
     let draft = format!("draft_m={draft_m}");
     Command::new(env!("CARGO_BIN_EXE_bathyscope"))
@@ -40,22 +40,30 @@ fn start(folder: &Path, draft_m: f64, products: &str) -> Child {
 }
 
 fn names(folder: &Path) -> BTreeSet<String> {
-    let entries = fs::read_dir(folder).expect("a folder").flatten();
-    entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect()
+    let mut names = BTreeSet::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        match entry.path().is_dir() && name != SIDE {
+            true => {
+                let inner = self::names(&entry.path());
+                names.extend(inner.iter().map(|one| format!("{name}/{one}")));
+            }
+            false => _ = names.insert(name),
+        }
+    }
+    names
 }
 
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
 }
 
-/// That all files are of the run that the report names, and no other is there. What is the draft?
+/// That all files are of the run that the manifest names, and no other is there. What is the draft?
 fn draft_of_whole_run(out: &Path) -> f64 {
-    let report = json(&out.join("report.json"));
-    let mut expected: BTreeSet<String> = ["report.json", NOTES].map(str::to_owned).into();
-    let draft_m = report["settings"]["draft_m"].as_f64().expect("a draft");
-    for file in report["files"].as_array().expect("files") {
+    let manifest = json(&out.join(MANIFEST));
+    let mut expected: BTreeSet<String> = [MANIFEST, NOTES].map(str::to_owned).into();
+    let draft_m = manifest["settings"]["draft_m"].as_f64().expect("a draft");
+    for file in manifest["files"].as_array().expect("files") {
         let name = file["file"].as_str().expect("a name");
         let bytes = fs::read(out.join(name)).expect("a file that the report names");
         let hash: String = Sha256::digest(&bytes)
@@ -65,16 +73,10 @@ fn draft_of_whole_run(out: &Path) -> f64 {
         assert_eq!(file["sha256"], hash.as_str(), "{name}");
         assert_eq!(file["bytes"].as_u64(), Some(bytes.len() as u64), "{name}");
         expected.insert(name.to_owned());
-        let product = name.strip_suffix(".json").map(|product| out.join(product));
-        if product.is_some_and(|product| product.is_file()) {
-            let record = json(&out.join(name));
-            assert_eq!(record["run"], report["run"], "{name}");
-            assert_eq!(
-                record["settings"]["draft_m"].as_f64().unwrap_or(draft_m),
-                draft_m
-            );
-        }
     }
+    let report = json(&out.join("report.json"));
+    assert_eq!(report["run"], manifest["run"]);
+    assert_eq!(report["settings"], manifest["settings"]);
     let mut there = names(out);
     there.remove(SIDE);
     assert_eq!(there, expected);
@@ -110,8 +112,8 @@ fn a_killed_run_leaves_the_files_of_one_run() {
         child.wait().expect("a run that was killed");
         let journal = out.join(SIDE).join("commit.json").exists();
         at_work += usize::from(out.join(SIDE).exists());
-        if !out.join("report.json").exists() {
-            assert!(journal, "without a report a swap is under way");
+        if !out.join(MANIFEST).exists() {
+            assert!(journal, "without a manifest a swap is under way");
         }
         if journal {
             at_swap += 1;
@@ -146,20 +148,19 @@ fn detect_takes_its_files_out_of_the_run_that_lies_there() {
     );
     let out = folder.join("out");
     let listed = || {
-        let report = json(&out.join("report.json"));
-        let files = report["files"].as_array().expect("files").iter();
+        let manifest = json(&out.join(MANIFEST));
+        let files = manifest["files"].as_array().expect("files").iter();
         let names = files.map(|file| file["file"].as_str().expect("a name").to_owned());
         names.collect::<BTreeSet<String>>()
     };
-    assert!(listed().contains("detections.csv") && out.join("detections.csv.json").exists());
+    assert!(listed().contains("objects/detections.csv"));
     run(
         folder,
         &["detect", "pond.sl2", "-o", "out", "--score", "0.9"],
     );
-    assert!(out.join("detections.csv").exists() && out.join("depth.tif").exists());
-    assert!(!out.join("detections.csv.json").exists());
-    assert!(listed().contains("depth.tif"));
-    assert!(!listed().iter().any(|name| name.starts_with("detections.")));
+    assert!(out.join("objects/detections.csv").exists() && out.join("depth/depth.tif").exists());
+    assert!(listed().contains("depth/depth.tif"));
+    assert!(!listed().iter().any(|name| name.starts_with("objects/")));
     assert!(!out.join(SIDE).exists());
 
     // A run without objects has none of an earlier one beside it, and says so.
@@ -178,8 +179,60 @@ fn detect_takes_its_files_out_of_the_run_that_lies_there() {
     ];
     let text = run(folder, &bare);
     assert!(
-        text.contains("removed of an earlier run: detections.csv"),
+        text.contains("removed of an earlier run: objects/detections.csv"),
         "{text}"
     );
-    assert!(!out.join("detections.csv").exists() && !out.join("chips").exists());
+    assert!(!out.join("objects").exists());
+}
+
+/// A folder of the version before this one, with all files of the run on top and a record beside each.
+fn write_flat_run(out: &Path) {
+    fs::create_dir(out).expect("a folder");
+    let mut files = Vec::new();
+    for name in [
+        "depth.tif",
+        "depth.tif.json",
+        "depth.qml",
+        "track.gpx",
+        "track.gpx.json",
+        "cloud.csv",
+    ] {
+        fs::write(out.join(name), name).expect("a file");
+        let sha256: String = (Sha256::digest(name).iter())
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        files.push(serde_json::json!({ "file": name, "bytes": name.len(), "sha256": sha256 }));
+    }
+    let report =
+        serde_json::json!({ "program": "bathyscope 0.1.0", "settings": {}, "files": files });
+    fs::write(out.join("report.json"), report.to_string()).expect("a report");
+}
+
+#[test]
+fn files_of_a_version_without_subfolders_are_removed_or_named() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    let out = folder.join("out");
+    write_flat_run(&out);
+    // Changed since, and one that no manifest names.
+    fs::write(out.join("track.gpx"), "mine").expect("a file");
+    fs::write(out.join("detections.csv"), "mine").expect("a file");
+    fs::write(out.join(NOTES), "mine").expect("a file");
+    let args = "process pond.sl2 -o out --no-objects --products depth";
+    let text = run(folder, &args.split(' ').collect::<Vec<_>>());
+    let said = "removed of an earlier run: cloud.csv, depth.qml, depth.tif; \
+                left from before, not of this run: detections.csv, track.gpx";
+    assert!(text.contains(said), "{text}");
+    let mut there = names(&out);
+    for name in ["track.gpx", "detections.csv", NOTES] {
+        assert!(there.remove(name), "{name}");
+    }
+    let manifest = json(&out.join(MANIFEST));
+    let listed = manifest["files"].as_array().expect("files").iter();
+    let mut expected: BTreeSet<String> = listed
+        .map(|file| file["file"].as_str().expect("a name").to_owned())
+        .collect();
+    expected.insert(MANIFEST.to_owned());
+    assert_eq!(there, expected);
 }

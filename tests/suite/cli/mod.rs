@@ -85,20 +85,20 @@ fn simulate_info_process_and_filter_work_together() {
     run(folder, &["process", "pond.sl2", "-o", "out"]);
     let out = folder.join("out");
     assert_eq!(
-        header(&out.join("first_returns.csv")),
+        header(&out.join("points/first_returns.csv")),
         "ping,time_s,lon,lat,east_m,north_m,heading_deg,depth_m,port_sample,port_range_m,port_confidence,\
          starboard_sample,starboard_range_m,starboard_confidence,left_out"
     );
     assert_eq!(
-        header(&out.join("cloud.csv")),
+        header(&out.join("points/cloud.csv")),
         "source,ping,lon,lat,east_m,north_m,z_m,kept"
     );
-    let rows = fs::read_to_string(out.join("first_returns.csv"))
+    let rows = fs::read_to_string(out.join("points/first_returns.csv"))
         .expect("first returns")
         .lines()
         .count();
     assert_eq!(rows as u64, pings + 1, "one row a ping");
-    for product in ["cloud.ply", "cloud.laz"] {
+    for product in ["points/cloud.ply", "points/cloud.laz"] {
         assert!(out.join(product).is_file(), "{product}");
     }
     let report: serde_json::Value =
@@ -124,7 +124,7 @@ fn simulate_info_process_and_filter_work_together() {
         folder,
         &[
             "filter",
-            "out/cloud.ply",
+            "out/points/cloud.ply",
             "-o",
             "kept.ply",
             "--radius",

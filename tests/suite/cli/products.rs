@@ -2,19 +2,24 @@
 
 use super::{refusal, run, simulated, stderr_of};
 use crate::handmade;
+use crate::support::manifest;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
 const DEPTH: [&str; 6] = [
-    "depth.tif",
-    "depth.qml",
-    "uncertainty.tif",
-    "uncertainty.qml",
-    "distance.tif",
-    "distance.qml",
+    "depth/depth.tif",
+    "depth/depth.qml",
+    "depth/uncertainty.tif",
+    "depth/uncertainty.qml",
+    "depth/distance.tif",
+    "depth/distance.qml",
 ];
-const ISOBATHS: [&str; 3] = ["isobaths.geojson", "depth_areas.geojson", "storage.csv"];
+const ISOBATHS: [&str; 3] = [
+    "isobaths/isobaths.geojson",
+    "isobaths/depth_areas.geojson",
+    "isobaths/storage.csv",
+];
 
 fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).expect("a product")).expect("JSON")
@@ -38,9 +43,13 @@ fn only_the_products_that_are_named_are_made() {
     );
     let some = folder.join("some");
     assert_made(&some, &DEPTH, true);
-    assert_made(&some, &["residuals.json", "cloud.csv", "report.json"], true);
+    assert_made(
+        &some,
+        &["quality/residuals.json", "points/cloud.csv", "report.json"],
+        true,
+    );
     assert_made(&some, &ISOBATHS, false);
-    assert_made(&some, &["mosaic.tif", "depth.xyz"], false);
+    assert_made(&some, &["mosaic/mosaic.tif", "depth/depth.xyz"], false);
     let wrong = [&process[..], &["other", "--products", "dept"]].concat();
     assert!(refusal(folder, &wrong, 2).contains("dept"));
     let wrong = [&process[..], &["other", "--set", "surface.max_gap_m=0"]].concat();
@@ -54,7 +63,8 @@ fn points_of_the_cloud_carry_the_level_of_their_echo() {
     simulated(folder);
     let process = ["process", "pond.sl2", "--no-objects", "--products", "cloud"];
     run(folder, &[&process[..], &["-o", "out"]].concat());
-    let mut reader = las::Reader::from_path(folder.join("out/cloud.laz")).expect("a LAZ file");
+    let mut reader =
+        las::Reader::from_path(folder.join("out/points/cloud.laz")).expect("a LAZ file");
     let points = reader.read_all().expect("points");
     // The user data are 0 for soundings.
     let points = points.user_data().zip(points.intensity());
@@ -89,7 +99,7 @@ fn isobaths_areas_storage_and_residuals_agree() {
     run(folder, &process);
     let out = folder.join("out");
 
-    let lines = json(&out.join("isobaths.geojson"));
+    let lines = json(&out.join("isobaths/isobaths.geojson"));
     let lines = lines["features"].as_array().expect("features");
     assert!(!lines.is_empty());
     for line in lines {
@@ -101,13 +111,13 @@ fn isobaths_areas_storage_and_residuals_agree() {
     }
 
     // The areas cover what the storage table says is deeper than the shallowest place, but for the cells at the edge.
-    let areas = json(&out.join("depth_areas.geojson"));
+    let areas = json(&out.join("isobaths/depth_areas.geojson"));
     let areas = areas["features"].as_array().expect("features");
     let covered: f64 = areas
         .iter()
         .map(|area| area["properties"]["area_m2"].as_f64().unwrap())
         .sum();
-    let table = fs::read_to_string(out.join("storage.csv")).expect("a table");
+    let table = fs::read_to_string(out.join("isobaths/storage.csv")).expect("a table");
     let rows: Vec<Vec<f64>> = table
         .lines()
         .skip(1)
@@ -128,7 +138,7 @@ fn isobaths_areas_storage_and_residuals_agree() {
     );
 
     // Side-scan against down-scan is about what the report says of the same pings, the sign turned.
-    let record = json(&out.join("residuals.json"));
+    let record = json(&out.join("quality/residuals.json"));
     let report = json(&out.join("report.json"));
     let by_surface = &record["comparisons"][0];
     assert_eq!(by_surface["source"], "side-scan");
@@ -142,7 +152,7 @@ fn isobaths_areas_storage_and_residuals_agree() {
 
 /// `source, ping, z_m` of every point.
 fn points(folder: &Path) -> Vec<(String, usize, f64)> {
-    let text = fs::read_to_string(folder.join("cloud.csv")).expect("a cloud");
+    let text = fs::read_to_string(folder.join("points/cloud.csv")).expect("a cloud");
     let rows = text.lines().skip(1).map(|row| {
         let fields: Vec<&str> = row.split(',').collect();
         let [ping, z_m] = [fields[1], fields[6]];
@@ -191,7 +201,7 @@ fn water_and_transducer_correct_soundings_and_side_scan_alike() {
     ];
     run(folder, &[&process[..], &["corrected"], &sets].concat());
 
-    let times = fs::read_to_string(folder.join("plain/first_returns.csv")).unwrap();
+    let times = fs::read_to_string(folder.join("plain/points/first_returns.csv")).unwrap();
     let times: Vec<f64> = times
         .lines()
         .skip(1)
@@ -212,7 +222,7 @@ fn water_and_transducer_correct_soundings_and_side_scan_alike() {
 
     let report = json(&folder.join("corrected/report.json"));
     assert_eq!(report["inputs"].as_array().unwrap().len(), 2);
-    for product in ["report.json", "residuals.json"] {
+    for product in ["report.json", "quality/residuals.json"] {
         let statement = json(&folder.join("corrected").join(product))["statement"].to_string();
         for words in [
             "1482.3 m/s",
@@ -223,7 +233,7 @@ fn water_and_transducer_correct_soundings_and_side_scan_alike() {
             assert!(statement.contains(words), "{product}: {statement}");
         }
     }
-    let raster = fs::read(folder.join("corrected/depth.tif")).unwrap();
+    let raster = fs::read(folder.join("corrected/depth/depth.tif")).unwrap();
     assert!(String::from_utf8_lossy(&raster).contains("draft 0.35 m added"));
 
     fs::write(
@@ -272,7 +282,7 @@ fn another_receivers_track_takes_the_place_of_the_recorders() {
     run(folder, &[&process[..], &["rtk"], &with].concat());
     // How far each ping is from where the boat was, metres.
     let off_m = |name: &str| {
-        let text = fs::read_to_string(folder.join(name).join("first_returns.csv")).unwrap();
+        let text = fs::read_to_string(folder.join(name).join("points/first_returns.csv")).unwrap();
         let rows: Vec<Vec<f64>> = text
             .lines()
             .skip(1)
@@ -341,7 +351,7 @@ fn residuals_show_the_choices_the_crosslines_and_what_they_depend_on() {
             "out",
         ],
     );
-    let record = json(&folder.join("out/residuals.json"));
+    let record = json(&folder.join("out/quality/residuals.json"));
     let number = |value: &Value| value.as_f64().expect("a number");
     // Every geometry with every calibration, and the one in force gives the figures of the comparison itself.
     let choices = record["choices"].as_array().unwrap();
@@ -440,11 +450,11 @@ fn several_logs_are_one_survey() {
     assert_made(&out, &DEPTH, true);
     assert_made(&out, &ISOBATHS, true);
     let others = [
-        "cloud.laz",
-        "cloud.xyz",
-        "track.gpx",
-        "footprint.kmz",
-        "mosaic.tif",
+        "points/cloud.laz",
+        "points/cloud.xyz",
+        "track/track.gpx",
+        "track/footprint.kmz",
+        "mosaic/mosaic.tif",
     ];
     assert_made(&out, &others, true);
     let record = json(&out.join("report.json"));
@@ -469,7 +479,10 @@ fn several_logs_are_one_survey() {
     assert!(between["n"].as_u64().unwrap() >= 4, "{between}");
     assert!(between["rms_m"].as_f64().unwrap() < 0.1, "{between}");
     // Every table says which log.
-    for (table, least) in [("cloud.csv", 2000), ("first_returns.csv", 1000)] {
+    for (table, least) in [
+        ("points/cloud.csv", 2000),
+        ("points/first_returns.csv", 1000),
+    ] {
         let text = fs::read_to_string(out.join(table)).unwrap();
         assert!(text.starts_with("log,"), "{table}");
         for log in ["\na,", "\nb,"] {
@@ -478,8 +491,7 @@ fn several_logs_are_one_survey() {
     }
     let counted = |log: &Value| log["counts"]["pings"].as_u64().unwrap();
     assert_eq!(counted(&record), logs.iter().map(counted).sum::<u64>());
-    let record_beside = json(&out.join("depth.tif.json"));
-    assert_eq!(record_beside["inputs"].as_array().unwrap().len(), 2);
+    assert_eq!(manifest(&out)["inputs"].as_array().unwrap().len(), 2);
     // The map of both lies on that of each but for half of their difference, and reaches farther.
     run(
         folder,
@@ -495,8 +507,18 @@ fn several_logs_are_one_survey() {
             "each",
         ],
     );
-    for (one, half_m) in [("each/a/depth.tif", 0.15), ("each/b/depth.tif", -0.15)] {
-        let args = ["compare", "out/depth.tif", one, "--json", "--radius", "0.4"];
+    for (one, half_m) in [
+        ("each/a/depth/depth.tif", 0.15),
+        ("each/b/depth/depth.tif", -0.15),
+    ] {
+        let args = [
+            "compare",
+            "out/depth/depth.tif",
+            one,
+            "--json",
+            "--radius",
+            "0.4",
+        ];
         let found: Value = serde_json::from_str(&run(folder, &args)).expect("JSON");
         // Measured minus reference elevation: the first log's map is the shallower one.
         assert!(
@@ -533,10 +555,10 @@ fn the_same_bytes_under_another_name_are_taken_once() {
     );
     // What is left is one log, and its files are those of one log to the byte.
     for file in [
-        "cloud.csv",
-        "first_returns.csv",
-        "cloud.laz",
-        "depth.tif",
+        "points/cloud.csv",
+        "points/first_returns.csv",
+        "points/cloud.laz",
+        "depth/depth.tif",
         "report.json",
     ] {
         let [both, one] = ["both", "one"].map(|out| fs::read(folder.join(out).join(file)).unwrap());
@@ -558,8 +580,12 @@ fn a_log_without_a_point_says_so_and_writes_no_cloud() {
     let warned = stderr_of(folder, &process);
     assert!(warned.contains("no cloud: there is no point"), "{warned}");
     let out = folder.join("out");
-    assert_made(&out, &["cloud.csv", "report.json", "report.html"], true);
-    for cloud in ["cloud.laz", "cloud.ply", "cloud.xyz", "cloud.xyz.json"] {
+    assert_made(
+        &out,
+        &["points/cloud.csv", "report.json", "report.html"],
+        true,
+    );
+    for cloud in ["points/cloud.laz", "points/cloud.ply", "points/cloud.xyz"] {
         assert!(!out.join(cloud).exists(), "{cloud}");
     }
     let warnings = json(&out.join("report.json"))["warnings"].to_string();

@@ -1,8 +1,9 @@
-//! The record beside each product of `bathyscope process`, and the systems that products are written in.
+//! What the manifest of `bathyscope process` says of each file, and the systems that products are written in.
 
 use super::{refusal, run, simulated};
+use crate::support::manifest;
+use bathyscope::outputs::row_of;
 use serde_json::Value;
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -10,28 +11,8 @@ fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).expect("a product")).expect("JSON")
 }
 
-/// The files that should have a record: not the report, not records, not what belongs to a shapefile.
-fn products(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("a folder").flatten();
-    let names: BTreeSet<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
-    let is_record = |name: &String| {
-        let product = name.strip_suffix(".json");
-        product.is_some_and(|product| names.contains(product))
-    };
-    let belongs = |name: &String| {
-        let others = [".shx", ".dbf", ".prj", ".cpg", ".qml"];
-        name.starts_with("report.") || others.iter().any(|other| name.ends_with(other))
-    };
-    let products = names
-        .iter()
-        .filter(|name| !is_record(name) && !belongs(name));
-    products.cloned().collect()
-}
-
 #[test]
-fn every_product_has_a_record_of_its_own() {
+fn the_manifest_describes_every_file() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
     simulated(folder);
@@ -44,33 +25,51 @@ fn every_product_has_a_record_of_its_own() {
     let process = ["process", "pond.sl2", "--no-objects", "-o", "out"];
     run(folder, &[&process[..], &mercator].concat());
     let out = folder.join("out");
-    let report = json(&out.join("report.json"));
-    let made = products(&out);
-    for name in &made {
-        let record = json(&out.join(format!("{name}.json")));
-        assert_eq!(record["product"], name.as_str());
-        assert_eq!(record["inputs"], report["inputs"], "{name}");
-        assert_eq!(record["statement"], report["statement"], "{name}");
-        assert!(record["settings"]["detector"].is_null(), "{name}");
+    let (report, manifest) = (json(&out.join("report.json")), manifest(&out));
+    for same in [
+        "program",
+        "run",
+        "inputs",
+        "statement",
+        "settings",
+        "preset",
+    ] {
+        assert_eq!(manifest[same], report[same], "{same}");
+        assert!(!manifest[same].is_null(), "{same}");
+    }
+    assert!(
+        report["files"].is_null(),
+        "the manifest alone lists the files"
+    );
+    let mut described = 0;
+    for file in manifest["files"].as_array().expect("files") {
+        let name = file["file"].as_str().expect("a name");
+        let row = row_of(name).expect("a row");
+        if name != row.name {
+            assert_eq!(file["belongs_to"], row.name, "{name}");
+            continue;
+        }
+        let Some(is) = row.described else {
+            assert_eq!(file["what"], row.brief, "{name}");
+            continue;
+        };
+        described += 1;
+        assert!(
+            file["what"].as_str().expect("words").starts_with(is.what),
+            "{name}"
+        );
+        assert!(file["count"][is.counted].is_number(), "{name}");
+        let regardless = serde_json::json!(row.regardless_of);
+        assert_eq!(file["regardless_of"], regardless, "{name}");
         let epsg = match name.rsplit_once('.').map(|(_, kind)| kind) {
             Some("tif" | "laz" | "xyz" | "shp") => Some(3857),
             Some("geojson" | "kmz" | "gpx") => Some(4326),
             _ => continue,
         };
-        assert_eq!(record["crs"]["epsg"].as_u64(), epsg, "{name}");
-        assert!(record["extent"]["west"].is_number(), "{name}");
+        assert_eq!(file["crs"]["epsg"].as_u64(), epsg, "{name}");
+        assert!(file["extent"]["west"].is_number(), "{name}");
     }
-    for expected in [
-        "cloud.laz",
-        "cloud.xyz",
-        "depth.tif",
-        "footprint.kmz",
-        "isobaths.shp",
-        "mosaic.tif",
-        "track.gpx",
-    ] {
-        assert!(made.iter().any(|name| name == expected), "{expected}");
-    }
+    assert_eq!(described, 22, "all but those of a comparison and a search");
 }
 
 #[test]

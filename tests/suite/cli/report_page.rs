@@ -49,7 +49,7 @@ fn the_page_asks_for_nothing_and_agrees_with_the_files() {
         .split("</td><td>")
         .map(|cell| cell.replace('\u{202f}', "").parse().expect("a number"))
         .collect();
-    let table = fs::read_to_string(out.join("storage.csv")).expect("a table");
+    let table = fs::read_to_string(out.join("isobaths/storage.csv")).expect("a table");
     let same = table.lines().skip(1).any(|line| {
         let cells: Vec<f64> = line
             .split(',')
@@ -105,5 +105,5 @@ fn a_name_from_outside_stays_text_and_the_page_alone_can_be_asked_for() {
         page.contains("Depth map with isobaths"),
         "a map without depth.tif"
     );
-    assert!(!folder.join("out/depth.tif").exists());
+    assert!(!folder.join("out/depth/depth.tif").exists());
 }

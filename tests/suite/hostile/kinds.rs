@@ -280,15 +280,16 @@ fn settings_file(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<Strin
 
 /// A file of points, harmed; its name.
 fn points(seeds: &Seeds, random: &mut Random, folder: &Path) -> String {
-    let name = random.pick(&[
-        "cloud.csv",
-        "cloud.csv",
-        "cloud.xyz",
-        "cloud.ply",
-        "cloud.laz",
-        "depth_areas.geojson",
+    let from = random.pick(&[
+        "points/cloud.csv",
+        "points/cloud.csv",
+        "points/cloud.xyz",
+        "points/cloud.ply",
+        "points/cloud.laz",
+        "isobaths/depth_areas.geojson",
     ]);
-    let from = format!("out/{name}");
+    let name = from.rsplit('/').next().unwrap_or(from);
+    let from = format!("out/{from}");
     match name.rsplit('.').next() {
         Some("ply" | "laz") => {
             let bytes = mutate::bytes(random, &seeds.read(&from));
@@ -321,7 +322,8 @@ fn compare(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let sound = random.pick(&["cloud.xyz", "cloud.laz", "cloud.csv"]);
     fs::create_dir(folder.join("sound")).expect("a folder");
     let reference = format!("sound/{sound}");
-    fs::write(folder.join(&reference), seeds.read(&format!("out/{sound}"))).expect("points");
+    let points = seeds.read(&format!("out/points/{sound}"));
+    fs::write(folder.join(&reference), points).expect("points");
     let by = random.pick(&["nearest", "surface"]);
     let mut files = [measured, reference];
     if random.below(2) == 0 {
@@ -331,7 +333,7 @@ fn compare(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
 }
 
 fn raster(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
-    let bytes = mutate::bytes(random, &seeds.read("out/depth.tif"));
+    let bytes = mutate::bytes(random, &seeds.read("out/depth/depth.tif"));
     fs::write(folder.join("depth.tif"), bytes).expect("a raster");
     seeds.copy("pond.sl2", folder);
     match random.below(3) {

@@ -250,7 +250,12 @@ fn the_map_of_a_survey_is_held_against_its_own_cloud() {
     ];
     run(folder, &process);
     // Degrees against the UTM zone that the raster names; a depth against elevations.
-    let args = ["compare", "out/depth.tif", "out/cloud.csv", "--json"];
+    let args = [
+        "compare",
+        "out/depth/depth.tif",
+        "out/points/cloud.csv",
+        "--json",
+    ];
     let found: Value = serde_json::from_str(&run(folder, &args)).unwrap();
     assert!(found["n"].as_u64().unwrap() > 50, "{found}");
     assert!(found["median_m"].as_f64().unwrap().abs() < 0.02, "{found}");
