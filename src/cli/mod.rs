@@ -4,6 +4,7 @@
 
 mod compare;
 mod dataset;
+mod default_folder;
 mod desktop;
 mod detect;
 mod evaluate;

@@ -2,24 +2,26 @@
 
 mod survey;
 
+use super::default_folder::{DefaultFolders, name_of};
 use super::folders::Folders;
 use super::settings::SettingsArgs;
-use super::survey_logs::{self, LogInput, all_or, is_of, open_all, take_reviews};
+use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open_all, take_reviews};
 use super::{detect, output};
 use crate::outputs::Product;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 pub use survey::{How, all_processed};
 
-/// `bathyscope process SURVEY... -o DIR`.
+/// `bathyscope process SURVEY... [-o DIR]`.
 #[derive(Debug, clap::Args)]
 pub struct ProcessArgs {
     /// The logs, or folders of logs; several are one survey, with one set of products. Or a project, NAME.bathyscope, with its settings
     #[arg(required = true)]
     surveys: Vec<PathBuf>,
-    /// Folder for the products; made when missing
+    /// Folder for the products, made when missing; without it one in this folder, named after the log, the project or what the names of
+    /// several logs have in common
     #[arg(short, long, value_name = "DIR")]
-    output: PathBuf,
+    output: Option<PathBuf>,
     /// Keep several logs apart: write each into a folder of its own, named after the log, in place of one survey of all of them
     #[arg(long)]
     each: bool,
@@ -30,7 +32,7 @@ pub struct ProcessArgs {
     /// `track.offset_s` is added to its times; the same as the setting `track.file`
     #[arg(long, value_name = "FILE")]
     track: Option<PathBuf>,
-    /// Also hold the survey against points or other logs, named as `compare` takes them: comparison.json, comparison.csv
+    /// Also hold the survey against points or other logs, named as `compare` takes them: quality/comparison.json, quality/comparison.csv
     #[arg(long, value_name = "FILE")]
     reference: Option<OsString>,
     /// Decisions about the boxes of a log, LOG.review.json of the window: report.html shows them. May be given again, for each of several logs
@@ -39,7 +41,7 @@ pub struct ProcessArgs {
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
-    /// What to write beside first_returns.csv, cloud.csv and report.json; all when not given
+    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and manifest.json; all when not given
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
     products: Vec<Product>,
     #[command(flatten)]
@@ -68,28 +70,50 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
         ([input], _) => {
             let mut logs = vec![input.open()?];
             take_reviews(&mut logs, &args.review)?;
-            how.process_into(&logs, &args.output)
+            how.process_into(&logs, &folder_of_all(&args, &logs)?)
         }
         (inputs, true) => each(inputs, &how, &args),
         (inputs, false) => {
             let (mut logs, failed) = open_all(inputs);
             if !logs.is_empty() {
                 take_reviews(&mut logs, &args.review)?;
-                how.process_into(&logs, &args.output)?;
+                how.process_into(&logs, &folder_of_all(&args, &logs)?)?;
             }
             all_or(failed, inputs.len())
         }
     }
 }
 
+/// Where the products of one survey go.
+fn folder_of_all(args: &ProcessArgs, logs: &[OpenedLog]) -> Result<PathBuf, String> {
+    match &args.output {
+        Some(folder) => Ok(folder.clone()),
+        None => {
+            let name = name_of(&args.surveys, logs);
+            chosen(DefaultFolders::in_folder(Path::new("")).next(&name, logs))
+        }
+    }
+}
+
+/// A folder that nobody has named, said before the work begins.
+fn chosen(folder: PathBuf) -> Result<PathBuf, String> {
+    output::results(format_args!("writing into the folder {}", folder.display()))?;
+    Ok(folder)
+}
+
 /// Processes each log by itself.
 fn each(inputs: &[LogInput], how: &How<'_>, args: &ProcessArgs) -> Result<(), String> {
-    let mut folders = Folders::in_folder(&args.output);
+    let mut named = args.output.as_deref().map(Folders::in_folder);
+    let mut unnamed = DefaultFolders::in_folder(Path::new(""));
     let mut failed = 0;
     for input in inputs {
         let processed = input.open().and_then(|log| {
-            let folder = folders.next(&log.survey.name());
             let mut logs = [log];
+            let name = logs[0].survey.name();
+            let folder = match &mut named {
+                Some(folders) => folders.next(&name),
+                None => chosen(unnamed.next(&name, &logs))?,
+            };
             let own = args.review.iter().filter(|path| is_of(path, &logs[0]));
             let own: Vec<PathBuf> = own.cloned().collect();
             take_reviews(&mut logs, &own)?;
