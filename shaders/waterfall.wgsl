@@ -1,22 +1,40 @@
-// Tiles of the waterfall: mean and maximum echo over ping and range, coloured by a table.
+// Tiles of the waterfall: mean and maximum echo over ping and range, brought to one level and coloured by a table.
 //
 // Each tile is one instance of a quad. Texels are read with textureLoad and averaged over the pixel's footprint here, so
 // that the picture is the same on every driver; no sampler takes part. Layouts are those of src/render/waterfall.rs.
 
 struct Look {
-    brightness: f32,    // added to the intensity
-    contrast: f32,      // factor about mid-grey
     gamma: f32,         // intensity ^ (1 / gamma)
     highlight: f32,     // share of the maximum in what is shown, the rest is the mean
+    black: f32,         // intensity shown as 0, after gain
+    white: f32,         // intensity shown as 1
     time_is_down: u32,  // 1: pings run down the screen, else to the right
     linear_target: u32, // 1: the target converts to sRGB on writing
-    black: f32,         // intensity shown as 0, before all of the above
-    white: f32,         // intensity shown as 1
+    geometry: u32,      // across: 0 recorded slant range, 1 slant range beyond the altitude, 2 distance on the ground
+    filters: u32,       // 1 gain curves, 2 stripe factors, 4 median of 3 x 3
+    spreading: f32,     // dB for each decade of slant range
+    absorption: f32,    // dB for each metre, there and back
+    middle_m: f32,      // slant range of 0 dB
+    port: f32,          // factor of a side
+    starboard: f32,
+    curve_far_m: f32,   // slant range where the curves by range end
+    curve_factor: f32,  // on the product of the curves
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> look: Look;
 @group(0) @binding(1) var palette: texture_2d<f32>;
+@group(0) @binding(2) var pings: texture_2d<f32>;  // altitude, scale, offset, stripe factor: port and starboard beside each other
+@group(0) @binding(3) var curves: texture_2d<f32>; // rows: port by range, port by angle, starboard by range, by angle
 @group(1) @binding(0) var tile: texture_2d<f32>;
+
+// Constants paired with src/render/waterfall.rs.
+const PING_TEXELS: u32 = 2048u;  // width of `pings`
+const RANGE_BINS: f32 = 48.0;
+const ANGLE_BINS: f32 = 45.0;
+const LEAST_FACTOR: f32 = 0.25;  // bounds of the product of the curves
+const MOST_FACTOR: f32 = 4.0;
+const LEAST_RANGE_M: f32 = 0.05; // nearer, time-varied gain does not change
 
 struct Quad {
     @location(0) along: vec2f,     // clip-space edges of the quad in the direction of time
@@ -24,12 +42,19 @@ struct Quad {
     @location(2) rows: vec2f,      // tile rows (pings) at the edges along
     @location(3) columns: vec2f,   // tile columns (range) at the edges across
     @location(4) footprint: vec2f, // columns and rows that a pixel covers
+    @location(5) across_m: vec2f,  // metres from the middle at the edges across
+    @location(6) column_m: vec2f,  // recorded slant range where column 0 begins, and of one column
+    @location(7) pair: vec3u,      // pair of `pings` of row 0, how many follow, and the side: 0 port, 1 starboard
 }
 
 struct Corner {
     @builtin(position) position: vec4f,
     @location(0) texel: vec2f,
-    @location(1) @interpolate(flat) footprint: vec2f,
+    @location(1) across_m: f32,
+    @location(2) @interpolate(flat) footprint: vec2f,
+    @location(3) @interpolate(flat) columns: vec2f,
+    @location(4) @interpolate(flat) column_m: vec2f,
+    @location(5) @interpolate(flat) pair: vec3u,
 }
 
 @vertex
@@ -43,8 +68,18 @@ fn vs_main(@builtin(vertex_index) vertex: u32, quad: Quad) -> Corner {
         corner.position = vec4f(across, along, 0.0, 1.0);
     }
     corner.texel = vec2f(mix(quad.columns.x, quad.columns.y, t.y), mix(quad.rows.x, quad.rows.y, t.x));
+    corner.across_m = mix(quad.across_m.x, quad.across_m.y, t.y);
     corner.footprint = quad.footprint;
+    corner.columns = quad.columns;
+    corner.column_m = quad.column_m;
+    corner.pair = quad.pair;
     return corner;
+}
+
+// Altitude, scale, offset and stripe factor of a row of the tile.
+fn ping(pair: vec3u, row: f32) -> vec4f {
+    let index = 2u * (pair.x + min(u32(max(row, 0.0)), pair.y - 1u)) + pair.z;
+    return textureLoad(pings, vec2u(index % PING_TEXELS, index / PING_TEXELS), 0);
 }
 
 // Overlap of texel `index` with the interval from `low` to `high`.
@@ -81,6 +116,56 @@ fn box_filter(texel: vec2f, footprint: vec2f) -> vec3f {
     return vec3f(sum / max(covered, 1e-6), largest, covered / max(whole, 1e-6));
 }
 
+// Median of the means of the 3 x 3 texels about one, those without data left out of it.
+fn median(texel: vec2f, centre: f32) -> f32 {
+    let last = vec2i(textureDimensions(tile)) - 1;
+    let middle = clamp(vec2i(floor(texel)), vec2i(0), last);
+    var sorted = array<f32, 9>();
+    for (var index = 0; index < 9; index++) {
+        let at = clamp(middle + vec2i(index % 3, index / 3) - 1, vec2i(0), last);
+        let echo = textureLoad(tile, at, 0).rg;
+        var value = select(centre, echo.r, echo.g > 0.0);
+        // Insertion: nine values are too few for anything cleverer.
+        for (var place = 0; place < index; place++) {
+            let other = sorted[place];
+            sorted[place] = min(other, value);
+            value = max(other, value);
+        }
+        sorted[index] = value;
+    }
+    return sorted[4];
+}
+
+// Value of a curve at a place counted in bins from the middle of the first; linear between, constant beyond the ends.
+fn curve(row: u32, place: f32, bins: f32) -> f32 {
+    let inside = clamp(place, 0.0, bins - 1.0);
+    let low = min(u32(inside), u32(bins) - 2u);
+    let pair = vec2f(
+        textureLoad(curves, vec2u(low, row), 0).r,
+        textureLoad(curves, vec2u(low + 1u, row), 0).r,
+    );
+    return mix(pair.x, pair.y, inside - f32(low));
+}
+
+// Factor on an echo at a calibrated slant range, metres, of a ping. The water column has that of straight down.
+fn gain(side: u32, slant_m: f32, ping: vec4f) -> f32 {
+    let range_m = max(max(slant_m, ping.x), LEAST_RANGE_M);
+    var factor = select(look.port, look.starboard, side == 1u);
+    let spreading = look.spreading * log2(range_m / look.middle_m) / log2(10.0);
+    let absorption = 2.0 * look.absorption * (range_m - look.middle_m);
+    factor *= pow(10.0, (spreading + absorption) / 20.0);
+    if (look.filters & 1u) != 0u {
+        let angle = sqrt(max(1.0 - ping.x / range_m, 0.0));
+        let by_range = curve(2u * side, range_m / look.curve_far_m * RANGE_BINS - 0.5, RANGE_BINS);
+        let by_angle = curve(2u * side + 1u, angle * ANGLE_BINS - 0.5, ANGLE_BINS);
+        factor *= look.curve_factor * clamp(by_range * by_angle, LEAST_FACTOR, MOST_FACTOR);
+    }
+    if (look.filters & 2u) != 0u {
+        factor *= ping.w;
+    }
+    return factor;
+}
+
 fn linear_from_gamma(colour: vec3f) -> vec3f {
     let low = colour / 12.92;
     let high = pow((colour + 0.055) / 1.055, vec3f(2.4));
@@ -89,14 +174,34 @@ fn linear_from_gamma(colour: vec3f) -> vec3f {
 
 @fragment
 fn fs_main(corner: Corner) -> @location(0) vec4f {
-    let echo = box_filter(corner.texel, corner.footprint);
+    let ping = ping(corner.pair, corner.texel.y);
+    var texel = corner.texel;
+    var footprint = corner.footprint;
+    if look.geometry != 0u {
+        var slant_m = corner.across_m + ping.x;
+        if look.geometry == 2u {
+            slant_m = sqrt(corner.across_m * corner.across_m + ping.x * ping.x);
+            footprint.x *= corner.across_m / max(slant_m, 1e-6);
+        }
+        footprint.x /= ping.y;
+        texel.x = ((slant_m - ping.z) / ping.y - corner.column_m.x) / corner.column_m.y;
+        // The quad reaches as far as its columns do at any ping.
+        if texel.x < corner.columns.x || texel.x >= corner.columns.y {
+            discard;
+        }
+    }
+    let echo = box_filter(texel, footprint);
     if echo.z <= 0.0 {
         discard;
     }
-    let recorded = mix(echo.x, echo.y, look.highlight);
-    let level = clamp((recorded - look.black) / (look.white - look.black), 0.0, 1.0);
-    let shown = clamp((level - 0.5) * look.contrast + 0.5 + look.brightness, 0.0, 1.0);
-    let curved = pow(shown, 1.0 / look.gamma);
+    var recorded = mix(echo.x, echo.y, look.highlight);
+    if (look.filters & 4u) != 0u {
+        recorded = median(texel, echo.x);
+    }
+    let recorded_m = corner.column_m.x + texel.x * corner.column_m.y;
+    let even = recorded * gain(corner.pair.z, ping.y * recorded_m + ping.z, ping);
+    let level = clamp((even - look.black) / (look.white - look.black), 0.0, 1.0);
+    let curved = pow(level, 1.0 / look.gamma);
     var colour = textureLoad(palette, vec2i(i32(round(curved * 255.0)), 0), 0).rgb;
     if look.linear_target == 1u {
         colour = linear_from_gamma(colour);

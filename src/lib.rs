@@ -8,7 +8,7 @@
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
 //!                     | '--detection: objects on the bottom
-//!                     '--waterfall: picture tiles
+//!                     '--waterfall: picture tiles, shown with gain and levels by picture
 //! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
 //! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file and system_words serve them all.
@@ -60,6 +60,7 @@ pub mod html_report;
 pub mod manual;
 pub mod mosaic;
 pub mod outputs;
+pub mod picture;
 pub mod pipeline;
 pub mod presentation;
 mod printable;

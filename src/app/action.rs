@@ -82,7 +82,15 @@ actions! {
     ZoomOut, "Zoom out", Some("-"), "Reduces the focused view.";
     TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
-    LevelsReset, "Reset waterfall levels", None, "Puts automatic level, brightness, contrast and gamma of the waterfall back.";
+    LevelsReset, "Reset waterfall levels", None, "Puts gain, filters and levels of this log's waterfall back.";
+    GainNormalised, "Gain normalised or as recorded", Some("Y"), "Divides the levels of the waterfall by the log's own mean at their range and angle, or shows them as recorded.";
+    StripeFilter, "Stripe filter on or off", None, "Brings pings of the waterfall that are brighter or darker than those about them to their level.";
+    Despeckle, "Despeckle on or off", None, "Shows each echo of the waterfall as the median of those about it.";
+    GroundRange, "Slant or ground range", Some("G"), "Shows the waterfall over the slant range, or over the distance on level ground.";
+    WaterColumn, "Water column on or off", Some("Shift+G"), "Shows or hides what lies before the first return in the waterfall; on the ground there is none.";
+    OneToOne, "Waterfall: one to one", Some("Z"), "A metre along the track as long as a metre across, by the boat's speed; again, stretched freely.";
+    FlipAlong, "Flip the waterfall along the track", None, "Later pings to the left, or above: a line that was run back lies as the one beside it.";
+    SwapShownSides, "Swap the shown sides", None, "Shows port where starboard is and starboard where port is; the data stay as they are.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
     BaseMapLayer, "Layer: base map", None, "Shows or hides the picture of your own under the map.";
     DepthMapLayer, "Layer: depth map", None, "Shows or hides the interpolated depths on the map.";

@@ -175,8 +175,12 @@ impl App {
         if changed {
             self.log.settings = Arc::new(settings);
         }
+        let shows_only = self.log.take_picture_settings();
         if !live {
             self.keep_bottom();
+        }
+        if shows_only {
+            return;
         }
         if !self.is_shown() {
             return self.schedule();
@@ -255,7 +259,12 @@ impl App {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.first_return = !waterfall.first_return;
             }
-            Action::LevelsReset => self.options.waterfall.reset_levels(),
+            Action::LevelsReset => self.reset_picture(),
+            Action::GainNormalised => self.toggle_gain(),
+            Action::Despeckle => self.toggle_despeckle(),
+            Action::StripeFilter => self.toggle_stripe_filter(),
+            Action::FlipAlong => self.toggle_flip(),
+            Action::SwapShownSides => self.toggle_swapped_sides(),
             Action::RangeLines => {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.range_lines = !waterfall.range_lines;
@@ -311,6 +320,14 @@ impl App {
                     Orientation::Horizontal => Orientation::Vertical,
                     Orientation::Vertical => Orientation::Horizontal,
                 }
+            }
+            Action::GroundRange => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.ground_range = !waterfall.ground_range;
+            }
+            Action::WaterColumn => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.water_column = !waterfall.water_column;
             }
             Action::PresetRecommended => self.use_preset(Preset::Recommended),
             Action::PresetPublished => self.use_preset(Preset::Published),

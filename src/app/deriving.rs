@@ -1,10 +1,12 @@
-//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, made off the window's thread.
+//! Depth map, isobaths and mosaic of all visible logs: asked for while a layer or a profile needs them, made off the window's thread;
+//! and what the waterfall of the shown log is drawn with.
 
-use super::{App, MapLayer};
+use super::{App, LogId, MapLayer};
 use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::picture::{Histogram, LogPicture, Tone};
 use crate::pipeline::{
     Background, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
-    MosaicPlane, ProcessedLog, colour_range_m,
+    MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
 };
 use crate::presentation::units::LengthUnit;
 use std::sync::Arc;
@@ -32,11 +34,22 @@ pub(super) struct Deriving {
     depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Background<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
     mosaic: Background<MosaicKey, Option<Arc<Mosaic>>>,
+    picture: Background<PictureKey, (LogId, Arc<LogPicture>)>,
+    histogram: Option<CountedLevels>,
+}
+
+/// A histogram with what it was counted of.
+struct CountedLevels {
+    of: (Same<LogPicture>, Tone),
+    histogram: Arc<Histogram>,
 }
 
 impl Deriving {
     pub fn is_busy(&self) -> bool {
-        self.depth_map.is_running() || self.isobaths.is_running() || self.mosaic.is_running()
+        self.depth_map.is_running()
+            || self.isobaths.is_running()
+            || self.mosaic.is_running()
+            || self.picture.is_running()
     }
 
     /// The same results for a picture.
@@ -68,6 +81,49 @@ impl App {
         if isobaths {
             self.derive_isobaths(&logs);
         }
+    }
+
+    /// Has made what the waterfall of the shown log is drawn with, and counts its levels anew where they changed.
+    pub(super) fn derive_picture(&mut self) {
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+            return;
+        };
+        if survey.side_scan.is_empty() {
+            return;
+        }
+        let log = ProcessedLog {
+            survey: survey.clone(),
+            products: products.clone(),
+        };
+        let (results, id) = (self.deriving.results.clone(), self.log.id);
+        let ask = &mut self.deriving.picture;
+        ask.ask(PictureKey::of(&log), &self.jobs, move |progress| {
+            Some((id, results.picture(&log, progress).ok()?))
+        });
+        let Some(picture) = self.picture().cloned() else {
+            return;
+        };
+        let of = (Same(picture), self.log.settings.picture.tone());
+        let counted = self.deriving.histogram.as_ref();
+        if counted.is_none_or(|counted| counted.of != of) {
+            let histogram = Arc::new(Histogram::of(&of.0.0, &of.1));
+            self.deriving.histogram = Some(CountedLevels { of, histogram });
+        }
+    }
+
+    /// What the waterfall of the shown log is drawn with, as it was made last; `None` before its first results.
+    pub fn picture(&self) -> Option<&Arc<LogPicture>> {
+        let made = self.deriving.picture.result();
+        let of_shown = made.filter(|(log, _)| *log == self.log.id);
+        of_shown.map(|(_, picture)| picture)
+    }
+
+    /// The levels of the shown log's picture, with the gain that is set.
+    pub fn histogram(&self) -> Option<&Arc<Histogram>> {
+        let picture = self.picture()?;
+        let counted = self.deriving.histogram.as_ref();
+        let of_shown = counted.filter(|counted| Arc::ptr_eq(&counted.of.0.0, picture));
+        of_shown.map(|counted| &counted.histogram)
     }
 
     fn derive_depth_map(&mut self, logs: &[ProcessedLog]) {
@@ -160,6 +216,10 @@ impl App {
             (
                 self.deriving.mosaic.is_running(),
                 "normalising the mosaic's gain",
+            ),
+            (
+                self.deriving.picture.is_running(),
+                "normalising the waterfall's gain",
             ),
         ];
         let running = jobs.into_iter().filter(|(is_running, _)| *is_running);

@@ -24,6 +24,7 @@ mod measuring;
 mod objects;
 mod open_log;
 mod options;
+mod picture;
 mod preview;
 mod print;
 mod profile_line;

@@ -138,6 +138,19 @@ impl OpenLog {
         self.survey.is_some() && !self.products.as_ref().is_some_and(is_current)
     }
 
+    /// Has the results say that they were made with the picture settings in force: none depends on these. Returns whether the results
+    /// are those of all settings then.
+    pub(super) fn take_picture_settings(&mut self) -> bool {
+        let Some(products) = &mut self.products else {
+            return false;
+        };
+        if products.settings.picture == self.settings.picture {
+            return false;
+        }
+        Arc::make_mut(&mut products.settings).picture = self.settings.picture.clone();
+        products.settings == self.settings
+    }
+
     /// Whether something of it is being read, counted or searched.
     pub(super) fn is_busy(&self) -> bool {
         self.counting.is_some()

@@ -3,6 +3,7 @@
 use super::{LayerStack, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
+use crate::picture::Geometry;
 use crate::presentation::units::Units;
 use serde::{Deserialize, Serialize};
 
@@ -116,16 +117,12 @@ pub enum SideColours {
 pub struct WaterfallOptions {
     /// Colours of echo strength.
     pub colour_map: ColourMap,
-    /// Fill the colours with the echoes that the survey has; otherwise 0 to 255 as recorded. The three below act on top.
-    pub auto_level: bool,
-    /// Added to the normalised intensity, -1 to 1.
-    pub brightness: f32,
-    /// Factor about mid-grey, 0.1 to 10.
-    pub contrast: f32,
-    /// Exponent, 0.2 to 5; above 1 lifts the dark.
-    pub gamma: f32,
     /// Which way time runs.
     pub orientation: Orientation,
+    /// Show distances on level ground instead of slant ranges.
+    pub ground_range: bool,
+    /// Show what lies before the first return. On the ground there is none.
+    pub water_column: bool,
     /// Draw the first return.
     pub first_return: bool,
     /// Draw range lines.
@@ -141,13 +138,13 @@ pub struct WaterfallOptions {
 }
 
 impl WaterfallOptions {
-    /// Puts the automatic level, brightness, contrast and gamma back.
-    pub fn reset_levels(&mut self) {
-        let fresh = Self::default();
-        self.auto_level = fresh.auto_level;
-        self.brightness = fresh.brightness;
-        self.contrast = fresh.contrast;
-        self.gamma = fresh.gamma;
+    /// What is measured across the track.
+    pub fn geometry(&self) -> Geometry {
+        match (self.ground_range, self.water_column) {
+            (true, _) => Geometry::Ground,
+            (false, true) => Geometry::Slant,
+            (false, false) => Geometry::SlantBeyondWater,
+        }
     }
 }
 
@@ -155,11 +152,9 @@ impl Default for WaterfallOptions {
     fn default() -> Self {
         Self {
             colour_map: ColourMap::default(),
-            auto_level: true,
-            brightness: 0.0,
-            contrast: 1.0,
-            gamma: 1.0,
             orientation: Orientation::default(),
+            ground_range: false,
+            water_column: true,
             first_return: true,
             range_lines: true,
             depth_line: false,

@@ -39,6 +39,7 @@ impl App {
         self.poll_objects();
         self.poll_base_map();
         self.derive();
+        self.derive_picture();
         self.follow_profile();
     }
 

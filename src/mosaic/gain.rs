@@ -279,17 +279,51 @@ impl GainTable {
 
     /// Replaces `out` with the factors on some samples of a ray. Those of the water column have the factor of straight down.
     pub(super) fn factors(&self, side: Side, ray: &Ray, samples: Range<usize>, out: &mut Vec<f32>) {
-        let curves = &self.sides[usize::from(side == Side::Starboard)];
-        let bins_per_m = RANGE_BINS as f64 / self.far_m;
         out.clear();
         out.extend(samples.map(|sample| {
-            let range_m = ray.range_m(sample as f64 + 0.5).max(ray.altitude_m);
-            let angle = obliqueness(range_m, ray.altitude_m) * ANGLE_BINS as f64;
-            let factor = between(&curves.by_range, range_m * bins_per_m - 0.5)
-                * between(&curves.by_angle, angle - 0.5);
-            self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
+            let range_m = ray.range_m(sample as f64 + 0.5);
+            self.at(side, range_m, ray.altitude_m)
         }));
     }
+
+    /// The factor at a slant range over ground that lies at an altitude, metres. The water column has that of straight down.
+    pub fn factor(&self, side: Side, range_m: f32, altitude_m: f32) -> f32 {
+        self.at(side, f64::from(range_m), f64::from(altitude_m))
+    }
+
+    fn at(&self, side: Side, range_m: f64, altitude_m: f64) -> f32 {
+        let curves = &self.sides[usize::from(side == Side::Starboard)];
+        let range_m = range_m.max(altitude_m);
+        let angle = obliqueness(range_m, altitude_m) * ANGLE_BINS as f64;
+        let bins_per_m = RANGE_BINS as f64 / self.far_m;
+        let factor = between(&curves.by_range, range_m * bins_per_m - 0.5)
+            * between(&curves.by_angle, angle - 0.5);
+        self.stretch * factor.clamp(FACTORS[0], FACTORS[1])
+    }
+
+    /// The factors by range and by angle of a side, at the middles of even steps: in slant range from 0 to [`GainTable::far_m`], in
+    /// `sqrt(1 - altitude / range)` from 0 to 1.
+    pub fn curves(&self, side: Side) -> (&[f32], &[f32]) {
+        let curves = &self.sides[usize::from(side == Side::Starboard)];
+        (&curves.by_range, &curves.by_angle)
+    }
+
+    /// Slant range where the curve by range ends, metres.
+    pub fn far_m(&self) -> f64 {
+        self.far_m
+    }
+
+    /// Factor on all levels.
+    pub fn brightness(&self) -> f32 {
+        self.stretch
+    }
+
+    /// Bounds of the product of both curves.
+    pub const BOUNDS: [f32; 2] = FACTORS;
+    /// Values of a curve by range.
+    pub const RANGES: usize = RANGE_BINS;
+    /// Values of a curve by angle.
+    pub const ANGLES: usize = ANGLE_BINS;
 }
 
 /// The value of a curve at a place counted in bins from the middle of the first; linear between, constant beyond the ends.

@@ -134,6 +134,22 @@ impl Layout {
                 (known && straight).then_some(Placed { at, starboard })
             })
             .collect();
+        let joined = joined(survey, navigation, &placed);
+        Self {
+            joined,
+            ..Self::of_placed(survey, placed, returns, calibration, settings)
+        }
+        .boxed()
+    }
+
+    /// Pings at their places, none joined to the next.
+    fn of_placed(
+        survey: &Survey,
+        placed: Vec<Option<Placed>>,
+        returns: &FirstReturns,
+        calibration: &Calibration,
+        settings: &MosaicSettings,
+    ) -> Self {
         let ranges = Side::BOTH.map(|side| side_ranges(survey, calibration, side));
         let far = |ranges: &Ranges| {
             f64::from(ranges.start_m) + f64::from(ranges.step_m) * f64::from(ranges.count)
@@ -143,7 +159,7 @@ impl Layout {
             stands_for: (0..placed.len() as u32)
                 .map(|ping| [ping, ping + 1])
                 .collect(),
-            joined: joined(survey, navigation, &placed),
+            joined: vec![false; placed.len()],
             altitudes_m: Side::BOTH.map(|side| altitudes_m(survey, returns, calibration, side)),
             water_column: settings.water_column,
             far_m: ranges
@@ -156,7 +172,28 @@ impl Layout {
             ranges,
             boxes: Vec::new(),
         }
-        .boxed()
+    }
+
+    /// All pings at one place: for what depends on ranges and altitudes alone, where the boat's place is not known.
+    pub fn placeless(survey: &Survey, returns: &FirstReturns, calibration: &Calibration) -> Self {
+        let here = Placed {
+            at: [0.0; 2],
+            starboard: [1.0, 0.0],
+        };
+        let placed = vec![Some(here); survey.side_scan.len()];
+        Self::of_placed(
+            survey,
+            placed,
+            returns,
+            calibration,
+            &MosaicSettings::default(),
+        )
+    }
+
+    /// Whether any side of any ping has a ray.
+    pub fn has_rays(&self) -> bool {
+        let rays = |side| (0..self.placed.len()).any(|ping| self.ray(ping, side).is_some());
+        Side::BOTH.into_iter().any(rays)
     }
 
     /// The same with all ranges times a factor: where sound runs at another speed than the recorder took.

@@ -23,6 +23,7 @@ mod line;
 mod paint;
 mod scan;
 
+pub use altitude::altitudes_m;
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use joint::{joint_bounds, joint_grid, match_levels};

@@ -15,12 +15,23 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 10] = [
+const OF_ONE_LOG: [&str; 21] = [
     "calibration.pings",
     "draft_m",
     "height_offset_m",
     "left_out.log",
     "left_out.stretches",
+    "picture.absorption_db_m",
+    "picture.balance_db",
+    "picture.black",
+    "picture.despeckle",
+    "picture.flip",
+    "picture.gain",
+    "picture.gamma",
+    "picture.spreading_db",
+    "picture.stripe_filter",
+    "picture.swap_sides",
+    "picture.white",
     "track.file",
     "track.offset_s",
     "water_level.clock_offset_s",
@@ -45,7 +56,7 @@ pub fn is_setting(key: &str) -> bool {
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
-/// track and its clock, flat spot, left-out stretches.
+/// track and its clock, flat spot, left-out stretches, and how its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }

@@ -32,6 +32,7 @@ pub use depth::{
 };
 pub use derived::{
     DepthMap, DepthMapKey, Derived, FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane,
+    PictureKey,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};

@@ -5,26 +5,47 @@ use bytemuck::{Pod, Zeroable};
 /// Tiles in one picture at most: 4K at the worst zoom needs 160.
 pub const MAX_QUADS: usize = 512;
 
+/// Texels in a row of the table of pings. Same as in the shader.
+const PING_TEXELS: u32 = 2048;
+/// Texels in a row of the table of curves.
+const CURVE_TEXELS: usize = 64;
+
 /// How echo strength becomes colour. Same layout as `Look` in `shaders/waterfall.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Look {
-    /// Added to the intensity, -1 to 1.
-    pub brightness: f32,
-    /// Factor about mid-grey.
-    pub contrast: f32,
     /// Exponent is 1 / gamma.
     pub gamma: f32,
     /// Share of the maximum in what is shown; the rest is the mean.
     pub highlight: f32,
+    /// Intensity shown as 0, after gain and before gamma.
+    pub black: f32,
+    /// Intensity shown as 1; above `black`.
+    pub white: f32,
     /// 1 where pings run down the screen.
     pub time_is_down: u32,
     /// 1 where the target converts to sRGB on writing; set by [`WaterfallPicture::prepare`].
     pub linear_target: u32,
-    /// Intensity shown as 0, before brightness, contrast and gamma.
-    pub black: f32,
-    /// Intensity shown as 1; above `black`.
-    pub white: f32,
+    /// What lies across: 0 recorded slant range, 1 slant range beyond the altitude, 2 distance on the ground.
+    pub geometry: u32,
+    /// Sum of 1 for the gain curves, 2 for the stripe factors, 4 for the median of 3 x 3.
+    pub filters: u32,
+    /// Time-varied gain, dB for each decade of slant range.
+    pub spreading: f32,
+    /// Time-varied gain, dB for each metre, there and back.
+    pub absorption: f32,
+    /// Slant range of 0 dB, metres.
+    pub middle_m: f32,
+    /// Factor of port.
+    pub port: f32,
+    /// Factor of starboard.
+    pub starboard: f32,
+    /// Slant range where the gain curves by range end, metres.
+    pub curve_far_m: f32,
+    /// Factor on the product of the curves.
+    pub curve_factor: f32,
+    /// Nothing.
+    pub padding: f32,
 }
 
 /// Where a tile, or the part of it in view, lies. Same layout as `Quad` in the shader.
@@ -41,6 +62,22 @@ pub struct Quad {
     pub columns: [f32; 2],
     /// Columns and rows that a pixel covers.
     pub footprint: [f32; 2],
+    /// Metres from the middle at the edges across.
+    pub across_m: [f32; 2],
+    /// Recorded slant range where column 0 begins, and what a column covers, metres.
+    pub column_m: [f32; 2],
+    /// Pair of texels of row 0 in the table of pings, how many follow of its reduction, itself included, and the side: 0 port,
+    /// 1 starboard.
+    pub pair: [u32; 3],
+}
+
+/// Gain curves of both sides, each by range (48 bins) and by angle (45 bins).
+pub type Curves<'a> = [&'a [f32]; 4];
+
+/// What tiles are brought to one level by, on the GPU. Clones share it.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    bind_group: wgpu::BindGroup,
 }
 
 /// A tile on the GPU. Clones share it.
@@ -54,7 +91,7 @@ pub struct TileTexture {
 pub struct WaterfallPicture {
     pipeline: wgpu::RenderPipeline,
     tile_layout: wgpu::BindGroupLayout,
-    frame: wgpu::BindGroup,
+    frame_layout: wgpu::BindGroupLayout,
     look: wgpu::Buffer,
     quads: wgpu::Buffer,
     palette: wgpu::Texture,
@@ -78,26 +115,10 @@ impl WaterfallPicture {
         let bytes = MAX_QUADS * size_of::<Quad>();
         let quads = buffer(device, "waterfall quads", bytes, wgpu::BufferUsages::VERTEX);
         let palette = texture(device, [256, 1], wgpu::TextureFormat::Rgba8Unorm);
-        let frame = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("waterfall frame"),
-            layout: &frame_layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: look.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(
-                        &palette.create_view(&Default::default()),
-                    ),
-                },
-            ],
-        });
         Self {
             pipeline: pipeline(device, &[Some(&frame_layout), Some(&tile_layout)], target),
             tile_layout,
-            frame,
+            frame_layout,
             look,
             quads,
             palette,
@@ -109,6 +130,58 @@ impl WaterfallPicture {
     pub fn set_palette(&self, queue: &wgpu::Queue, palette: &[[u8; 3]; 256]) {
         let rgba: Vec<[u8; 4]> = palette.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
         write(queue, &self.palette, [256, 1], bytemuck::cast_slice(&rgba));
+    }
+
+    /// Puts scales and factors of all pings on the GPU, four numbers for each side of each ping, and the gain curves. What does not fit
+    /// is left out, as `false` says.
+    pub fn upload_tables(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pings: &[[f32; 4]],
+        curves: Curves<'_>,
+    ) -> (Tables, bool) {
+        let most = device.limits().max_texture_dimension_2d.min(8192);
+        let width = PING_TEXELS.min(most);
+        let fits = width == PING_TEXELS && pings.len() as u64 <= u64::from(width) * u64::from(most);
+        let mut texels = match fits {
+            true => pings.to_vec(),
+            false => Vec::new(),
+        };
+        let rows = texels.len().div_ceil(width as usize).max(1) as u32;
+        texels.resize((width * rows) as usize, [0.0, 1.0, 0.0, 1.0]);
+        let size = [width, rows];
+        let pings = texture(device, size, wgpu::TextureFormat::Rgba32Float);
+        write(queue, &pings, size, bytemuck::cast_slice(&texels));
+        let mut values = [[1.0_f32; CURVE_TEXELS]; 4];
+        for (row, curve) in values.iter_mut().zip(curves) {
+            for (value, known) in row.iter_mut().zip(curve) {
+                *value = *known;
+            }
+        }
+        let size = [CURVE_TEXELS as u32, 4];
+        let curves = texture(device, size, wgpu::TextureFormat::R32Float);
+        write(queue, &curves, size, bytemuck::cast_slice(&values));
+        let views = [&self.palette, &pings, &curves]
+            .map(|texture| texture.create_view(&Default::default()));
+        let entry = |binding: u32, view| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        };
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("waterfall frame"),
+            layout: &self.frame_layout,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: self.look.as_entire_binding(),
+                },
+                entry(1, &views[0]),
+                entry(2, &views[1]),
+                entry(3, &views[2]),
+            ],
+        });
+        (Tables { bind_group }, fits)
     }
 
     /// Puts a tile on the GPU: `[mean, max]` texels, row by row.
@@ -155,10 +228,11 @@ impl WaterfallPicture {
     pub fn paint<'a>(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
+        tables: &Tables,
         tiles: impl Iterator<Item = &'a TileTexture>,
     ) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &self.frame, &[]);
+        pass.set_bind_group(0, &tables.bind_group, &[]);
         let stride = size_of::<Quad>() as u64;
         for (index, tile) in tiles.take(MAX_QUADS).enumerate() {
             // A slice instead of a first instance: OpenGL without base instances draws it too.
@@ -183,7 +257,7 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("waterfall frame"),
-        entries: &[look, texture_entry(1)],
+        entries: &[look, texture_entry(1), texture_entry(2), texture_entry(3)],
     })
 }
 
@@ -259,7 +333,8 @@ fn pipeline(
         array_stride: size_of::<Quad>() as u64,
         step_mode: wgpu::VertexStepMode::Instance,
         attributes: &wgpu::vertex_attr_array![
-            0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2
+            0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
+            5 => Float32x2, 6 => Float32x2, 7 => Uint32x3
         ],
     };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -315,14 +390,22 @@ mod tests {
             .map(|member| member.offset as usize)
             .collect();
         let expected = [
-            offset_of!(Look, brightness),
-            offset_of!(Look, contrast),
             offset_of!(Look, gamma),
             offset_of!(Look, highlight),
-            offset_of!(Look, time_is_down),
-            offset_of!(Look, linear_target),
             offset_of!(Look, black),
             offset_of!(Look, white),
+            offset_of!(Look, time_is_down),
+            offset_of!(Look, linear_target),
+            offset_of!(Look, geometry),
+            offset_of!(Look, filters),
+            offset_of!(Look, spreading),
+            offset_of!(Look, absorption),
+            offset_of!(Look, middle_m),
+            offset_of!(Look, port),
+            offset_of!(Look, starboard),
+            offset_of!(Look, curve_far_m),
+            offset_of!(Look, curve_factor),
+            offset_of!(Look, padding),
         ];
         assert_eq!(offsets, expected);
         assert_eq!(*span as usize, size_of::<Look>());

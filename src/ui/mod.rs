@@ -44,6 +44,8 @@ pub enum ViewRequest {
     ZoomIn,
     /// Reduce about the centre.
     ZoomOut,
+    /// Make a metre along the track as long as one across, or stretch freely again (waterfall only).
+    OneToOne,
     /// Look from above (3D only).
     Top,
     /// Look from the south (3D only).

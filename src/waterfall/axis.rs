@@ -1,5 +1,6 @@
 //! The one range axis that all pings of a survey are drawn on.
 
+use super::spacing::ping_spacing_m;
 use super::{Level, TILE};
 use crate::survey::{Side, SideSpan, Survey};
 
@@ -25,6 +26,8 @@ pub struct RangeAxis {
     pub far_m: f64,
     /// Level of the store that far-out tiles are reduced from.
     pub store: Level,
+    /// What the boat usually moves from one ping to the next, metres; `None` where its track does not say.
+    pub ping_m: Option<f64>,
 }
 
 impl RangeAxis {
@@ -53,6 +56,7 @@ impl RangeAxis {
             bins,
             far_m,
             store: store_level(pings, bins, samples),
+            ping_m: ping_spacing_m(survey),
         })
     }
 

@@ -1,10 +1,10 @@
 //! Which echo of a survey is shown darkest and which brightest.
 
 use super::axis::is_usable;
-use crate::survey::{Side, SideScanState, Survey};
+use crate::survey::{Side, SideScanState, SideSpan, Survey};
 
 /// Pings that are looked at, spread evenly over the survey: enough for stable quantiles, few enough to read at once.
-const PINGS: usize = 256;
+pub const MOST_SAMPLED_PINGS: usize = 256;
 /// Part of each side next to the boat that is left out: there the transmit pulse rings, which says nothing of the bottom.
 const NEAR_SHARE: f64 = 0.1;
 /// Share of the echoes that lie at or below black.
@@ -39,15 +39,24 @@ impl Levels {
         if survey.side_scan_state != SideScanState::Usable {
             return Self::RECORDED;
         }
-        let histogram = histogram(survey);
+        let Self { black, white } = Self::of_counts(&histogram(survey), 1.0);
+        Self {
+            black,
+            white: white.min(1.0),
+        }
+    }
+
+    /// Levels at which echoes fill the colours that were counted in steps of `step`, from 0.
+    pub fn of_counts(counts: &[u64], step: f32) -> Self {
         let [Some(low), Some(high)] =
-            [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(&histogram, share))
+            [BLACK_QUANTILE, WHITE_QUANTILE].map(|share| quantile(counts, share))
         else {
             return Self::RECORDED;
         };
-        let white = (f64::from(high) / WHITE_REACH).clamp(LEAST_WHITE, 255.0);
+        let level = |bin: usize| bin as f64 * f64::from(step);
+        let white = (level(high) / WHITE_REACH).max(LEAST_WHITE);
         // At most half of white: a survey of one grey is grey, not black.
-        let black = f64::from(low).min(white / 2.0);
+        let black = level(low).min(white / 2.0);
         Self {
             black: (black / 255.0) as f32,
             white: (white / 255.0) as f32,
@@ -55,20 +64,24 @@ impl Levels {
     }
 }
 
+/// The first sample of a side beyond the transmit pulse; `None` where its scale cannot be drawn.
+pub fn beyond_pulse(span: &SideSpan) -> Option<usize> {
+    is_usable(span).then_some((f64::from(span.count) * NEAR_SHARE) as usize)
+}
+
 /// How often each byte occurs.
 fn histogram(survey: &Survey) -> [u64; 256] {
     let mut counts = [0; 256];
     let mut outward = Vec::new();
-    let step = survey.side_scan.len().div_ceil(PINGS).max(1);
+    let step = survey.side_scan.len().div_ceil(MOST_SAMPLED_PINGS).max(1);
     for ping in (0..survey.side_scan.len()).step_by(step) {
         for side in Side::BOTH {
             let span = survey.side_scan[ping].side(side);
             let Some(samples) = survey.samples(ping, side) else {
                 continue;
             };
-            if span.is_some_and(is_usable) {
+            if let Some(near) = span.and_then(beyond_pulse) {
                 samples.copy_outward(&mut outward);
-                let near = (outward.len() as f64 * NEAR_SHARE) as usize;
                 for &echo in &outward[near..] {
                     counts[usize::from(echo)] += 1;
                 }
@@ -78,18 +91,15 @@ fn histogram(survey: &Survey) -> [u64; 256] {
     counts
 }
 
-/// The smallest byte that at least this share of all counted ones does not exceed; `None` when nothing was counted.
-fn quantile(counts: &[u64; 256], share: f64) -> Option<u8> {
+/// The smallest bin that at least this share of all counted ones does not exceed; `None` when nothing was counted.
+fn quantile(counts: &[u64], share: f64) -> Option<usize> {
     let total: u64 = counts.iter().sum();
     let rank = ((total as f64 * share).ceil() as u64).max(1);
     let mut seen = 0;
-    (0..=u8::MAX)
-        .zip(counts)
-        .find(|(_, count)| {
-            seen += **count;
-            seen >= rank
-        })
-        .map(|(byte, _)| byte)
+    counts.iter().position(|count| {
+        seen += count;
+        seen >= rank
+    })
 }
 
 #[cfg(test)]
@@ -118,7 +128,11 @@ mod tests {
         bytes.sort_unstable();
         for share in [0.0, 0.01, 0.25, 0.5, 0.99, 1.0] {
             let rank = ((bytes.len() as f64 * share).ceil() as usize).max(1);
-            assert_eq!(quantile(&counts, share), Some(bytes[rank - 1]), "{share}");
+            assert_eq!(
+                quantile(&counts, share),
+                Some(usize::from(bytes[rank - 1])),
+                "{share}"
+            );
         }
         assert_eq!(quantile(&[0; 256], 0.5), None);
     }

@@ -12,6 +12,7 @@ mod coarse;
 mod levels;
 mod line;
 mod resample;
+mod spacing;
 #[cfg(test)]
 mod testing;
 mod tile;
@@ -19,7 +20,7 @@ mod worker;
 
 pub use axis::RangeAxis;
 pub use cache::Lru;
-pub use levels::Levels;
+pub use levels::{Levels, MOST_SAMPLED_PINGS, beyond_pulse};
 pub use line::{LineSpan, LineStep, PickLines, RangeLine};
 pub use tile::{Level, TILE, Tile, TileKey, Want};
 pub use worker::{Made, Tiler};

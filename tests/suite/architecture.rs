@@ -27,6 +27,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "picture",
+        &[
+            "survey",
+            "first_return",
+            "calibration",
+            "mosaic",
+            "waterfall",
+        ],
+    ),
+    (
         "detection",
         &["survey", "geo", "first_return", "calibration"],
     ),
@@ -53,6 +63,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "bathymetry",
             "detection",
             "mosaic",
+            "picture",
             "geo",
             "formats",
             "presentation",
@@ -124,6 +135,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pipeline",
             "html_report",
             "waterfall",
+            "picture",
             "simulation",
             "presentation",
         ],

@@ -12,7 +12,8 @@ use bathyscope::mosaic::{
 };
 use bathyscope::pipeline::joint::{PlacedBox, crossline_analysis, height_offsets, joint_objects};
 use bathyscope::pipeline::{
-    self, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface, mosaic_layout,
+    self, Derived, Mosaic, MosaicPlane, Placing, ProcessedLog, Settings, joint_depth_surface,
+    mosaic_layout,
 };
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{
@@ -471,7 +472,10 @@ fn logs_of_one_mosaic_show_the_same_ground_alike() {
     let logs = &lake.logs[..3];
     let origin = logs[0].survey.track.frame.origin();
     let map = MapPlane::new(Crs::utm(origin), origin);
-    let mosaic = Mosaic::new(logs, &MosaicPlane::Map(map), &progress).expect("nobody cancels");
+    let results = Derived::default();
+    let gain = |log: &ProcessedLog| results.gain(log, &progress);
+    let mosaic = Mosaic::new(logs, &MosaicPlane::Map(map), gain, &progress);
+    let mosaic = mosaic.expect("nobody cancels");
     let mut made = mosaic.expect("ground").logs;
     let grid = joint_grid(&made, settings.cell_m).expect("ground");
     let ratio = |made: &[MosaicLog], a: usize, b: usize| {

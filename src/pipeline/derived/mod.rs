@@ -2,32 +2,44 @@
 //!
 //! ```text
 //! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
-//!                     --layout, gain--> Mosaic
+//!                     --layout--> GainTable of each log --> Mosaic
+//!                                                       '--> LogPicture
 //! ```
 //!
 //! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
 //! files or the report. Nobody else makes one.
 
 mod depth_map;
+mod gain;
 mod isobaths;
 mod mosaic;
 mod node;
+mod picture;
 
 pub use depth_map::{DepthMap, DepthMapKey};
 pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
+pub use picture::PictureKey;
 
 use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::mosaic::GainTable;
+use crate::picture::LogPicture;
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
+use gain::GainKey;
 use node::Node;
 use std::sync::Arc;
 
-/// Depth map, isobaths and mosaic, each made when it is first asked for.
+/// Gain tables of so many logs are kept; each is small.
+const GAIN_TABLES: usize = 32;
+
+/// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
 pub struct Derived {
     depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Node<IsobathKey, Result<Arc<Isobaths>, TooManyLevels>>,
+    gain: Node<GainKey, Option<Arc<GainTable>>>,
     mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
+    picture: Node<PictureKey, Arc<LogPicture>>,
 }
 
 impl Default for Derived {
@@ -35,6 +47,8 @@ impl Default for Derived {
         Self {
             depth_map: Node::keeping(1),
             isobaths: Node::keeping(1),
+            gain: Node::keeping(GAIN_TABLES),
+            picture: Node::keeping(2),
             // In the plane of the survey on the screen, in that of the map in files.
             mosaic: Node::keeping(2),
         }
@@ -89,7 +103,41 @@ impl Derived {
     ) -> Result<Option<Arc<Mosaic>>, Cancelled> {
         let key = MosaicKey::of(logs, plane.clone());
         self.mosaic.get(key, progress, || {
-            Ok(Mosaic::new(logs, &plane, progress)?.map(Arc::new))
+            let gain = |log: &ProcessedLog| self.gain(log, progress);
+            Ok(Mosaic::new(logs, &plane, gain, progress)?.map(Arc::new))
         })
+    }
+
+    /// The gain normalisation of a log; `None` where nothing of it is known to lie on the ground.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn gain(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Option<Arc<GainTable>>, Cancelled> {
+        let make = || Ok(gain::made(log, progress)?.map(Arc::new));
+        self.gain.get(GainKey::of(log), progress, make)
+    }
+
+    /// What the picture of a log is shown with.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn picture(
+        &self,
+        log: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<LogPicture>, Cancelled> {
+        let key = PictureKey::of(log);
+        let make = || {
+            let gain = match key.is_normalised() {
+                true => self.gain(log, progress)?,
+                false => None,
+            };
+            Ok(Arc::new(picture::made(log, gain, progress)?))
+        };
+        self.picture.get(key.clone(), progress, make)
     }
 }

@@ -5,12 +5,12 @@ use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::geo::MapPlane;
 use crate::mosaic::{
-    Bounds, Layout, MosaicLog, MosaicSettings, gain_table, joint_bounds, joint_window, match_levels,
+    Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
 };
 use crate::pipeline::{ProcessedLog, Same, mosaic_layout, mosaic_layout_by};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Survey};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
 pub const FINEST: i8 = -6;
@@ -85,7 +85,7 @@ pub struct Mosaic {
 }
 
 impl Mosaic {
-    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by itself and brought to the
+    /// The logs that have side-scan, laid out in a plane in the order of their recording, each normalised by its own `gain` and brought to the
     /// levels of the others. Where they overlap, `mosaic.overlap` says what is shown: with `later` that is the later log. `None` where
     /// nothing is shown.
     ///
@@ -94,6 +94,7 @@ impl Mosaic {
     pub fn new(
         logs: &[ProcessedLog],
         plane: &MosaicPlane,
+        gain: impl Fn(&ProcessedLog) -> Result<Option<Arc<GainTable>>, Cancelled>,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
         let Some(first) = logs.first() else {
@@ -106,17 +107,20 @@ impl Mosaic {
         let start_s = |log: &ProcessedLog| log.survey.start_unix_s.unwrap_or(f64::NEG_INFINITY);
         in_time.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
         let mut made = Vec::with_capacity(in_time.len());
-        for ProcessedLog { survey, products } in in_time {
+        for log in in_time {
+            let ProcessedLog { survey, products } = log;
             let layout = match plane {
                 MosaicPlane::Survey => mosaic_layout_by(survey, products, |place| place),
                 MosaicPlane::Map(map) => mosaic_layout(survey, products, map),
             };
-            let gain = gain_table(survey, &layout, progress)?;
-            made.push(MosaicLog {
-                survey: survey.clone(),
-                layout,
-                gain,
-            });
+            // A log of which nothing is known to lie on the ground shows nothing.
+            if let Some(gain) = gain(log)? {
+                made.push(MosaicLog {
+                    survey: survey.clone(),
+                    layout,
+                    gain: GainTable::clone(&gain),
+                });
+            }
         }
         let logs = match_levels(made, &settings, progress)?;
         let bounds = joint_bounds(&logs);

@@ -23,6 +23,7 @@ use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Me
 use crate::formats::{GaugeError, read_gauge};
 use crate::geo::CrsChoice;
 use crate::mosaic::MosaicSettings;
+use crate::picture::PictureSettings;
 use crate::survey::{HeadingSettings, HeadingSource, LeftOutSettings, Projection, TrackSettings};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -94,6 +95,8 @@ pub struct Settings {
     pub outliers: OutlierSettings,
     /// `detector.*`, for `process`. The window has its own choice of model and confidence.
     pub detector: DetectorSettings,
+    /// `picture.*`, for the waterfall and the pictures that are written of it; no result depends on it.
+    pub picture: PictureSettings,
     /// `mosaic.*`.
     pub mosaic: MosaicSettings,
     /// `surface.*`.
@@ -167,7 +170,7 @@ impl Settings {
         }
     }
 
-    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water, its transducer) from others.
+    /// These settings, with what holds for one survey only (its bottom, its flat spot, its water, its transducer, its picture) from others.
     pub fn with_survey_of(&self, other: &Self) -> Self {
         let mut settings = self.clone();
         settings.bottom = other.bottom.clone();
@@ -180,6 +183,7 @@ impl Settings {
         settings.water_level = other.water_level.clone();
         settings.height_offset_m = other.height_offset_m;
         settings.sound_speed = other.sound_speed.clone();
+        settings.picture = other.picture.clone();
         settings
     }
 

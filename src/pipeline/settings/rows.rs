@@ -207,6 +207,56 @@ rows! {
     DETECTOR_IOU: "detector.iou", "Overlap", "detector's overlap",
         "Overlap above which the less sure of two boxes is dropped.",
         number!(detector.iou, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
+    PICTURE_GAIN: "picture.gain", "Gain", "gain of the waterfall", "How levels of the waterfall are made even across the track.",
+        choice!(picture.gain, [
+            "empirical", "gain-normalised", "Divided by the log's own mean at that range and angle, as in the mosaic; shadows stay dark.";
+            "recorded", "as recorded", "The recorder's own levels.";
+        ]);
+    // Spreading of intensity is 20 log r one way; nobody applies more than both ways twice over, or takes more than that back.
+    PICTURE_SPREADING: "picture.spreading_db", "Spreading", "gain for spreading",
+        "k of the time-varied gain k log10 r + 2 α r: dB for each tenfold slant range.",
+        number!(picture.spreading_db, "dB", [-80.0, 80.0], 0.5, 1, Slider);
+    // At 1.2 MHz sea water takes 0.5 dB a metre.
+    PICTURE_ABSORPTION: "picture.absorption_db_m", "Absorption", "gain for absorption",
+        "α of the time-varied gain k log10 r + 2 α r: dB for each metre, there and back.",
+        number!(picture.absorption_db_m, "dB/m", [-1.0, 1.0], 0.005, 3, Slider);
+    PICTURE_BALANCE: "picture.balance_db", "Balance", "balance of the sides",
+        "How much starboard is brightened against port; below 0, port against starboard.",
+        number!(picture.balance_db, "dB", [-40.0, 40.0], 0.1, 1, Slider);
+    PICTURE_STRIPES: "picture.stripe_filter", "Stripes", "stripe filter",
+        "Pings that are brighter or darker than those about them.",
+        choice!(picture.stripe_filter, [
+            "false", "stay", "Pings are shown as they are.";
+            "true", "evened", "Each ping is brought to the median level of the pings about it.";
+        ]);
+    PICTURE_DESPECKLE: "picture.despeckle", "Speckle", "despeckling",
+        "Single bright and dark echoes.",
+        choice!(picture.despeckle, [
+            "false", "stays", "Echoes are shown as they are.";
+            "true", "removed", "Each echo is the median of the 3 x 3 about it, on the screen's own scale.";
+        ]);
+    // With the greatest gain the brightest byte becomes 8000.
+    PICTURE_BLACK: "picture.black", "Black", "black point",
+        "Level that is shown as black; 255 is the largest byte.",
+        number!(picture.black, "", [0.0, 10_000.0], 0.5, 1, Drag, Some("the level that 1 % of the log's echoes lie below"));
+    PICTURE_WHITE: "picture.white", "White", "white point",
+        "Level that is shown as white; 255 is the largest byte.",
+        number!(picture.white, "", [0.5, 10_000.0], 0.5, 1, Drag, Some("a little above what 99 % of the log's echoes lie below"));
+    PICTURE_GAMMA: "picture.gamma", "Gamma", "gamma of the waterfall",
+        "Exponent 1 / gamma between black and white: above 1 lifts the dark.",
+        number!(picture.gamma, "", [0.2, 5.0], 0.05, 2, LogSlider);
+    PICTURE_FLIP: "picture.flip", "Along", "direction of the waterfall",
+        "Which way the pings of the waterfall run.",
+        choice!(picture.flip, [
+            "false", "forward", "Later pings to the right, or below.";
+            "true", "flipped", "Later pings to the left, or above: a line that was run back lies as the one beside it.";
+        ]);
+    PICTURE_SWAP: "picture.swap_sides", "Sides", "sides of the waterfall",
+        "On which side of the waterfall port is shown; the data stay as they are.",
+        choice!(picture.swap_sides, [
+            "false", "port first", "Port is above, or to the left.";
+            "true", "starboard first", "Starboard is above, or to the left.";
+        ]);
     MOSAIC_CELL: "mosaic.cell_m", "File's cell", "cell of the mosaic",
         "Side of a cell of mosaic.tif; on the map the mosaic is as fine as the screen.",
         number!(mosaic.cell_m, "m", [0.01, 100.0], 0.01, 2, LogSlider);

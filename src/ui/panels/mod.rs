@@ -11,7 +11,7 @@ pub mod maps;
 pub mod notices;
 pub mod objects;
 pub mod outliers;
-mod parts;
+pub(in crate::ui) mod parts;
 pub mod products;
 pub mod residuals;
 pub mod review;

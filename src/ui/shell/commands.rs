@@ -90,6 +90,7 @@ impl Shell {
                 Some(text) => ctx.copy_text(text),
                 None => self.app.apply(Command::Notify(NO_PROFILE.to_owned())),
             },
+            Action::OneToOne => self.views.request(View::Waterfall, ViewRequest::OneToOne),
             Action::TopView => self.views.request(View::Cloud, ViewRequest::Top),
             Action::SideView => self.views.request(View::Cloud, ViewRequest::Side),
             other => self.app.apply(Command::Do(other)),

@@ -1,6 +1,6 @@
 //! The menu bar. Entries come from the command table.
 
-use super::{map_layers, swipe, toolbar};
+use super::{levels, map_layers, swipe};
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
 use crate::presentation::units::{LengthUnit, SpeedUnit};
@@ -216,8 +216,10 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.radio_value(&mut options.waterfall.colour_map, map, map.name());
         }
         ui.separator();
-        toolbar::levels(ui, &mut options.waterfall);
+        ui.menu_button("Gain and levels", |ui| levels::ui(ui, context));
         ui.separator();
+        ui.checkbox(&mut options.waterfall.ground_range, "Ground range");
+        ui.checkbox(&mut options.waterfall.water_column, "Water column");
         ui.checkbox(&mut options.waterfall.first_return, "First return");
         ui.checkbox(&mut options.waterfall.range_lines, "Range lines");
         ui.checkbox(&mut options.waterfall.depth_line, "Recorded depth");

@@ -5,6 +5,7 @@ mod drop;
 mod history;
 mod keys;
 mod layout;
+mod levels;
 mod manual;
 mod map_layers;
 mod menu;

@@ -1,7 +1,7 @@
 //! The options of a view, at the right end of its title bar.
 
-use super::{map_layers, swipe};
-use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions, WaterfallOptions};
+use super::{levels, map_layers, swipe};
+use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions};
 use crate::ui::ViewContext;
 use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -9,7 +9,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 /// Width that the title and all controls of a view need side by side; below it they go into a menu.
 fn room(view: View) -> f32 {
     match view {
-        View::Waterfall => 460.0,
+        View::Waterfall => 560.0,
         View::Map => 220.0,
         View::Cloud => 330.0,
     }
@@ -76,7 +76,15 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         "First return",
         "Draws the first return on both sides (B).",
     );
-    menu(egui::RichText::new("Levels").small()).ui(ui, |ui| levels(ui, shown));
+    switch(
+        ui,
+        &mut shown.ground_range,
+        "Ground",
+        "Distance on level ground instead of slant range (G).",
+    );
+    button(ui, context, Action::OneToOne, "1:1");
+    let shown = &mut options.waterfall;
+    menu(egui::RichText::new("Levels").small()).ui(ui, |ui| levels::ui(ui, context));
     egui::ComboBox::from_id_salt("colour map")
         .width(92.0)
         .selected_text(egui::RichText::new(shown.colour_map.name()).small())
@@ -94,36 +102,6 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
 fn menu(title: egui::RichText) -> MenuButton<'static> {
     let stays = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new(title).config(stays)
-}
-
-/// Automatic level, brightness, contrast and gamma.
-pub fn levels(ui: &mut Ui, options: &mut WaterfallOptions) {
-    ui.spacing_mut().slider_width = 140.0;
-    ui.checkbox(&mut options.auto_level, "Automatic level")
-        .on_hover_text(
-            "Fills the colours with the echoes of this survey: its 1st percentile is dark, its 99th bright. \
-             Off: 0 is black and 255 white, as recorded.",
-        );
-    ui.add(
-        egui::Slider::new(&mut options.brightness, -1.0..=1.0)
-            .text("brightness")
-            .fixed_decimals(2),
-    );
-    ui.add(
-        egui::Slider::new(&mut options.contrast, 0.1..=10.0)
-            .logarithmic(true)
-            .text("contrast")
-            .fixed_decimals(2),
-    );
-    ui.add(
-        egui::Slider::new(&mut options.gamma, 0.2..=5.0)
-            .logarithmic(true)
-            .text("gamma")
-            .fixed_decimals(2),
-    );
-    if ui.button("Reset").clicked() {
-        options.reset_levels();
-    }
 }
 
 fn map(ui: &mut Ui, context: &ViewContext<'_>, options: &mut ViewOptions) {

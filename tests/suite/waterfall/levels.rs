@@ -2,7 +2,7 @@
 
 use super::synthetic::{span, survey_of};
 use super::{Window, app_with, settle, window};
-use bathyscope::app::ColourMap;
+use bathyscope::app::{ColourMap, Command};
 use egui_kittest::Harness;
 
 /// Grey of the picture at 10 m to starboard in the middle of a window of 400 x 300 points.
@@ -28,7 +28,14 @@ fn the_automatic_level_lifts_a_dim_survey_alike_near_and_far() {
     window.state_mut().waterfall.show_pings(0..3_000);
     let far = grey(&mut window);
     assert!(far.abs_diff(near) <= 3, "{far} far out, {near} near");
-    window.state_mut().app.options.waterfall.auto_level = false;
+    let app = &mut window.state_mut().app;
+    let settings = app.log.settings.with_assignment("picture.black=0");
+    let settings = settings.and_then(|settings| settings.with_assignment("picture.white=255"));
+    app.apply(Command::Change {
+        settings: Box::new(settings.expect("settings")),
+        label: "levels",
+        live: false,
+    });
     let recorded = grey(&mut window);
     assert!(recorded.abs_diff(50) <= 3, "{recorded} of a recorded 50");
 }

@@ -192,7 +192,7 @@ impl CloudView {
             Some(ViewRequest::ZoomOut) => zoom(1.0 / 1.4),
             Some(ViewRequest::Top) => camera.look_from(Direction::Top),
             Some(ViewRequest::Side) => camera.look_from(Direction::South),
-            Some(ViewRequest::Fit) | None => {}
+            Some(ViewRequest::Fit | ViewRequest::OneToOne) | None => {}
         }
         let fits = matches!(
             request,

@@ -260,7 +260,7 @@ impl MapView {
             Some(ViewRequest::Fit) => transform = whole(),
             Some(ViewRequest::ZoomIn) => transform.zoom(rect, rect.center(), 1.5),
             Some(ViewRequest::ZoomOut) => transform.zoom(rect, rect.center(), 1.0 / 1.5),
-            Some(ViewRequest::Top | ViewRequest::Side) | None => {}
+            Some(ViewRequest::Top | ViewRequest::Side | ViewRequest::OneToOne) | None => {}
         }
         pointer::move_view(ui, response, &mut transform, drag_moves);
         if fits && response.double_clicked() {

@@ -18,6 +18,8 @@ pub(super) struct Extent {
     pub far_m: f64,
     /// Slant range of the finest sample, metres.
     pub bin_m: f64,
+    /// What the boat usually moves from one ping to the next, metres; `None` where it is not known.
+    pub ping_m: Option<f64>,
 }
 
 /// One axis: what is in its middle and how much a screen point covers.
@@ -44,6 +46,17 @@ impl Axis {
         self.fitted = false;
     }
 
+    /// Takes a scale from elsewhere; what is shorter than the view then stands in its middle.
+    fn settle_at(&mut self, per_point: f64, to: f64, points: f64) {
+        self.per_point = per_point;
+        self.fitted = false;
+        let half = per_point * points / 2.0;
+        self.centre = match 2.0 * half >= to {
+            true => to / 2.0,
+            false => self.centre.clamp(half, to - half),
+        };
+    }
+
     fn settle(&mut self, from: f64, to: f64, points: f64, finest: f64) {
         let whole = (to - from) / points;
         if self.fitted || self.per_point >= whole.max(finest) {
@@ -65,14 +78,25 @@ impl Axis {
 pub(super) struct Camera {
     pub along: Axis,
     pub across: Axis,
+    /// A metre along is as long as a metre across.
+    pub is_one_to_one: bool,
+    /// Metres from one ping to the next that this goes by, instead of the usual ones.
+    ping_m: Option<f64>,
 }
 
 impl Camera {
-    /// The whole range across; all pings, or as many from the first as can be distinguished.
+    /// The whole range across, and one to one from the first ping on; where the boat's speed is not known all pings, or as many from
+    /// the first as can be distinguished.
     pub fn start(extent: &Extent, size: Size) -> Self {
         let mut camera = Self::default();
         camera.fit(extent, size);
-        if camera.along.per_point > READABLE_PINGS {
+        if let Some(ping_m) = extent.ping_m {
+            camera.is_one_to_one = true;
+            camera.along = Axis {
+                centre: 0.5 * size.along * camera.across.per_point / ping_m,
+                ..Axis::default()
+            };
+        } else if camera.along.per_point > READABLE_PINGS {
             camera.along = Axis {
                 centre: size.along,
                 per_point: READABLE_PINGS / 2.0,
@@ -82,8 +106,9 @@ impl Camera {
         camera
     }
 
-    /// Everything.
+    /// Everything, stretched as the view is.
     pub fn fit(&mut self, extent: &Extent, size: Size) {
+        self.is_one_to_one = false;
         self.along.fit(0.0, extent.pings, size.along);
         self.across.fit(-extent.far_m, extent.far_m, size.across);
     }
@@ -105,10 +130,12 @@ impl Camera {
         self.across.fit(port, starboard, size.across);
         self.along.fitted = false;
         self.across.fitted = false;
+        self.is_one_to_one = false;
     }
 
     /// Exactly these pings.
     pub fn show_pings(&mut self, pings: &Range<usize>, size: Size) {
+        self.is_one_to_one = false;
         self.along
             .fit(pings.start as f64, pings.end as f64, size.along);
         self.along.fitted = false;
@@ -123,17 +150,36 @@ impl Camera {
         }
     }
 
-    /// Makes a metre along the track as long as one across, with a ping in the middle.
+    /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.
     pub fn equal_scales(&mut self, metres_per_ping: f64, ping: f64) {
-        self.along = Axis {
-            centre: ping,
-            per_point: self.across.per_point / metres_per_ping,
-            fitted: false,
-        };
+        self.is_one_to_one = true;
+        self.ping_m = Some(metres_per_ping);
+        self.along.centre = ping;
+    }
+
+    /// One to one by the usual speed, with what is in the middle staying there; from there everything along the track.
+    pub fn toggle_one_to_one(&mut self, extent: &Extent, size: Size) {
+        self.ping_m = None;
+        match self.is_one_to_one {
+            true => {
+                self.is_one_to_one = false;
+                self.along.fit(0.0, extent.pings, size.along);
+            }
+            false => self.is_one_to_one = extent.ping_m.is_some(),
+        }
+    }
+
+    /// How many times longer a metre along is drawn than one across, where the boat's speed is known.
+    pub fn stretch(&self, extent: &Extent) -> Option<f64> {
+        let ping_m = self.ping_m.or(extent.ping_m)?;
+        Some(self.across.per_point / (self.along.per_point * ping_m))
     }
 
     /// Enlarges about a place, `offset` points from the middle.
     pub fn zoom(&mut self, factor: Size, offset: Size) {
+        if factor.along != factor.across {
+            self.is_one_to_one = false;
+        }
         if factor.along != 1.0 {
             self.along.zoom(factor.along, offset.along);
         }
@@ -156,11 +202,20 @@ impl Camera {
 
     /// Keeps the camera on the picture; fits again what follows the window's size.
     pub fn settle(&mut self, extent: &Extent, size: Size) {
-        self.along
-            .settle(0.0, extent.pings, size.along, 1.0 / LARGEST_TEXEL);
         let finest_m = extent.bin_m / LARGEST_TEXEL;
         self.across
             .settle(-extent.far_m, extent.far_m, size.across, finest_m);
+        let ping_m = self.ping_m.or(extent.ping_m);
+        match ping_m.filter(|_| self.is_one_to_one) {
+            Some(ping_m) => {
+                let per_point = self.across.per_point / ping_m;
+                self.along.settle_at(per_point, extent.pings, size.along);
+            }
+            None => {
+                self.along
+                    .settle(0.0, extent.pings, size.along, 1.0 / LARGEST_TEXEL);
+            }
+        }
     }
 }
 
@@ -198,6 +253,7 @@ mod tests {
         pings: 3453.0,
         far_m: 30.0,
         bin_m: 0.02,
+        ping_m: None,
     };
 
     fn rect() -> Rect {
@@ -266,5 +322,44 @@ mod tests {
         let lens = Lens::new(camera, rect(), orientation);
         assert!((lens.pings_per_point() * 0.1 - lens.metres_per_point()).abs() < 1e-12);
         assert!((lens.place_at(rect().center()).ping - 1204.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_picture_begins_one_to_one_until_it_is_stretched() {
+        let size = size(Orientation::Horizontal);
+        let extent = Extent {
+            ping_m: Some(0.25),
+            ..EXTENT
+        };
+        let mut camera = Camera::start(&extent, size);
+        camera.settle(&extent, size);
+        // 60 m in 300 points: 800 points are 160 m, 640 pings.
+        let [from, to, ..] = camera.seen(size);
+        assert!(
+            from.abs() < 1e-9 && (to - 640.0).abs() < 1e-9,
+            "{from} {to}"
+        );
+        let both = |factor| Size {
+            along: factor,
+            across: factor,
+        };
+        camera.zoom(both(2.0), both(0.0));
+        camera.settle(&extent, size);
+        assert!((camera.stretch(&extent).expect("a speed") - 1.0).abs() < 1e-9);
+        camera.zoom(
+            Size {
+                along: 3.0,
+                across: 1.0,
+            },
+            both(0.0),
+        );
+        camera.settle(&extent, size);
+        assert!(!camera.is_one_to_one);
+        assert!((camera.stretch(&extent).expect("a speed") - 3.0).abs() < 1e-9);
+        camera.toggle_one_to_one(&extent, size);
+        camera.settle(&extent, size);
+        assert!(camera.is_one_to_one);
+        camera.fit(&extent, size);
+        assert_eq!(camera.seen(size), [0.0, 3453.0, -30.0, 30.0]);
     }
 }

@@ -3,6 +3,7 @@
 use super::lens::Lens;
 use super::tiles::TileSet;
 use crate::first_return::FirstReturns;
+use crate::picture::LogPicture;
 use crate::render::waterfall::{Quad, TileTexture};
 use crate::survey::Survey;
 use crate::waterfall::{Levels, Made, PickLines, RangeAxis, RangeLine, Tile, Tiler};
@@ -97,11 +98,16 @@ impl Drawing {
     }
 
     /// The tiles to draw; asks the worker for those that are missing.
-    pub fn plan(&mut self, lens: &Lens, pixels_per_point: f32) -> Vec<(Quad, TileTexture)> {
+    pub fn plan(
+        &mut self,
+        lens: &Lens,
+        picture: Option<&LogPicture>,
+        pixels_per_point: f32,
+    ) -> Vec<(Quad, TileTexture)> {
         let Some(axis) = self.axis() else {
             return Vec::new();
         };
-        let plan = self.tiles.plan(&axis, lens, pixels_per_point);
+        let plan = self.tiles.plan(&axis, lens, picture, pixels_per_point);
         let mut want = plan.want;
         want.retain(|want| self.arrived.iter().all(|tile| tile.key != want.key));
         self.wants_tiles = !want.is_empty() || self.has_uploads();

@@ -1,8 +1,7 @@
 //! What wheel, drag and keys do to the camera.
 
 use super::camera::{Camera, Extent, Size};
-use super::lens::Lens;
-use crate::app::Orientation;
+use super::lens::{Arrangement, Lens};
 use crate::ui::ViewRequest;
 use egui::{Key, PointerButton};
 
@@ -19,6 +18,7 @@ pub(super) fn carry_out(camera: &mut Camera, request: ViewRequest, extent: &Exte
     };
     match request {
         ViewRequest::Fit => camera.fit(extent, size),
+        ViewRequest::OneToOne => camera.toggle_one_to_one(extent, size),
         ViewRequest::ZoomIn => camera.zoom(both(KEY_STEP), middle),
         ViewRequest::ZoomOut => camera.zoom(both(1.0 / KEY_STEP), middle),
         ViewRequest::Top | ViewRequest::Side => {}
@@ -32,12 +32,12 @@ pub(super) fn apply(
     camera: &mut Camera,
     ui: &egui::Ui,
     response: &egui::Response,
-    orientation: Orientation,
+    arrangement: &Arrangement,
     extent: &Extent,
     drag_moves: bool,
     fits: bool,
 ) {
-    let size = Size::of(response.rect.size(), orientation);
+    let size = Size::of(response.rect.size(), arrangement.orientation);
     if response.double_clicked() && fits {
         camera.fit(extent, size);
         return;
@@ -48,7 +48,7 @@ pub(super) fn apply(
         || space;
     if held {
         let by = ui.input(|input| input.pointer.delta());
-        camera.pan(Size::of(by, orientation));
+        camera.pan(arrangement.size(by));
     }
     let Some(pointer) = response.hover_pos() else {
         return;
@@ -60,7 +60,7 @@ pub(super) fn apply(
             input.modifiers,
         )
     });
-    let offset = Lens::new(*camera, response.rect, orientation).offset(pointer);
+    let offset = Lens::arranged(*camera, response.rect, arrangement).offset(pointer);
     let wheel = (f64::from(scroll.y) / WHEEL_POINTS).exp();
     let factor = match (modifiers.alt, modifiers.command) {
         (true, _) => Size {
@@ -76,7 +76,10 @@ pub(super) fn apply(
     camera.zoom(factor, offset);
     // egui turns the wheel sideways while Shift is held.
     camera.pan(Size {
-        along: f64::from(scroll.x),
+        along: match arrangement.flip {
+            true => -f64::from(scroll.x),
+            false => f64::from(scroll.x),
+        },
         across: 0.0,
     });
 }

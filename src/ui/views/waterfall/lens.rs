@@ -1,17 +1,23 @@
-//! The arithmetic between pings and metres and the screen.
+//! The arithmetic between pings and metres and the screen: the one owner of how a ping and a range lie there, for all that is drawn
+//! over the picture and all that is read off it.
 
 use super::camera::{Camera, Size};
 use crate::app::Orientation;
+use crate::picture::{Geometry, PingScale, PingScales};
 use crate::survey::Side;
 use egui::{Pos2, Rect, pos2};
 use std::ops::Range;
+use std::sync::Arc;
+
+/// Points of a line along the picture, at most.
+const LINE_POINTS: usize = 512;
 
 /// A place of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     /// Ping number with its fraction: ping 7 lies between 7 and 8.
     pub ping: f64,
-    /// Slant range, metres, port negative.
+    /// Slant range as recorded, metres, port negative: whatever is shown across.
     pub across_m: f64,
 }
 
@@ -34,23 +40,80 @@ pub(super) fn across_m(side: Side, range_m: f64) -> f64 {
     }
 }
 
+/// How the picture is laid out, wherever the camera looks.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Arrangement {
+    /// Which way time runs.
+    pub orientation: Orientation,
+    /// What lies across.
+    pub geometry: Geometry,
+    /// Later pings to the left, or above.
+    pub flip: bool,
+    /// Starboard first.
+    pub swap_sides: bool,
+    /// What ranges are worth; without them all is slant range.
+    pub scales: Option<Arc<PingScales>>,
+}
+
+impl Arrangement {
+    /// A screen vector as pings and metres run.
+    pub fn size(&self, vector: egui::Vec2) -> Size {
+        let size = Size::of(vector, self.orientation);
+        Size {
+            along: if self.flip { -size.along } else { size.along },
+            ..size
+        }
+    }
+}
+
 /// A camera that looks into a rectangle of the screen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Lens {
     pub rect: Rect,
     pub orientation: Orientation,
+    arrangement: Arrangement,
     camera: Camera,
     size: Size,
 }
 
 impl Lens {
+    /// Slant ranges, port first.
+    #[cfg(test)]
     pub fn new(camera: Camera, rect: Rect, orientation: Orientation) -> Self {
+        let arrangement = Arrangement {
+            orientation,
+            ..Arrangement::default()
+        };
+        Self::arranged(camera, rect, &arrangement)
+    }
+
+    /// What is laid out in some way.
+    pub fn arranged(camera: Camera, rect: Rect, arrangement: &Arrangement) -> Self {
         Self {
             rect,
-            orientation,
+            orientation: arrangement.orientation,
+            arrangement: arrangement.clone(),
             camera,
-            size: Size::of(rect.size(), orientation),
+            size: Size::of(rect.size(), arrangement.orientation),
         }
+    }
+
+    /// What lies across.
+    pub fn geometry(&self) -> Geometry {
+        match self.arrangement.scales {
+            Some(_) => self.arrangement.geometry,
+            None => Geometry::Slant,
+        }
+    }
+
+    /// Whether later pings lie to the left, or above.
+    pub fn is_flipped(&self) -> bool {
+        self.arrangement.flip
+    }
+
+    /// Whether a side is the upper or left one.
+    pub fn is_first(&self, side: Side) -> bool {
+        (side == Side::Port) != self.arrangement.swap_sides
     }
 
     /// Pings at both ends, fractions included; may lie beyond the survey's.
@@ -59,10 +122,20 @@ impl Lens {
         self.camera.along.centre - half..self.camera.along.centre + half
     }
 
-    /// Signed metres at both ends.
+    /// What is shown across at both ends, metres from the middle, negative on the side that is first.
     pub fn metres(&self) -> Range<f64> {
         let half = self.camera.across.per_point * self.size.across / 2.0;
         self.camera.across.centre - half..self.camera.across.centre + half
+    }
+
+    /// Distances from the middle that are seen of a side, metres; empty where none is.
+    pub fn seen_of(&self, side: Side) -> Range<f64> {
+        let metres = self.metres();
+        let seen = match self.is_first(side) {
+            true => -metres.end..-metres.start,
+            false => metres,
+        };
+        seen.start.max(0.0)..seen.end.max(0.0)
     }
 
     /// Pings in a screen point.
@@ -82,12 +155,50 @@ impl Lens {
         (seen.start.floor().max(0.0) as usize).min(end)..end
     }
 
+    /// What ranges of a side are worth at a ping.
+    fn scale(&self, side: Side, ping: f64) -> PingScale {
+        let scales = self.arrangement.scales.as_ref();
+        // Beyond the first and last ping, theirs.
+        scales.map_or_else(PingScale::default, |scales| scales.at(side, ping as usize))
+    }
+
+    /// How far from the middle a recorded range of a side is shown at a ping, metres.
+    pub fn distance_m(&self, side: Side, ping: f64, range_m: f64) -> f64 {
+        match self.geometry() {
+            Geometry::Slant => range_m,
+            geometry => self.scale(side, ping).across_m(geometry, range_m),
+        }
+    }
+
+    /// Distance on level ground of a recorded range, metres; `None` where the altitude is not known.
+    pub fn ground_m(&self, place: Place) -> Option<f64> {
+        let scale = self.scale(place.side(), place.ping);
+        let ground_m = scale.across_m(Geometry::Ground, place.across_m.abs());
+        (scale.altitude_m > 0.0).then_some(ground_m)
+    }
+
     /// Screen position of a place.
     pub fn screen_at(&self, place: Place) -> Pos2 {
-        let Camera { along, across } = &self.camera;
+        let side = place.side();
+        let shown_m = self.distance_m(side, place.ping, place.across_m.abs());
+        self.at(place.ping, self.signed_m(side, shown_m))
+    }
+
+    /// A distance from the middle with the sign of where its side is shown.
+    pub fn signed_m(&self, side: Side, shown_m: f64) -> f64 {
+        match self.is_first(side) {
+            true => -shown_m,
+            false => shown_m,
+        }
+    }
+
+    /// Screen position of a ping at metres from the middle as shown, negative on the side that is first.
+    pub fn at(&self, ping: f64, shown_m: f64) -> Pos2 {
+        let Camera { along, across, .. } = &self.camera;
         let centre = self.rect.center();
-        let a = ((place.ping - along.centre) / along.per_point) as f32;
-        let b = ((place.across_m - across.centre) / across.per_point) as f32;
+        let sign = if self.arrangement.flip { -1.0 } else { 1.0 };
+        let a = (sign * (ping - along.centre) / along.per_point) as f32;
+        let b = ((shown_m - across.centre) / across.per_point) as f32;
         match self.orientation {
             Orientation::Horizontal => pos2(centre.x + a, centre.y + b),
             Orientation::Vertical => pos2(centre.x + b, centre.y + a),
@@ -97,28 +208,61 @@ impl Lens {
     /// Place at a screen position.
     pub fn place_at(&self, position: Pos2) -> Place {
         let offset = self.offset(position);
-        let Camera { along, across } = &self.camera;
+        let Camera { along, across, .. } = &self.camera;
+        let ping = along.centre + offset.along * along.per_point;
+        let shown_m = across.centre + offset.across * across.per_point;
+        let side = match (shown_m < 0.0) == self.is_first(Side::Port) {
+            true => Side::Port,
+            false => Side::Starboard,
+        };
+        let range_m = match self.geometry() {
+            Geometry::Slant => shown_m.abs(),
+            geometry => {
+                let scale = self.scale(side, ping);
+                scale.recorded_at_m(geometry, shown_m.abs()).max(0.0)
+            }
+        };
         Place {
-            ping: along.centre + offset.along * along.per_point,
-            across_m: across.centre + offset.across * across.per_point,
+            ping,
+            across_m: across_m(side, range_m),
         }
     }
 
-    /// Points from the middle of the rectangle.
+    /// Points from the middle of the rectangle, as pings and metres run.
     pub fn offset(&self, position: Pos2) -> Size {
-        Size::of(position - self.rect.center(), self.orientation)
+        self.arrangement.size(position - self.rect.center())
     }
 
     /// The line across the picture at a ping.
     pub fn line_at_ping(&self, ping: f64) -> [Pos2; 2] {
         let metres = self.metres();
-        [metres.start, metres.end].map(|across_m| self.screen_at(Place { ping, across_m }))
+        [metres.start, metres.end].map(|shown_m| self.at(ping, shown_m))
     }
 
-    /// The line along the picture at a signed range.
-    pub fn line_at_range(&self, across_m: f64) -> [Pos2; 2] {
+    /// The line along the picture at a signed range as recorded: straight, but where altitudes bend it.
+    pub fn line_at_range(&self, across_m: f64) -> Vec<Pos2> {
         let pings = self.pings();
-        [pings.start, pings.end].map(|ping| self.screen_at(Place { ping, across_m }))
+        let steps = match self.geometry() {
+            Geometry::Slant => 1,
+            _ => LINE_POINTS,
+        };
+        let ping = |step: usize| {
+            let share = step as f64 / steps as f64;
+            pings.start + share * (pings.end - pings.start)
+        };
+        (0..=steps)
+            .map(|step| {
+                let ping = ping(step);
+                self.screen_at(Place { ping, across_m })
+            })
+            .collect()
+    }
+
+    /// The straight line along the picture at a distance from the middle as shown.
+    pub fn line_at_distance(&self, side: Side, shown_m: f64) -> [Pos2; 2] {
+        let pings = self.pings();
+        let shown_m = self.signed_m(side, shown_m);
+        [pings.start, pings.end].map(|ping| self.at(ping, shown_m))
     }
 }
 
@@ -129,29 +273,53 @@ mod tests {
 
     const BOTH: [Orientation; 2] = [Orientation::Horizontal, Orientation::Vertical];
 
-    fn lens(orientation: Orientation) -> Lens {
-        let rect = Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(800.0, 300.0));
+    fn camera(rect: Rect, orientation: Orientation) -> Camera {
         let extent = Extent {
             pings: 3453.0,
             far_m: 30.0,
             bin_m: 0.02,
+            ping_m: None,
         };
-        let camera = Camera::start(&extent, Size::of(rect.size(), orientation));
-        Lens::new(camera, rect, orientation)
+        Camera::start(&extent, Size::of(rect.size(), orientation))
+    }
+
+    fn lens(orientation: Orientation) -> Lens {
+        let rect = Rect::from_min_size(pos2(10.0, 20.0), egui::vec2(800.0, 300.0));
+        Lens::new(camera(rect, orientation), rect, orientation)
+    }
+
+    /// The same with everything that can be turned, over ground 4 m down.
+    fn turned(orientation: Orientation, geometry: Geometry) -> Lens {
+        let plain = lens(orientation);
+        let arrangement = Arrangement {
+            orientation,
+            geometry,
+            flip: true,
+            swap_sides: true,
+            scales: Some(Arc::new(PingScales::level(3453, 4.0))),
+        };
+        Lens::arranged(plain.camera, plain.rect, &arrangement)
     }
 
     #[test]
     fn a_place_comes_back_from_the_screen() {
+        let geometries = [
+            Geometry::Slant,
+            Geometry::SlantBeyondWater,
+            Geometry::Ground,
+        ];
         for orientation in BOTH {
-            let lens = lens(orientation);
-            let place = Place {
-                ping: 1204.5,
-                across_m: -7.25,
-            };
-            let back = lens.place_at(lens.screen_at(place));
-            assert!((back.ping - place.ping).abs() < 0.01, "{back:?}");
-            assert!((back.across_m - place.across_m).abs() < 1e-3, "{back:?}");
-            assert_eq!(place.side(), Side::Port);
+            let turned = geometries.map(|geometry| turned(orientation, geometry));
+            for lens in [lens(orientation)].into_iter().chain(turned) {
+                let place = Place {
+                    ping: 1204.5,
+                    across_m: -7.25,
+                };
+                let back = lens.place_at(lens.screen_at(place));
+                assert!((back.ping - place.ping).abs() < 0.01, "{back:?}");
+                assert!((back.across_m - place.across_m).abs() < 1e-3, "{back:?}");
+                assert_eq!(place.side(), Side::Port);
+            }
         }
     }
 
@@ -159,15 +327,31 @@ mod tests {
     fn starboard_and_later_are_to_the_right_and_down() {
         let place = |ping, across_m| Place { ping, across_m };
         for orientation in BOTH {
-            let lens = lens(orientation);
-            let at = |ping, across_m| lens.screen_at(place(ping, across_m));
-            let later = at(100.0, -5.0) - at(0.0, -5.0);
-            let starboard = at(0.0, 5.0) - at(0.0, -5.0);
-            let (time, range) = match orientation {
-                Orientation::Horizontal => (later.x, starboard.y),
-                Orientation::Vertical => (later.y, starboard.x),
+            let towards = |lens: Lens| {
+                let at = |ping, across_m| lens.screen_at(place(ping, across_m));
+                let later = at(100.0, -5.0) - at(0.0, -5.0);
+                let starboard = at(0.0, 5.0) - at(0.0, -5.0);
+                match orientation {
+                    Orientation::Horizontal => (later.x, starboard.y),
+                    Orientation::Vertical => (later.y, starboard.x),
+                }
             };
+            let (time, range) = towards(lens(orientation));
             assert!(time > 0.0 && range > 0.0, "{orientation:?}");
+            let (time, range) = towards(turned(orientation, Geometry::Slant));
+            assert!(time < 0.0 && range < 0.0, "{orientation:?}");
         }
+    }
+
+    #[test]
+    fn ground_range_is_the_side_of_the_triangle() {
+        let lens = turned(Orientation::Horizontal, Geometry::Ground);
+        // 5 m of slant range over 4 m of water are 3 m on the ground.
+        assert!((lens.distance_m(Side::Port, 7.0, 5.0) - 3.0).abs() < 1e-6);
+        assert_eq!(lens.distance_m(Side::Port, 7.0, 2.0), 0.0);
+        let line = lens.line_at_range(-5.0);
+        let [start, end] = lens.line_at_distance(Side::Port, 3.0);
+        assert!((line[0] - start).length() < 0.01);
+        assert!((line[line.len() - 1] - end).length() < 0.01);
     }
 }

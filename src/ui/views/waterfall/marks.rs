@@ -27,7 +27,7 @@ pub(super) fn cross_hair(
     if let Some(span) = span {
         let across_m = across_m(side, span.range_m(f64::from(sample)));
         let faint = colour.gamma_multiply(0.6);
-        painter.line_segment(lens.line_at_range(across_m), Stroke::new(1.0, faint));
+        painter.line(lens.line_at_range(across_m), Stroke::new(1.0, faint));
         let at = lens.screen_at(Place { ping, across_m });
         painter.circle_stroke(at, 5.0, Stroke::new(1.5, colour));
     }

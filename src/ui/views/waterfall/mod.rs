@@ -18,25 +18,22 @@ mod picture;
 mod pointer;
 mod scales;
 mod tiles;
+mod tone;
 
 pub use boxes::outline;
 
-use crate::app::{ColourMap, Command, Mark, Orientation, WaterfallOptions};
+use crate::app::{App, ColourMap, Command, Mark, Tool};
+use crate::picture::Geometry;
 use crate::presentation::colours;
-use crate::render::waterfall::{Look, WaterfallPicture};
+use crate::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, theme};
-use crate::waterfall::{Levels, RangeAxis};
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use egui::{Sense, emath::GuiRounding as _};
-use lens::Lens;
+use lens::{Arrangement, Lens};
 use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an overview, little enough
-/// to leave the ground its texture.
-const HIGHLIGHT: f32 = 0.3;
 
 /// State of the waterfall view: where it looks, and what is drawn of the open survey.
 #[derive(Default)]
@@ -67,6 +64,7 @@ enum Request {
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
+    levelling: Option<tone::Uploaded>,
 }
 
 impl WaterfallView {
@@ -90,18 +88,25 @@ impl WaterfallView {
             accessibility::without_picture(ui, context, rect, &response, !self.settled);
             return;
         };
-        let orientation = context.app.options.waterfall.orientation;
+        let arrangement = self.arrangement(context.app);
         let before = self
             .camera
-            .map(|camera| Lens::new(camera, rect, orientation));
-        let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, &lens, context));
-        let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, &lens, context));
+            .map(|camera| Lens::arranged(camera, rect, &arrangement));
+        let before = before.as_ref();
+        let holds_box = before.is_some_and(|lens| self.boxes.follow(ui, &response, lens, context));
+        let draws = before.is_some_and(|lens| self.pen.follow(ui, &response, lens, context));
         let draws =
-            draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, &lens, context));
+            draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, lens, context));
         let draws = draws
-            | before
-                .is_some_and(|lens| self.measure.follow(ui, &response, &lens, &survey, context));
-        let lens = self.aim(ui, &response, &axis, context, !holds_box && !draws);
+            | before.is_some_and(|lens| self.measure.follow(ui, &response, lens, &survey, context));
+        let extent = Extent {
+            pings: axis.pings as f64,
+            far_m: axis.far_m,
+            bin_m: axis.bin_m,
+            ping_m: axis.ping_m,
+        };
+        let drag_moves = !holds_box && !draws;
+        let lens = self.aim(ui, &response, &extent, &arrangement, context, drag_moves);
         self.draw_picture(&painter, &lens, context);
         let followed = pointer::follow(&response, &lens, &survey, &mut self.was_over, context);
         if let Some(ping) = followed.equal_scales_at
@@ -125,6 +130,7 @@ impl WaterfallView {
                 boxes: &boxes,
                 missed: &missed,
                 has_gpu: context.render_state.is_some(),
+                stretch: self.camera.and_then(|camera| camera.stretch(&extent)),
             },
         );
         self.boxes.draw(&painter, response.interact_pointer_pos());
@@ -132,8 +138,8 @@ impl WaterfallView {
         self.leave_out.draw(&painter, &lens, context.app);
         self.measure.draw(&painter, &lens, context.app);
         self.measure.strip(ui, context, rect);
-        let read_out =
-            (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
+        let read_out = (followed.place)
+            .and_then(|place| pointer::describe(context.app, &survey, &lens, place));
         // A hand that draws wants to see what lies ahead.
         let reads = response.hover_pos().filter(|_| !draws);
         if let Some((at, text)) = reads.zip(read_out.as_ref()) {
@@ -210,33 +216,46 @@ impl WaterfallView {
         }
     }
 
+    /// How the picture is laid out. Who draws the bottom sees the water above it.
+    fn arrangement(&self, app: &App) -> Arrangement {
+        let options = &app.options.waterfall;
+        let picture = &app.log.settings.picture;
+        let fits = |gpu: &Gpu| gpu.levelling.as_ref().is_none_or(|uploaded| uploaded.fits);
+        let is_levelled = self.gpu.as_ref().is_none_or(fits);
+        Arrangement {
+            orientation: options.orientation,
+            geometry: match app.log.reviewing.tool {
+                Tool::Bottom => Geometry::Slant,
+                _ => options.geometry(),
+            },
+            flip: picture.flip,
+            swap_sides: picture.swap_sides,
+            scales: (app.picture().filter(|_| is_levelled)).map(|picture| picture.scales.clone()),
+        }
+    }
+
     /// Moves the camera by what was asked for and done since the last frame.
     fn aim(
         &mut self,
         ui: &egui::Ui,
         response: &egui::Response,
-        axis: &RangeAxis,
+        extent: &Extent,
+        arrangement: &Arrangement,
         context: &ViewContext<'_>,
         drag_moves: bool,
     ) -> Lens {
-        let extent = Extent {
-            pings: axis.pings as f64,
-            far_m: axis.far_m,
-            bin_m: axis.bin_m,
-        };
-        let orientation = context.app.options.waterfall.orientation;
         let rect = response.rect;
-        let size = Size::of(rect.size(), orientation);
+        let size = Size::of(rect.size(), arrangement.orientation);
         let mut camera = *self
             .camera
-            .get_or_insert_with(|| Camera::start(&extent, size));
+            .get_or_insert_with(|| Camera::start(extent, size));
         if let Some(seen) = self.aim.take() {
             camera.show(seen, size);
         }
         for request in self.requests.drain(..) {
             match request {
                 Request::Pings(pings) => camera.show_pings(&pings, size),
-                Request::View(request) => gestures::carry_out(&mut camera, request, &extent, size),
+                Request::View(request) => gestures::carry_out(&mut camera, request, extent, size),
             }
         }
         if let Some(reveal) = context.app.reveal
@@ -246,19 +265,11 @@ impl WaterfallView {
             camera.reveal(reveal.mark.ping as f64 + 0.5, size);
         }
         let fits = context.app.measuring.tool.is_none();
-        gestures::apply(
-            &mut camera,
-            ui,
-            response,
-            orientation,
-            &extent,
-            drag_moves,
-            fits,
-        );
-        camera.settle(&extent, size);
+        gestures::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
+        camera.settle(extent, size);
         self.camera = Some(camera);
         self.size = Some(size);
-        Lens::new(camera, rect, orientation)
+        Lens::arranged(camera, rect, arrangement)
     }
 
     fn draw_picture(&mut self, painter: &egui::Painter, lens: &Lens, context: &ViewContext<'_>) {
@@ -273,6 +284,7 @@ impl WaterfallView {
                 render_state.target_format,
             )),
             palette: None,
+            levelling: None,
         });
         if gpu.palette.replace(options.colour_map) != Some(options.colour_map) {
             gpu.picture
@@ -282,7 +294,20 @@ impl WaterfallView {
             gpu.picture
                 .upload(&render_state.device, &render_state.queue, size, texels)
         });
-        let tiles = drawing.plan(lens, painter.pixels_per_point());
+        let shown = context.app.picture();
+        if gpu
+            .levelling
+            .as_ref()
+            .is_none_or(|uploaded| !uploaded.is_of(shown))
+        {
+            let uploaded = tone::upload(&gpu.picture, render_state, shown);
+            gpu.levelling = Some(uploaded);
+        }
+        let Some(uploaded) = &gpu.levelling else {
+            return;
+        };
+        let shown = shown.filter(|_| uploaded.fits).map(Arc::as_ref);
+        let tiles = drawing.plan(lens, shown, painter.pixels_per_point());
         self.settled = drawing.is_settled();
         if drawing.has_uploads() {
             // Not "at once": a harness that waits for stillness may stop here and look again later.
@@ -294,29 +319,11 @@ impl WaterfallView {
             lens.rect,
             PictureCallback {
                 picture: gpu.picture.clone(),
-                look: look(options, drawing.levels),
+                look: tone::look(context.app, lens, shown, drawing.levels),
+                tables: uploaded.tables.clone(),
                 tiles,
             },
         ));
-    }
-}
-
-/// `suited` are the levels that suit the survey.
-fn look(options: &WaterfallOptions, suited: Levels) -> Look {
-    let levels = if options.auto_level {
-        suited
-    } else {
-        Levels::RECORDED
-    };
-    Look {
-        brightness: options.brightness,
-        contrast: options.contrast,
-        gamma: options.gamma.max(0.01),
-        highlight: HIGHLIGHT,
-        time_is_down: u32::from(options.orientation == Orientation::Vertical),
-        linear_target: 0,
-        black: levels.black,
-        white: levels.white,
     }
 }
 

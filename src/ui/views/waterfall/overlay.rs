@@ -6,6 +6,7 @@ use super::lens::Lens;
 use super::scales::RangeLines;
 use super::{bottom, boxes, flat_spots, left_out, lines, marks, scales};
 use crate::app::{App, Mark};
+use crate::picture::Geometry;
 use crate::survey::{Side, Survey};
 use crate::ui::{place, theme};
 use egui::Painter;
@@ -26,6 +27,8 @@ pub(super) struct Shown<'a> {
     /// The missed objects in view.
     pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
+    /// How many times longer a metre along is drawn than one across, where that is known.
+    pub stretch: Option<f64>,
 }
 
 /// Draws it.
@@ -44,7 +47,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     for stretch in &stretches {
         stretch.draw(painter);
     }
-    if let Some(drawing) = shown.drawing {
+    // Without the water column, the bottom lies in the middle.
+    let shows_water = lens.geometry() == Geometry::Slant;
+    if let Some(drawing) = shown.drawing.filter(|_| shows_water) {
         draw_lines(painter, lens, shown, drawing);
     }
     let veiled = left_out::in_view(lens, shown.app);
@@ -84,6 +89,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
         scales::range_change(&mut labels, lens, &units.sentence(&change));
     }
+    scales::geometry(&mut labels, lens, shown.stretch);
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
     for stretch in &veiled {
         stretch.label(&mut labels);

@@ -1,6 +1,6 @@
 //! Hands the tiles in view to the renderer inside egui's pass.
 
-use crate::render::waterfall::{Look, Quad, TileTexture, WaterfallPicture};
+use crate::render::waterfall::{Look, Quad, Tables, TileTexture, WaterfallPicture};
 use eframe::egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use std::sync::Arc;
 
@@ -8,6 +8,7 @@ use std::sync::Arc;
 pub(super) struct PictureCallback {
     pub picture: Arc<WaterfallPicture>,
     pub look: Look,
+    pub tables: Tables,
     pub tiles: Vec<(Quad, TileTexture)>,
 }
 
@@ -32,6 +33,6 @@ impl CallbackTrait for PictureCallback {
         _resources: &CallbackResources,
     ) {
         self.picture
-            .paint(pass, self.tiles.iter().map(|(_, tile)| tile));
+            .paint(pass, &self.tables, self.tiles.iter().map(|(_, tile)| tile));
     }
 }

@@ -193,7 +193,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
 }
 
 /// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
-pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
+pub(super) fn describe(app: &App, survey: &Survey, lens: &Lens, at: Place) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
@@ -207,6 +207,9 @@ pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> 
     );
     if app.log.products.is_some() {
         lines += &format!("\n{} as recorded", units.measure(at.across_m.abs(), 2));
+    }
+    if let Some(ground_m) = lens.ground_m(at) {
+        lines += &format!("\n{ground_m:.2} m on the ground");
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
         && let Some(samples) = survey.samples(mark.ping, side)

@@ -4,6 +4,7 @@ use super::labels::{INK, Labels};
 use super::lens::{Lens, Place, across_m};
 use crate::app::{Orientation, ViewOptions};
 use crate::cloud::Reduction;
+use crate::picture::Geometry;
 use crate::presentation::ticks;
 use crate::presentation::units::Units;
 use crate::survey::{Side, SideSpan, Survey};
@@ -22,7 +23,7 @@ const LOOKED_UP: usize = 256;
 /// Range lines on a side, at most: a damaged scale must not draw for ever.
 const MOST_LINES: u32 = 1000;
 
-/// Lines of equal slant range on both sides, as far as the picture goes. The picture is drawn by the recorder's scale; the lines
+/// Lines of equal range on both sides, on the ground or slant, as far as the picture goes. The picture is drawn by the recorder's scale; the lines
 /// stand where the ranges of the cloud and of every read-out are.
 pub(super) struct RangeLines {
     step_m: f64,
@@ -30,7 +31,7 @@ pub(super) struct RangeLines {
     lines: Vec<RangeLine>,
 }
 
-/// A line of equal slant range on one side.
+/// A line of equal range on one side.
 struct RangeLine {
     range_m: f64,
     points: Vec<Pos2>,
@@ -46,37 +47,12 @@ impl RangeLines {
         units: Units,
     ) -> Self {
         let step_m = units.round_up_m(lens.metres_per_point() * LINE_POINTS);
-        let seen = lens.metres();
-        let farthest = seen.start.abs().max(seen.end.abs()).min(far_m);
-        let visible = lens.visible(survey.side_scan.len());
-        let step = visible.len().div_ceil(LOOKED_UP).max(1);
-        let mut lines = Vec::new();
-        for side in Side::BOTH {
-            let spans: Vec<(usize, SideSpan)> = visible
-                .clone()
-                .step_by(step)
-                .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
-                .collect();
-            for line in 1..=MOST_LINES {
-                let range_m = f64::from(line) * step_m;
-                let places: Vec<(usize, f64)> = (spans.iter())
-                    .map(|(ping, span)| (*ping, reduction.recorded_range_m(span, range_m)))
-                    .collect();
-                let nearest = places
-                    .iter()
-                    .map(|(_, at_m)| *at_m)
-                    .fold(f64::MAX, f64::min);
-                // Also where no side was recorded in view, or its scale is damaged.
-                if !(nearest <= farthest && spans.len() == places.len()) || places.is_empty() {
-                    break;
-                }
-                let in_view = |(_, at_m): &(usize, f64)| seen.contains(&across_m(side, *at_m));
-                if places.iter().any(in_view) {
-                    let points = points(lens, side, &places);
-                    lines.push(RangeLine { range_m, points });
-                }
+        let lines = match lens.geometry() {
+            Geometry::Ground => on_ground(lens, step_m, far_m),
+            Geometry::Slant | Geometry::SlantBeyondWater => {
+                in_slant_range(lens, survey, reduction, step_m, far_m)
             }
-        }
+        };
         Self {
             step_m,
             units,
@@ -103,7 +79,9 @@ impl RangeLines {
             Orientation::Vertical => (Align2::CENTER_TOP, vec2(0.0, 4.0)),
         };
         for line in &self.lines {
-            if let Some(start) = line.points.first() {
+            let (first, last) = (line.points.first(), line.points.last());
+            let start = if lens.is_flipped() { last } else { first };
+            if let Some(start) = start {
                 let label = self.units.tick_with_unit(line.range_m, self.step_m);
                 labels.write(*start + shift, anchor, &label, INK);
             }
@@ -111,20 +89,120 @@ impl RangeLines {
     }
 }
 
-/// A line through the places of one range: straight through the picture where they are all alike.
-fn points(lens: &Lens, side: Side, places: &[(usize, f64)]) -> Vec<Pos2> {
-    let first_m = places.first().map_or(0.0, |(_, at_m)| *at_m);
-    let alike = |(_, at_m): &(usize, f64)| (at_m - first_m).abs() < 1e-3;
-    if places.iter().all(alike) {
-        return lens.line_at_range(across_m(side, first_m)).to_vec();
+/// Lines of equal distance on the ground.
+fn on_ground(lens: &Lens, step_m: f64, far_m: f64) -> Vec<RangeLine> {
+    let mut lines = Vec::new();
+    for side in Side::BOTH {
+        let seen = lens.seen_of(side);
+        for line in 1..=MOST_LINES {
+            let range_m = f64::from(line) * step_m;
+            if range_m > seen.end.min(far_m) {
+                break;
+            }
+            if seen.contains(&range_m) {
+                let points = lens.line_at_distance(side, range_m).to_vec();
+                lines.push(RangeLine { range_m, points });
+            }
+        }
     }
-    let at = |&(ping, at_m): &(usize, f64)| {
+    lines
+}
+
+/// A place of a range line: the ping, its range as recorded, and how far from the middle that is shown, metres.
+struct LinePlace {
+    ping: usize,
+    recorded_m: f64,
+    shown_m: f64,
+}
+
+fn in_slant_range(
+    lens: &Lens,
+    survey: &Survey,
+    reduction: Reduction<'_>,
+    step_m: f64,
+    far_m: f64,
+) -> Vec<RangeLine> {
+    let visible = lens.visible(survey.side_scan.len());
+    let step = visible.len().div_ceil(LOOKED_UP).max(1);
+    let mut lines = Vec::new();
+    for side in Side::BOTH {
+        let seen = lens.seen_of(side);
+        let farthest = seen.end.min(far_m);
+        let spans: Vec<(usize, SideSpan)> = visible
+            .clone()
+            .step_by(step)
+            .filter_map(|ping| Some((ping, *survey.span(ping, side)?)))
+            .collect();
+        // Also where no side was recorded in view, or its scale is damaged.
+        if spans.is_empty() {
+            continue;
+        }
+        for line in 1..=MOST_LINES {
+            let range_m = f64::from(line) * step_m;
+            let place = |(ping, span): &(usize, SideSpan)| {
+                let recorded_m = reduction.recorded_range_m(span, range_m);
+                LinePlace {
+                    ping: *ping,
+                    recorded_m,
+                    shown_m: lens.distance_m(side, *ping as f64, recorded_m),
+                }
+            };
+            let places: Vec<LinePlace> = spans.iter().map(place).collect();
+            let nearest = places.iter().map(|place| place.shown_m);
+            if nearest.fold(f64::MAX, f64::min) > farthest {
+                break;
+            }
+            let in_view = |place: &LinePlace| place.shown_m > 0.0 && seen.contains(&place.shown_m);
+            if places.iter().any(in_view) {
+                let points = points(lens, side, &places);
+                lines.push(RangeLine { range_m, points });
+            }
+        }
+    }
+    lines
+}
+
+/// A line through the places of one range: straight through the picture where they are all alike.
+fn points(lens: &Lens, side: Side, places: &[LinePlace]) -> Vec<Pos2> {
+    let first_m = places.first().map_or(0.0, |place| place.shown_m);
+    let alike = |place: &LinePlace| (place.shown_m - first_m).abs() < 1e-3;
+    if places.iter().all(alike) {
+        return lens.line_at_distance(side, first_m).to_vec();
+    }
+    let at = |place: &LinePlace| {
         lens.screen_at(Place {
-            ping: ping as f64 + 0.5,
-            across_m: across_m(side, at_m),
+            ping: place.ping as f64 + 0.5,
+            across_m: across_m(side, place.recorded_m),
         })
     };
     places.iter().map(at).collect()
+}
+
+/// What lies across, and how long a metre along is drawn, where the picture begins.
+pub(super) fn geometry(labels: &mut Labels<'_>, lens: &Lens, stretch: Option<f64>) {
+    let across = match lens.geometry() {
+        Geometry::Slant => "slant range",
+        Geometry::SlantBeyondWater => "slant range, no water column",
+        Geometry::Ground => "ground range",
+    };
+    let along = match stretch {
+        Some(stretch) if (stretch - 1.0).abs() < 0.005 => ", 1:1".to_owned(),
+        Some(stretch) => format!(", along x{stretch:.2}"),
+        None => String::new(),
+    };
+    let flipped = if lens.is_flipped() { ", flipped" } else { "" };
+    let at = lens.rect.shrink(6.0).left_bottom();
+    let at = match lens.orientation {
+        Orientation::Horizontal => at - vec2(0.0, BELOW_SIDE),
+        // There stands the name of the side, and what is done to its ranges.
+        Orientation::Vertical => at - vec2(0.0, 2.0 * BELOW_SIDE),
+    };
+    labels.write(
+        at,
+        Align2::LEFT_BOTTOM,
+        &format!("{across}{along}{flipped}"),
+        INK,
+    );
 }
 
 /// What is done to the recorded ranges, below the name of the side where the picture ends.
@@ -156,10 +234,7 @@ pub(super) fn ticks(
         Orientation::Vertical => (metres.start, vec2(6.0, 0.0), Align2::LEFT_CENTER),
     };
     for ping in (seen.start.next_multiple_of(step)..seen.end).step_by(step) {
-        let at = lens.screen_at(Place {
-            ping: ping as f64 + 0.5,
-            across_m: edge_m,
-        });
+        let at = lens.at(ping as f64 + 0.5, edge_m);
         painter.line_segment([at, at + inward], Stroke::new(1.0, ink));
         let Some(recorded) = survey.side_scan.get(ping) else {
             continue;
@@ -172,20 +247,15 @@ pub(super) fn ticks(
 
 /// The names of the sides in view, in the colours of their first returns, where the picture ends.
 pub(super) fn sides(labels: &mut Labels<'_>, lens: &Lens, options: &ViewOptions) {
-    let seen = lens.metres();
     for side in Side::BOTH {
-        let is_seen = match side {
-            Side::Port => seen.start < 0.0,
-            Side::Starboard => seen.end > 0.0,
-        };
-        if !is_seen {
+        if lens.seen_of(side).is_empty() {
             continue;
         }
         let rect = lens.rect.shrink(6.0);
-        let (at, anchor) = match (lens.orientation, side) {
-            (Orientation::Horizontal, Side::Port) => (rect.right_top(), Align2::RIGHT_TOP),
-            (Orientation::Vertical, Side::Port) => (rect.left_bottom(), Align2::LEFT_BOTTOM),
-            (_, Side::Starboard) => (rect.right_bottom(), Align2::RIGHT_BOTTOM),
+        let (at, anchor) = match (lens.orientation, lens.is_first(side)) {
+            (Orientation::Horizontal, true) => (rect.right_top(), Align2::RIGHT_TOP),
+            (Orientation::Vertical, true) => (rect.left_bottom(), Align2::LEFT_BOTTOM),
+            (_, false) => (rect.right_bottom(), Align2::RIGHT_BOTTOM),
         };
         // Thin strokes need more light than a line to be read on the dark.
         let ink = theme::side_colour(options, side).lerp_to_gamma(INK, 0.35);
@@ -243,6 +313,7 @@ mod tests {
             pings: 50.0,
             far_m: 20.0,
             bin_m: 0.02,
+            ping_m: None,
         };
         let size = Size::of(rect.size(), Orientation::Horizontal);
         let lens = Lens::new(Camera::start(&extent, size), rect, Orientation::Horizontal);

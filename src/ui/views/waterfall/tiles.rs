@@ -1,7 +1,8 @@
 //! Which tiles are in view, which of them are there, and what is drawn instead of those that are not.
 
-use super::lens::{Lens, across_m};
+use super::lens::Lens;
 use crate::app::Orientation;
+use crate::picture::{Geometry, LogPicture};
 use crate::render::waterfall::{Quad, TileTexture};
 use crate::survey::Side;
 use crate::waterfall::{Level, Lru, RangeAxis, TILE, Tile, TileKey, Want};
@@ -43,9 +44,15 @@ impl TileSet {
     }
 
     /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
-    pub fn plan(&mut self, axis: &RangeAxis, lens: &Lens, pixels_per_point: f32) -> Plan {
+    pub fn plan(
+        &mut self,
+        axis: &RangeAxis,
+        lens: &Lens,
+        picture: Option<&LogPicture>,
+        pixels_per_point: f32,
+    ) -> Plan {
         self.cache.begin_frame();
-        let scale = Scale::new(axis, lens, pixels_per_point);
+        let scale = Scale::new(axis, lens, picture, pixels_per_point);
         let mut plan = Plan {
             draw: Vec::new(),
             want: Vec::new(),
@@ -124,13 +131,19 @@ struct Area {
 struct Scale<'a> {
     axis: &'a RangeAxis,
     lens: &'a Lens,
+    picture: Option<&'a LogPicture>,
     pings_per_pixel: f64,
     bins_per_pixel: f64,
     level: Level,
 }
 
 impl<'a> Scale<'a> {
-    fn new(axis: &'a RangeAxis, lens: &'a Lens, pixels_per_point: f32) -> Self {
+    fn new(
+        axis: &'a RangeAxis,
+        lens: &'a Lens,
+        picture: Option<&'a LogPicture>,
+        pixels_per_point: f32,
+    ) -> Self {
         let pixels_per_point = f64::from(pixels_per_point);
         let pings_per_pixel = lens.pings_per_point() / pixels_per_point;
         let bins_per_pixel = lens.metres_per_point() / axis.bin_m / pixels_per_point;
@@ -143,6 +156,7 @@ impl<'a> Scale<'a> {
         Self {
             axis,
             lens,
+            picture,
             pings_per_pixel,
             bins_per_pixel,
             level,
@@ -151,16 +165,38 @@ impl<'a> Scale<'a> {
 
     /// What the lens sees of a side, within the survey.
     fn whole(&self, side: Side) -> Area {
-        let metres = self.lens.metres();
-        let ranges = match side {
-            Side::Port => -metres.end..-metres.start,
-            Side::Starboard => metres,
-        };
+        let shown = self.lens.seen_of(side);
+        let [near_m, far_m] = self.recorded_m([shown.start, shown.end]);
         let seen = self.lens.pings();
         Area {
             pings: seen.start.max(0.0)..seen.end.min(self.axis.pings as f64),
-            bins: (ranges.start / self.axis.bin_m).max(0.0)
-                ..(ranges.end / self.axis.bin_m).min(f64::from(self.axis.bins)),
+            bins: match shown.is_empty() {
+                true => 0.0..0.0,
+                false => {
+                    (near_m / self.axis.bin_m).max(0.0)
+                        ..(far_m / self.axis.bin_m).min(f64::from(self.axis.bins))
+                }
+            },
+        }
+    }
+
+    /// Recorded ranges that can be shown between two distances from the middle, metres.
+    fn recorded_m(&self, shown_m: [f64; 2]) -> [f64; 2] {
+        match (self.lens.geometry(), self.picture) {
+            (Geometry::Slant, _) | (_, None) => shown_m,
+            (geometry, Some(picture)) => picture.extremes.recorded_m(geometry, shown_m),
+        }
+    }
+
+    /// Distances from the middle between which recorded ranges of a side are shown, as far as they are seen, metres.
+    fn shown_m(&self, side: Side, recorded_m: [f64; 2]) -> [f64; 2] {
+        match (self.lens.geometry(), self.picture) {
+            (Geometry::Slant, _) | (_, None) => recorded_m,
+            (geometry, Some(picture)) => {
+                let [near_m, far_m] = picture.extremes.across_m(geometry, recorded_m);
+                let seen = self.lens.seen_of(side);
+                [near_m.max(seen.start), far_m.min(seen.end).max(seen.start)]
+            }
         }
     }
 
@@ -210,9 +246,17 @@ impl<'a> Scale<'a> {
         let seen = self.lens.pings();
         let metres = self.lens.metres();
         let share = |value: f64, seen: &Range<f64>| (value - seen.start) / (seen.end - seen.start);
-        let along = [area.pings.start, area.pings.end].map(|ping| share(ping, &seen));
-        let across = [area.bins.start, area.bins.end]
-            .map(|bin| share(across_m(key.side, bin * self.axis.bin_m), &metres));
+        let along = [area.pings.start, area.pings.end].map(|ping| {
+            let share = share(ping, &seen);
+            if self.lens.is_flipped() {
+                1.0 - share
+            } else {
+                share
+            }
+        });
+        let bin_m = self.axis.bin_m;
+        let shown_m = self.shown_m(key.side, [area.bins.start * bin_m, area.bins.end * bin_m]);
+        let across = shown_m.map(|shown_m| share(self.lens.signed_m(key.side, shown_m), &metres));
         let right = |share: f64| (2.0 * share - 1.0) as f32;
         let down = |share: f64| (1.0 - 2.0 * share) as f32;
         let (along, across) = match self.lens.orientation {
@@ -231,6 +275,26 @@ impl<'a> Scale<'a> {
                 (self.bins_per_pixel / key.level.bins() as f64) as f32,
                 (self.pings_per_pixel / key.level.pings() as f64) as f32,
             ],
+            across_m: shown_m.map(|metres| metres as f32),
+            column_m: [
+                (key.first_bin() as f64 * bin_m) as f32,
+                (key.level.bins() as f64 * bin_m) as f32,
+            ],
+            pair: self.pair(key),
         }
+    }
+
+    /// Where a tile's pings are in the table of pings.
+    fn pair(&self, key: &TileKey) -> [u32; 3] {
+        let side = u32::from(key.side == Side::Starboard);
+        let (halvings, first) = (key.level.along, key.first_ping());
+        self.picture.map_or([0, 1, side], |picture| {
+            let table = &picture.table;
+            [
+                table.pair(halvings, first),
+                table.pairs_from(halvings, first),
+                side,
+            ]
+        })
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn in_view<'a>(lens: &Lens, app: &'a App) -> Vec<Shown<'a>> {
     seen
 }
 
-/// Where a mark is on the screen.
+/// Where a mark is on the screen: around its corners, which over uneven ground lie in no rectangle.
 fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
     let corner = |ping: usize, range_m: f64| {
         lens.screen_at(Place {
@@ -56,10 +56,9 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
             across_m: across_m(mark.side, range_m),
         })
     };
-    Rect::from_two_pos(
-        corner(mark.pings.start, mark.near_m),
-        corner(mark.pings.end, mark.far_m),
-    )
+    let pings = [mark.pings.start, mark.pings.end];
+    let corners = pings.map(|ping| [mark.near_m, mark.far_m].map(|range_m| corner(ping, range_m)));
+    Rect::from_points(corners.as_flattened())
 }
 
 impl Shown<'_> {

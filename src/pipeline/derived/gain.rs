@@ -1,0 +1,52 @@
+//! The gain normalisation of one log, which the mosaic and the waterfall share.
+
+use crate::calibration::Calibration;
+use crate::first_return::FirstReturns;
+use crate::mosaic::{GainTable, Layout, gain_table};
+use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{LeftOut, Navigation, Survey};
+
+/// What a gain table is made of; equal keys give equal tables.
+#[derive(Clone, PartialEq)]
+pub struct GainKey {
+    survey: Same<Survey>,
+    navigation: Same<Navigation>,
+    returns: Same<FirstReturns>,
+    calibration: Same<Calibration>,
+    left_out: Same<LeftOut>,
+    range_factor: f64,
+    most_turn_deg_s: f64,
+}
+
+impl GainKey {
+    /// Of the results of a log.
+    pub fn of(ProcessedLog { survey, products }: &ProcessedLog) -> Self {
+        Self {
+            survey: Same(survey.clone()),
+            navigation: Same(products.navigation.clone()),
+            returns: Same(products.returns.clone()),
+            calibration: Same(products.calibration.clone()),
+            left_out: Same(products.left_out.clone()),
+            range_factor: products.correction.range_factor(),
+            most_turn_deg_s: products.settings.mosaic.most_turn_deg_s,
+        }
+    }
+}
+
+/// The table over the pings that a mosaic shows; over all of them where the boat's place is not known.
+pub fn made(log: &ProcessedLog, progress: &Progress) -> Result<Option<GainTable>, Cancelled> {
+    let ProcessedLog { survey, products } = log;
+    let table = |layout: &Layout| match layout.has_rays() {
+        true => gain_table(survey, layout, progress).map(Some),
+        false => Ok(None),
+    };
+    match table(&mosaic_layout_by(survey, products, |place| place))? {
+        Some(made) => Ok(Some(made)),
+        None => {
+            let placeless = Layout::placeless(survey, &products.returns, &products.calibration)
+                .with_range_factor(products.correction.range_factor());
+            table(&placeless.without(&products.left_out))
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! What the picture of one log is shown with.
+
+use super::gain::GainKey;
+use crate::mosaic::{Gain, GainTable};
+use crate::picture::{LogPicture, PingScales, stripe_factors};
+use crate::pipeline::ProcessedLog;
+use crate::progress::{Cancelled, Progress};
+use std::sync::Arc;
+
+/// What a log is shown with depends on this alone; levels, balance and time-varied gain are numbers that act on top.
+#[derive(Clone, PartialEq)]
+pub struct PictureKey {
+    of: GainKey,
+    is_normalised: bool,
+    is_even: bool,
+}
+
+impl PictureKey {
+    /// Of the results of a log and its picture settings.
+    pub fn of(log: &ProcessedLog) -> Self {
+        let picture = &log.products.settings.picture;
+        Self {
+            of: GainKey::of(log),
+            is_normalised: picture.gain == Gain::Empirical,
+            is_even: picture.stripe_filter,
+        }
+    }
+
+    /// Whether gain is normalised.
+    pub fn is_normalised(&self) -> bool {
+        self.is_normalised
+    }
+}
+
+pub fn made(
+    log: &ProcessedLog,
+    gain: Option<Arc<GainTable>>,
+    progress: &Progress,
+) -> Result<LogPicture, Cancelled> {
+    let ProcessedLog { survey, products } = log;
+    let scales = PingScales::new(
+        survey,
+        &products.returns,
+        &products.calibration,
+        products.correction.range_factor(),
+    );
+    let factors = match products.settings.picture.stripe_filter {
+        true => Some(stripe_factors(survey, &scales, progress)?),
+        false => None,
+    };
+    LogPicture::new(survey, Arc::new(scales), gain, factors.as_ref(), progress)
+}

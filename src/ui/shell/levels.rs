@@ -1,0 +1,219 @@
+//! Gain, filters and levels of the waterfall, with the histogram that black and white are dragged in.
+
+use crate::app::{Action, Command};
+use crate::picture::Histogram;
+use crate::pipeline::Settings;
+use crate::pipeline::settings::rows;
+use crate::ui::panels::parts;
+use crate::ui::{ViewContext, theme};
+use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
+
+/// Width of the panel, points.
+const WIDTH: f32 = 300.0;
+/// Height of the histogram, points.
+const HEIGHT: f32 = 72.0;
+/// Half of the knob of a level, points.
+const KNOB: f32 = 5.0;
+/// Black and white keep at least this apart, levels.
+const APART: f64 = 1.0;
+
+/// The two levels.
+#[derive(Clone, Copy, PartialEq)]
+enum Level {
+    Black,
+    White,
+}
+
+/// Draws it all.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    ui.set_width(WIDTH);
+    for row in [
+        &rows::PICTURE_GAIN,
+        &rows::PICTURE_SPREADING,
+        &rows::PICTURE_ABSORPTION,
+        &rows::PICTURE_BALANCE,
+        &rows::PICTURE_STRIPES,
+        &rows::PICTURE_DESPECKLE,
+    ] {
+        parts::setting(ui, context, row);
+    }
+    ui.separator();
+    histogram(ui, context);
+    automatic(ui, context);
+    if context.app.log.settings.picture.black.is_some() {
+        parts::setting(ui, context, &rows::PICTURE_BLACK);
+        parts::setting(ui, context, &rows::PICTURE_WHITE);
+    }
+    parts::setting(ui, context, &rows::PICTURE_GAMMA);
+    ui.separator();
+    parts::setting(ui, context, &rows::PICTURE_FLIP);
+    parts::setting(ui, context, &rows::PICTURE_SWAP);
+    let reset = ui.button("Reset").on_hover_text(Action::LevelsReset.hint());
+    if reset.clicked() {
+        context.push(Command::Do(Action::LevelsReset));
+    }
+}
+
+/// Black and white as they are shown, levels.
+fn shown(context: &ViewContext<'_>, counted: &Histogram) -> [f64; 2] {
+    let picture = &context.app.log.settings.picture;
+    [
+        picture
+            .black
+            .unwrap_or(f64::from(255.0 * counted.automatic.black)),
+        picture
+            .white
+            .unwrap_or(f64::from(255.0 * counted.automatic.white)),
+    ]
+}
+
+fn automatic(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let picture = &context.app.log.settings.picture;
+    let mut is_automatic = picture.black.is_none() && picture.white.is_none();
+    let hint = "Fills the colours with the echoes of this log: 1 % of them are black, 99 % lie a little below white. \
+                Off: black and white stay where they are put.";
+    let levels = context
+        .app
+        .histogram()
+        .map(|counted| shown(context, counted));
+    ui.horizontal(|ui| {
+        let switch = ui.checkbox(&mut is_automatic, "Automatic level");
+        if switch.on_hover_text(hint).changed() {
+            let levels = match is_automatic {
+                true => None,
+                // Where they are: what is seen does not jump.
+                false => levels.or(Some([0.0, 255.0])),
+            };
+            set(context, levels, "levels of the waterfall", false);
+        }
+        let button = ui.button("0 to 255");
+        let hint = "Black at 0, white at 255: levels as bytes are recorded.";
+        if button.on_hover_text(hint).clicked() {
+            set(
+                context,
+                Some([0.0, 255.0]),
+                "levels of the waterfall",
+                false,
+            );
+        }
+    });
+}
+
+/// Puts black and white at these levels, or leaves them to the log.
+fn set(context: &mut ViewContext<'_>, levels: Option<[f64; 2]>, label: &'static str, live: bool) {
+    let mut settings = Settings::clone(&context.app.log.settings);
+    let rounded = levels.map(|levels| levels.map(|level| (10.0 * level).round() / 10.0));
+    settings.picture.black = rounded.map(|[black, _]| black);
+    settings.picture.white = rounded.map(|[_, white]| white);
+    context.push(Command::Change {
+        settings: Box::new(settings),
+        label,
+        live,
+    });
+}
+
+/// How often each level occurs, with black and white to be dragged.
+fn histogram(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let size = vec2(ui.available_width(), HEIGHT);
+    let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let painter = ui.painter_at(area.expand(KNOB));
+    let Some(counted) = context.app.histogram().cloned() else {
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::Role::Image, true, "Histogram, not counted yet")
+        });
+        return;
+    };
+    let levels = shown(context, &counted);
+    let reach = f64::from(counted.reach).max(1.2 * levels[1]);
+    let inside = area.shrink2(vec2(KNOB, 0.0));
+    bars(
+        &painter,
+        inside,
+        &counted,
+        reach,
+        ui.visuals().weak_text_color(),
+    );
+    let x_of = |level: f64| inside.left() + (level / reach) as f32 * inside.width();
+    for (level, which) in levels.into_iter().zip([Level::Black, Level::White]) {
+        knob(&painter, inside, x_of(level), which, context);
+    }
+    let [black, white] = levels;
+    response.widget_info(|| {
+        let name = format!("Histogram of the echoes, black at {black:.1}, white at {white:.1}");
+        egui::WidgetInfo::labeled(egui::Role::Image, true, name)
+    });
+    if response.hovered() {
+        ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    let level_at = |at: Pos2| f64::from((at.x - inside.left()) / inside.width()) * reach;
+    follow(ui, &response, context, levels, level_at);
+}
+
+/// A drag takes the nearer of the two with it.
+fn follow(
+    ui: &Ui,
+    response: &Response,
+    context: &mut ViewContext<'_>,
+    [black, white]: [f64; 2],
+    level_at: impl Fn(Pos2) -> f64,
+) {
+    let held_id = response.id.with("held");
+    if let Some(at) = response.interact_pointer_pos()
+        && (response.drag_started() || response.clicked())
+    {
+        let level = level_at(at);
+        let nearer = match (level - black).abs() < (level - white).abs() {
+            true => Level::Black,
+            false => Level::White,
+        };
+        ui.data_mut(|data| data.insert_temp(held_id, nearer == Level::Black));
+    }
+    let is_moved = response.dragged() || response.drag_stopped() || response.clicked();
+    let Some(at) = response.interact_pointer_pos().filter(|_| is_moved) else {
+        return;
+    };
+    let holds_black: bool = ui.data(|data| data.get_temp(held_id)).unwrap_or(false);
+    let level = level_at(at).max(0.0);
+    let levels = match holds_black {
+        true => [level.min(white - APART).max(0.0), white],
+        false => [black, level.max(black + APART)],
+    };
+    let live = response.dragged() && !response.drag_stopped();
+    let label = if holds_black {
+        rows::PICTURE_BLACK.name
+    } else {
+        rows::PICTURE_WHITE.name
+    };
+    set(context, Some(levels), label, live);
+}
+
+fn bars(painter: &Painter, area: Rect, counted: &Histogram, reach: f64, ink: Color32) {
+    painter.rect_filled(area, 0.0, ink.gamma_multiply(0.08));
+    let most = counted.bars.iter().copied().max().unwrap_or(1).max(1);
+    let width = area.width() * counted.reach / (reach as f32 * counted.bars.len() as f32);
+    for (index, &count) in counted.bars.iter().enumerate() {
+        // By the root: the water column and the shadows would hide the rest.
+        let height = area.height() * (count as f32 / most as f32).sqrt();
+        let left = area.left() + index as f32 * width;
+        let bar = Rect::from_min_max(
+            pos2(left, area.bottom() - height),
+            pos2(left + width, area.bottom()),
+        );
+        painter.rect_filled(bar.intersect(area), 0.0, ink);
+    }
+}
+
+fn knob(painter: &Painter, area: Rect, x: f32, which: Level, context: &ViewContext<'_>) {
+    let x = x.clamp(area.left(), area.right());
+    let accent = theme::accent_colour(context.app.options.theme);
+    painter.line_segment(
+        [pos2(x, area.top()), pos2(x, area.bottom())],
+        Stroke::new(1.5, accent),
+    );
+    let fill = match which {
+        Level::Black => Color32::BLACK,
+        Level::White => Color32::WHITE,
+    };
+    let at = pos2(x, area.bottom() - KNOB);
+    painter.circle(at, KNOB, fill, Stroke::new(1.5, accent));
+}

@@ -1,0 +1,124 @@
+//! From the picture settings of the shown log to what the renderer takes.
+
+use super::lens::Lens;
+use crate::app::{App, Orientation};
+use crate::picture::{Geometry, LogPicture};
+use crate::render::waterfall::{Look, Tables, WaterfallPicture};
+use crate::survey::Side;
+use crate::waterfall::Levels;
+use eframe::egui_wgpu::RenderState;
+use std::sync::Arc;
+
+/// Share of the maximum in the picture: enough for a bright spot of one sample to survive in an overview, little enough
+/// to leave the ground its texture.
+const HIGHLIGHT: f32 = 0.3;
+/// White is above black by this share of the colours, at least.
+const LEAST_CONTRAST: f32 = 1e-3;
+/// Bits of [`Look::filters`].
+const GAIN: u32 = 1;
+const STRIPES: u32 = 2;
+const MEDIAN: u32 = 4;
+
+/// What of a log is on the GPU.
+pub(super) struct Uploaded {
+    of: Option<Arc<LogPicture>>,
+    pub tables: Tables,
+    /// Whether it had room there: a log of millions of pings may not.
+    pub fits: bool,
+}
+
+impl Uploaded {
+    /// Whether it is of this.
+    pub fn is_of(&self, picture: Option<&Arc<LogPicture>>) -> bool {
+        match (&self.of, picture) {
+            (None, None) => true,
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+}
+
+/// Puts what a log is shown with on the GPU.
+pub(super) fn upload(
+    renderer: &WaterfallPicture,
+    state: &RenderState,
+    picture: Option<&Arc<LogPicture>>,
+) -> Uploaded {
+    let gain = picture.and_then(|picture| picture.gain.as_ref());
+    let [port, starboard] =
+        Side::BOTH.map(|side| gain.map_or((&[][..], &[][..]), |gain| gain.curves(side)));
+    let texels = picture.map_or(&[][..], |picture| picture.table.texels());
+    let curves = [port.0, port.1, starboard.0, starboard.1];
+    let (tables, fits) = renderer.upload_tables(&state.device, &state.queue, texels, curves);
+    Uploaded {
+        of: picture.cloned(),
+        tables,
+        fits,
+    }
+}
+
+/// `first` are the levels that suit the echoes as recorded, until those with gain are counted.
+pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: Levels) -> Look {
+    let settings = &app.log.settings.picture;
+    let tone = settings.tone();
+    let automatic = app.histogram().map_or(first, |counted| counted.automatic);
+    let level = |fixed: Option<f64>, automatic: f32| {
+        fixed.map_or(automatic, |level| (level / 255.0) as f32)
+    };
+    let black = level(settings.black, automatic.black);
+    let white = level(settings.white, automatic.white).max(black + LEAST_CONTRAST);
+    let gain = picture.and_then(|picture| picture.gain.as_deref());
+    let filter = |is_on: bool, bit: u32| if is_on { bit } else { 0 };
+    // Without the scales of the pings, nothing is known that gain goes by.
+    let known = picture.is_some();
+    let [port, starboard] = tone.sides;
+    Look {
+        gamma: settings.gamma.max(0.01) as f32,
+        highlight: HIGHLIGHT,
+        black,
+        white,
+        time_is_down: u32::from(lens.orientation == Orientation::Vertical),
+        linear_target: 0,
+        geometry: match lens.geometry() {
+            Geometry::Slant => 0,
+            Geometry::SlantBeyondWater => 1,
+            Geometry::Ground => 2,
+        },
+        filters: filter(tone.is_normalised && gain.is_some(), GAIN)
+            + filter(tone.is_even && known, STRIPES)
+            + filter(settings.despeckle, MEDIAN),
+        spreading: if known { tone.spreading_db } else { 0.0 },
+        absorption: if known { tone.absorption_db_m } else { 0.0 },
+        middle_m: picture.map_or(1.0, |picture| picture.middle_m),
+        port,
+        starboard,
+        curve_far_m: gain.map_or(1.0, |gain| gain.far_m() as f32),
+        curve_factor: gain.map_or(1.0, crate::mosaic::GainTable::brightness),
+        padding: 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mosaic::GainTable;
+    use crate::picture::LEAST_RANGE_M;
+
+    #[test]
+    fn the_shader_knows_the_curves_as_they_are() {
+        let source = include_str!("../../../../shaders/waterfall.wgsl");
+        let constant = |name: &str| -> f32 {
+            let line = source
+                .lines()
+                .find(|line| line.contains(&format!("const {name}:")));
+            let value = line.and_then(|line| line.split(['=', ';']).nth(1));
+            value
+                .and_then(|value| value.trim().parse().ok())
+                .expect(name)
+        };
+        assert_eq!(constant("RANGE_BINS"), GainTable::RANGES as f32);
+        assert_eq!(constant("ANGLE_BINS"), GainTable::ANGLES as f32);
+        assert_eq!(constant("LEAST_FACTOR"), GainTable::BOUNDS[0]);
+        assert_eq!(constant("MOST_FACTOR"), GainTable::BOUNDS[1]);
+        assert_eq!(constant("LEAST_RANGE_M"), LEAST_RANGE_M);
+    }
+}
