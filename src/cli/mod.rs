@@ -8,6 +8,8 @@ mod default_folder;
 mod desktop;
 mod detect;
 mod evaluate;
+#[cfg(feature = "gui")]
+mod film;
 mod filter;
 mod folders;
 mod found;
@@ -19,12 +21,16 @@ mod process;
 mod quiet_driver;
 mod review;
 mod settings;
+#[cfg(feature = "gui")]
+mod shown;
 mod simulate;
 #[cfg(feature = "gui")]
 mod snapshot;
 #[cfg(not(feature = "gui"))]
 #[path = "no_window.rs"]
 mod snapshot;
+#[cfg(feature = "gui")]
+mod sonogram;
 mod start;
 mod status_line;
 mod survey_logs;
@@ -79,6 +85,12 @@ enum Command {
     Review(review::ReviewArgs),
     /// Draw the window, or one of its views, into a picture
     Snapshot(snapshot::SnapshotArgs),
+    /// Draw the side-scan of a log in pages
+    #[cfg(feature = "gui")]
+    Sonogram(sonogram::SonogramArgs),
+    /// Make a film of a log's side-scan
+    #[cfg(feature = "gui")]
+    Film(film::FilmArgs),
     /// Make a survey of known truth: log, truth and objects
     Simulate(simulate::SimulateArgs),
     /// Print the manual, or one page of it, as Markdown
@@ -143,6 +155,16 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Snapshot(args)),
             ..
         } => snapshot::run(args),
+        #[cfg(feature = "gui")]
+        Cli {
+            command: Some(Command::Sonogram(args)),
+            ..
+        } => sonogram::run(args),
+        #[cfg(feature = "gui")]
+        Cli {
+            command: Some(Command::Film(args)),
+            ..
+        } => film::run(args),
         Cli {
             command: Some(Command::Simulate(args)),
             ..

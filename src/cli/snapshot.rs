@@ -1,13 +1,13 @@
 //! `bathyscope snapshot`: the window's pictures without a window.
 
-use super::settings::{SettingsArgs, check_against};
+use super::settings::SettingsArgs;
+use super::shown::{GeometryArgs, open, parse_pings, parse_size, take_over, wait, within};
 use super::{output, quiet_driver};
 use crate::app::{
     Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::geo::CoordinateFormat;
-use crate::pipeline::Settings;
 use crate::progress::Progress;
 use crate::ui::{
     Alone, Shell,
@@ -32,6 +32,8 @@ pub struct SnapshotArgs {
     /// Side-scan pings that the waterfall shows; the middle one is selected
     #[arg(long, value_name = "A..B", value_parser = parse_pings)]
     pings: Option<PingRange>,
+    #[command(flatten)]
+    geometry: GeometryArgs,
     /// Pixels in a point: 2 draws all text and lines twice as large
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
     scale: f32,
@@ -94,21 +96,6 @@ enum Coordinates {
     Utm,
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let parsed = text
-        .split_once(['x', 'X', '×'])
-        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    parsed
-        .filter(|size: &[u32; 2]| size.iter().all(|side| (16..=16_384).contains(side)))
-        .ok_or_else(|| {
-            format!("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{text}`")
-        })
-}
-
-fn parse_pings(text: &str) -> Result<PingRange, String> {
-    PingRange::try_from(text.to_owned())
-}
-
 /// Draws the picture and writes it; says on stderr which adapter drew it.
 pub fn run(args: SnapshotArgs) -> Result<(), String> {
     quiet_driver::restart_if_noisy();
@@ -123,6 +110,7 @@ pub fn run(args: SnapshotArgs) -> Result<(), String> {
     let mut app = App::new(Jobs::Threads(std::sync::Arc::new(|| ())));
     app.use_settings(&settings);
     show_as(&mut app.options, &args);
+    args.geometry.apply(&mut app);
     open(&mut app, &args.survey.map_or(Origin::Demo, Origin::Path))?;
     take_over(&mut app, settings)?;
     select(&mut app, args.pings)?;
@@ -220,61 +208,11 @@ fn alone(picture: Picture) -> Option<Alone> {
     }
 }
 
-/// Opens the log and waits for all results.
-fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
-    app.apply(match origin {
-        Origin::Path(path) => Command::Open(path.clone()),
-        Origin::Demo => Command::OpenDemo,
-    });
-    wait(app)
-}
-
-/// Takes over what the settings say of this survey only: its flat spot, its water, its track. A freshly opened log has
-/// forgotten it: in the window, it belonged to the log before.
-fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
-    if settings == *app.log.settings {
-        return Ok(());
-    }
-    if let Some(survey) = &app.log.survey {
-        check_against(survey, &settings)?;
-    }
-    app.apply(Command::Change {
-        settings: Box::new(settings),
-        label: "settings",
-        live: false,
-    });
-    wait(app)
-}
-
-fn wait(app: &mut App) -> Result<(), String> {
-    while !app.is_idle() {
-        std::thread::sleep(std::time::Duration::from_millis(2));
-        app.poll();
-    }
-    match app.notices.iter().find(|notice| notice.is_error) {
-        Some(error) => Err(error.text.clone()),
-        None => Ok(()),
-    }
-}
-
 /// Selects the middle of the pings asked for, or of the log, so that the profile and the selection show something.
 fn select(app: &mut App, pings: Option<PingRange>) -> Result<(), String> {
-    let count = app
-        .log
-        .survey
-        .as_ref()
-        .map_or(0, |survey| survey.side_scan.len());
-    let pings = pings.unwrap_or(PingRange {
-        start: 0,
-        end: count,
-    });
-    if pings.end > count {
-        return Err(format!(
-            "the log has {count} side-scan pings; pings {}..{} were asked for",
-            pings.start, pings.end
-        ));
-    }
-    if count > 0 {
+    let survey = app.log.survey.clone().unwrap_or_default();
+    let pings = within(&survey, pings)?;
+    if !survey.side_scan.is_empty() {
         let middle = (pings.start + pings.end) / 2;
         app.apply(Command::Select(Some(Mark::ping(middle))));
     }
@@ -288,17 +226,4 @@ fn check_picture(path: &Path) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("a picture's name ends in .png: {}", path.display()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_width_times_height() {
-        assert_eq!(parse_size("640x480"), Ok([640, 480]));
-        for wrong in ["640", "0x10", "axb", "99999x10"] {
-            assert!(parse_size(wrong).is_err(), "{wrong}");
-        }
-    }
 }

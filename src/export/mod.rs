@@ -5,6 +5,7 @@
 //! on, `points` what `bathyscope filter` kept. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod aside;
+pub mod avi;
 mod chip_folder;
 mod chips;
 mod cloud_csv;

@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for everything to be computed and drawn at its final quality.
 const TIME_LIMIT: Duration = Duration::from_secs(240);
+/// Quiet frames after which a picture is ready: sizes settle over two frames, and tiles asked for in one are drawn in the next.
+const STILL: u32 = 4;
 /// Steps of the progress.
 const STEPS: u64 = 100;
 /// Longest wait for the GPU to finish one frame.
@@ -52,6 +54,21 @@ impl Studio {
         pixels_per_point: f32,
         progress: &Progress,
     ) -> Result<RgbaImage, String> {
+        let mut host = self.host(size, pixels_per_point)?;
+        host.settle(shell, STILL, progress)?;
+        host.read_back()
+    }
+
+    /// Pictures of one size that follow each other.
+    ///
+    /// # Errors
+    /// As [`Studio::draw`].
+    pub fn reel(&self, size: [u32; 2]) -> Result<Reel, String> {
+        let host = self.host(size, 1.0)?;
+        Ok(Reel { host })
+    }
+
+    fn host(&self, size: [u32; 2], pixels_per_point: f32) -> Result<Host, String> {
         let largest = self.gpu.device.limits().max_texture_dimension_2d;
         if size.iter().any(|side| *side == 0 || *side > largest) {
             return Err(format!(
@@ -59,9 +76,26 @@ impl Studio {
                 size[0], size[1]
             ));
         }
-        let mut host = Host::new(self.gpu.clone(), size, pixels_per_point);
-        host.settle(shell, progress)?;
-        host.read_back()
+        Ok(Host::new(self.gpu.clone(), size, pixels_per_point))
+    }
+}
+
+/// Draws pictures that follow each other, as of a film.
+pub struct Reel {
+    host: Host,
+}
+
+impl Reel {
+    /// The next picture, once everything in it is drawn.
+    ///
+    /// # Errors
+    /// As [`Studio::draw`].
+    pub fn draw(&mut self, shell: &mut Shell, progress: &Progress) -> Result<RgbaImage, String> {
+        progress.check().map_err(|error| error.to_string())?;
+        // Sizes have settled with the first one.
+        let still = if self.host.frames == 0 { STILL } else { 2 };
+        self.host.settle(shell, still, &Progress::new())?;
+        self.host.read_back()
     }
 }
 
@@ -130,13 +164,12 @@ impl Host {
     }
 
     /// Draws frames until everything is computed and drawn at its final quality.
-    fn settle(&mut self, shell: &mut Shell, progress: &Progress) -> Result<(), String> {
+    fn settle(&mut self, shell: &mut Shell, still: u32, progress: &Progress) -> Result<(), String> {
         let started = Instant::now();
         let mut drawn = 0;
         progress.start(STEPS);
         let mut quiet = 0;
-        // A few quiet frames: sizes settle over two frames, and tiles asked for in one are drawn in the next.
-        while quiet < 4 {
+        while quiet < still {
             progress.check().map_err(|error| error.to_string())?;
             let repaint = self.frame(shell)?;
             let now = (shell.drawn_share() * STEPS as f32) as u64;

@@ -1,0 +1,178 @@
+//! `bathyscope film`: the side-scan of a log as it runs down the screen of a recorder.
+
+use super::shown::{ShownArgs, ShownLog, parse_size};
+use super::status_line::StatusLine;
+use super::{output, quiet_driver};
+use crate::app::{Command, Orientation, View};
+use crate::export::avi::{self, AviWriter};
+use crate::export::write_aside;
+use crate::pipeline::Settings;
+use crate::progress::Progress;
+use crate::ui::offscreen::Studio;
+use crate::ui::{Alone, Shell};
+use image::DynamicImage;
+use std::io::{self, BufWriter};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Frames after which the size of the whole film is guessed.
+const GUESSED_AFTER: usize = 25;
+
+/// `bathyscope film LOG -o FILE.avi`.
+#[derive(Debug, clap::Args)]
+pub struct FilmArgs {
+    #[command(flatten)]
+    shown: ShownArgs,
+    /// Film to write
+    #[arg(short, long, value_name = "FILE.avi")]
+    output: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Frames a second
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=60))]
+    fps: u32,
+    /// How many times faster than the boat
+    #[arg(long, default_value_t = 8.0, value_name = "FACTOR")]
+    speed: f64,
+}
+
+/// Draws the film and writes it; says on stderr how long it runs.
+pub fn run(args: FilmArgs) -> Result<(), String> {
+    quiet_driver::restart_if_noisy();
+    check_film(&args.output)?;
+    if !(args.speed > 0.0 && args.speed.is_finite()) {
+        return Err(format!("a film's speed lies above 0; got {}", args.speed));
+    }
+    let log = args.shown.open()?;
+    let frames = Frames::new(&log, args.size, args.speed / f64::from(args.fps));
+    let mut app = log.app;
+    // As on a recorder: the newest ping is on top.
+    app.options.waterfall.orientation = Orientation::Vertical;
+    let mut settings = Settings::clone(&app.log.settings);
+    settings.picture.flip = !settings.picture.flip;
+    app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "direction of the waterfall",
+        live: false,
+    });
+    let mut shell = Shell::new(app);
+    shell.show_alone(Alone::View(View::Waterfall));
+    let studio = Studio::new()?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("film");
+    write(
+        &args.output,
+        args.size,
+        args.fps,
+        &frames,
+        &studio,
+        &mut shell,
+        &progress,
+    )?;
+    drop(status);
+    output::notify(format_args!(
+        "{} frames, {:.0} s, {:.1} times as fast as the boat; drawn by {}",
+        frames.count,
+        frames.count as f64 / f64::from(args.fps),
+        frames.speed(args.fps),
+        studio.adapter()
+    ));
+    Ok(())
+}
+
+/// Which pings each frame shows.
+#[derive(Clone, Debug, PartialEq)]
+struct Frames {
+    first: usize,
+    /// Pings in a frame.
+    shown: usize,
+    /// Pings from one frame to the next.
+    step: usize,
+    count: usize,
+    /// Seconds from one ping to the next.
+    interval_s: f64,
+}
+
+impl Frames {
+    /// Of a log in frames of some size, each so many seconds of the boat's time after the one before.
+    fn new(log: &ShownLog, [width, height]: [u32; 2], step_s: f64) -> Self {
+        let pings = log.pings.end - log.pings.start;
+        let pixel_m = 2.0 * log.axis.far_m / f64::from(width);
+        let high = log.axis.ping_m.map_or(f64::from(height), |ping_m| {
+            f64::from(height) * pixel_m / ping_m
+        });
+        let shown = (high.round() as usize).clamp(1, pings.max(1));
+        let survey = log.app.log.survey.as_ref();
+        let time_s =
+            |ping: usize| survey.and_then(|survey| Some(survey.side_scan.get(ping)?.time_s));
+        let span_s = time_s(log.pings.end.saturating_sub(1)).zip(time_s(log.pings.start));
+        let span_s = span_s.map_or(0.0, |(last, first)| last - first);
+        let interval_s = span_s / pings.saturating_sub(1).max(1) as f64;
+        // Whole pings: a picture that moves now by three and now by four trembles.
+        let step = if interval_s > 0.0 {
+            step_s / interval_s
+        } else {
+            1.0
+        };
+        let step = (step.round() as usize).clamp(1, pings.max(1));
+        Self {
+            first: log.pings.start,
+            shown,
+            step,
+            count: (pings - shown.min(pings)).div_ceil(step) + 1,
+            interval_s,
+        }
+    }
+
+    fn pings(&self, frame: usize) -> Range<usize> {
+        let start = self.first + frame * self.step;
+        start..start + self.shown
+    }
+
+    /// Times the boat's own speed.
+    fn speed(&self, fps: u32) -> f64 {
+        self.step as f64 * self.interval_s * f64::from(fps)
+    }
+}
+
+fn write(
+    path: &Path,
+    size: [u32; 2],
+    fps: u32,
+    frames: &Frames,
+    studio: &Studio,
+    shell: &mut Shell,
+    progress: &Progress,
+) -> Result<(), String> {
+    let mut reel = studio.reel(size)?;
+    progress.start(frames.count as u64);
+    let written = write_aside(path, |file| {
+        let mut film = AviWriter::new(BufWriter::new(file), size, fps)?;
+        for frame in 0..frames.count {
+            shell.show_pings(frames.pings(frame));
+            let picture = reel.draw(shell, progress).map_err(io::Error::other)?;
+            film.push(&DynamicImage::ImageRgba8(picture).into_rgb8())?;
+            if frame + 1 == GUESSED_AFTER {
+                let whole = film.bytes_with_index() * frames.count as u64 / GUESSED_AFTER as u64;
+                if whole > avi::LARGEST {
+                    let text = "the film would be larger than 2 GB; show fewer pings, faster or in a smaller size";
+                    return Err(io::Error::other(text));
+                }
+            }
+            progress.advance(1);
+        }
+        film.finish().map(drop)
+    });
+    written.map_err(|error| error.to_string())
+}
+
+/// Refuses a name that is no film's before any work, a mistyped log's among them: that log would be replaced.
+fn check_film(path: &Path) -> Result<(), String> {
+    let suffix = path.extension().unwrap_or_default();
+    if suffix.eq_ignore_ascii_case("avi") {
+        return Ok(());
+    }
+    Err(format!("a film's name ends in .avi: {}", path.display()))
+}

@@ -1,0 +1,191 @@
+//! How a command shows a log's side-scan: what pictures, pages and films share.
+
+use super::settings::{SettingsArgs, check_against};
+use crate::app::{App, Command, Jobs, Origin};
+use crate::calibration::PingRange;
+use crate::pipeline::Settings;
+use crate::survey::Survey;
+use crate::waterfall::RangeAxis;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What lies across the side-scan picture.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub struct GeometryArgs {
+    /// Distance on level ground instead of slant range
+    #[arg(long)]
+    ground: bool,
+    /// Leave the water column out: slant range from the first return on
+    #[arg(long)]
+    no_water: bool,
+}
+
+impl GeometryArgs {
+    /// Takes it over.
+    pub fn apply(self, app: &mut App) {
+        let waterfall = &mut app.options.waterfall;
+        waterfall.ground_range = self.ground;
+        waterfall.water_column = !self.no_water;
+    }
+}
+
+/// A log, and how it is shown.
+#[derive(Debug, clap::Args)]
+pub struct ShownArgs {
+    /// The log; the bundled demo survey when left out
+    survey: Option<PathBuf>,
+    /// Side-scan pings to show, B left out; all of them when left out
+    #[arg(long, value_name = "A..B", value_parser = parse_pings)]
+    pings: Option<PingRange>,
+    #[command(flatten)]
+    geometry: GeometryArgs,
+    /// Draw the first return
+    #[arg(long)]
+    first_return: bool,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// A log that was opened and processed, with the part of it that is shown.
+pub struct ShownLog {
+    /// The state that pictures are drawn of.
+    pub app: App,
+    /// First ping, and one after the last.
+    pub pings: PingRange,
+    /// Ping and range extent.
+    pub axis: RangeAxis,
+    /// The log's name.
+    pub name: String,
+}
+
+impl ShownArgs {
+    /// Opens the log and waits for all that its picture needs.
+    ///
+    /// # Errors
+    /// A sentence when the log or a setting cannot be used, or there is no picture in it.
+    pub fn open(self) -> Result<ShownLog, String> {
+        let settings = self.settings.resolve()?;
+        let mut app = App::new(Jobs::Threads(Arc::new(|| ())));
+        app.use_settings(&settings);
+        self.geometry.apply(&mut app);
+        let waterfall = &mut app.options.waterfall;
+        waterfall.first_return = self.first_return;
+        waterfall.flat_stretches = false;
+        waterfall.boxes = false;
+        open(&mut app, &self.survey.map_or(Origin::Demo, Origin::Path))?;
+        take_over(&mut app, settings)?;
+        let survey = app.log.survey.clone().unwrap_or_default();
+        let axis = RangeAxis::of(&survey).filter(|_| survey.has_side_scan());
+        let axis = axis.ok_or("the log holds no side-scan that could be shown")?;
+        Ok(ShownLog {
+            pings: within(&survey, self.pings)?,
+            axis,
+            name: survey.name(),
+            app,
+        })
+    }
+}
+
+/// The pings asked for, or all of a log.
+///
+/// # Errors
+/// A sentence where the log has not so many.
+pub fn within(survey: &Survey, pings: Option<PingRange>) -> Result<PingRange, String> {
+    let count = survey.side_scan.len();
+    let pings = pings.unwrap_or(PingRange {
+        start: 0,
+        end: count,
+    });
+    if pings.end > count {
+        return Err(format!(
+            "the log has {count} side-scan pings; pings {}..{} were asked for",
+            pings.start, pings.end
+        ));
+    }
+    Ok(pings)
+}
+
+/// Reads `A..B`.
+///
+/// # Errors
+/// A sentence that says how pings are written.
+pub fn parse_pings(text: &str) -> Result<PingRange, String> {
+    PingRange::try_from(text.to_owned())
+}
+
+/// Reads `WxH`.
+///
+/// # Errors
+/// A sentence that says how a size is written.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text
+        .split_once(['x', 'X', '×'])
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    parsed
+        .filter(|size: &[u32; 2]| size.iter().all(|side| (16..=16_384).contains(side)))
+        .ok_or_else(|| {
+            format!("a size is written WxH in pixels, 16 to 16384 a side, for example 1600x1000; got `{text}`")
+        })
+}
+
+/// Opens the log and waits for all results.
+///
+/// # Errors
+/// A sentence when it cannot be used.
+pub fn open(app: &mut App, origin: &Origin) -> Result<(), String> {
+    app.apply(match origin {
+        Origin::Path(path) => Command::Open(path.clone()),
+        Origin::Demo => Command::OpenDemo,
+    });
+    wait(app)
+}
+
+/// Takes over what the settings say of this survey only: its flat spot, its water, its track, its picture. A freshly opened log has
+/// forgotten it: in the window, it belonged to the log before.
+///
+/// # Errors
+/// A sentence when the settings do not fit the log.
+pub fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
+    if settings == *app.log.settings {
+        return Ok(());
+    }
+    if let Some(survey) = &app.log.survey {
+        check_against(survey, &settings)?;
+    }
+    app.apply(Command::Change {
+        settings: Box::new(settings),
+        label: "settings",
+        live: false,
+    });
+    wait(app)
+}
+
+/// Waits until nothing is opened or computed any more.
+///
+/// # Errors
+/// The sentence of what failed.
+pub fn wait(app: &mut App) -> Result<(), String> {
+    app.poll();
+    while !app.is_idle() {
+        std::thread::sleep(Duration::from_millis(2));
+        app.poll();
+    }
+    match app.notices.iter().find(|notice| notice.is_error) {
+        Some(error) => Err(error.text.clone()),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_width_times_height() {
+        assert_eq!(parse_size("640x480"), Ok([640, 480]));
+        for wrong in ["640", "0x10", "axb", "99999x10"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! `bathyscope sonogram`: the side-scan picture of a log in pages, with its scales.
+
+use super::shown::{ShownArgs, ShownLog, parse_size};
+use super::status_line::StatusLine;
+use super::{output, quiet_driver};
+use crate::app::View;
+use crate::calibration::PingRange;
+use crate::progress::Progress;
+use crate::ui::offscreen::{Studio, write_picture};
+use crate::ui::{Alone, Shell};
+use std::path::PathBuf;
+
+/// Pages at most: more is a slip of the pen.
+const MOST_PAGES: usize = 10_000;
+/// Narrowest page, pixels: the last one holds what is left.
+const NARROWEST: u32 = 160;
+
+/// `bathyscope sonogram LOG -o DIR`.
+#[derive(Debug, clap::Args)]
+pub struct SonogramArgs {
+    #[command(flatten)]
+    shown: ShownArgs,
+    /// Folder of the pages, NAME_0001.png and so on
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Width and height of a page in pixels
+    #[arg(long, value_name = "WxH", default_value = "1600x800", value_parser = parse_size)]
+    size: [u32; 2],
+    /// Pings of a page; as many as make a metre along as long as one across when left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..))]
+    page_pings: Option<u32>,
+}
+
+/// Draws the pages and writes them; says on stderr which adapter drew them.
+pub fn run(args: SonogramArgs) -> Result<(), String> {
+    quiet_driver::restart_if_noisy();
+    let log = args.shown.open()?;
+    let [width, height] = args.size;
+    let page = args
+        .page_pings
+        .map_or_else(|| one_to_one(&log, width, height), |pings| pings as usize);
+    let pages = pages(log.pings, page)?;
+    std::fs::create_dir_all(&args.output)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", args.output.display()))?;
+    let (mut shell, name) = (Shell::new(log.app), log.name);
+    shell.show_alone(Alone::View(View::Waterfall));
+    let studio = Studio::new()?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("sonogram");
+    progress.start(pages.len() as u64);
+    for (number, pings) in pages.iter().enumerate() {
+        let share = (pings.end - pings.start) as f64 / page as f64;
+        let width = ((f64::from(width) * share).round() as u32).max(NARROWEST.min(width));
+        shell.show_pings(pings.start..pings.end);
+        let picture = studio.draw(&mut shell, [width, height], 1.0, &Progress::new())?;
+        let file = format!("{name}_{:04}.png", number + 1);
+        write_picture(&picture, &args.output.join(file))?;
+        progress.advance(1);
+    }
+    drop(status);
+    output::notify(format_args!(
+        "{} pages of {page} pings, drawn by {}",
+        pages.len(),
+        studio.adapter()
+    ));
+    Ok(())
+}
+
+/// Pings of a page on which a metre along is as long as one across; where the boat's speed is not known, one for each pixel.
+fn one_to_one(log: &ShownLog, width: u32, height: u32) -> usize {
+    let pixel_m = 2.0 * log.axis.far_m / f64::from(height);
+    let pings = log.axis.ping_m.map_or(f64::from(width), |ping_m| {
+        f64::from(width) * pixel_m / ping_m
+    });
+    (pings.round() as usize).max(16)
+}
+
+/// The pings of each page.
+fn pages(pings: PingRange, page: usize) -> Result<Vec<PingRange>, String> {
+    let count = (pings.end - pings.start).div_ceil(page);
+    if count > MOST_PAGES {
+        return Err(format!(
+            "that makes {count} pages; ask for more pings a page, {MOST_PAGES} pages are the most"
+        ));
+    }
+    let starts = (pings.start..pings.end).step_by(page);
+    let pages = starts.map(|start| PingRange {
+        start,
+        end: (start + page).min(pings.end),
+    });
+    Ok(pages.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pages_hold_every_ping_once() {
+        let all = PingRange {
+            start: 100,
+            end: 1250,
+        };
+        let made = pages(all, 500).expect("pages");
+        let made: Vec<_> = made.iter().map(|page| (page.start, page.end)).collect();
+        assert_eq!(made, [(100, 600), (600, 1100), (1100, 1250)]);
+        let many = PingRange {
+            start: 0,
+            end: 1_000_000,
+        };
+        assert!(pages(many, 16).is_err());
+    }
+}
