@@ -89,6 +89,7 @@ actions! {
     GroundRange, "Slant or ground range", Some("G"), "Shows the waterfall over the slant range, or over the distance on level ground.";
     WaterColumn, "Water column on or off", Some("Shift+G"), "Shows or hides what lies before the first return in the waterfall; on the ground there is none.";
     OneToOne, "Waterfall: one to one", Some("Z"), "A metre along the track as long as a metre across, by the boat's speed; again, stretched freely.";
+    NextChannel, "Next channel of the waterfall", Some("I"), "Shows side-scan, then the log's channels that look down: each beside the side-scan and alone.";
     FlipAlong, "Flip the waterfall along the track", None, "Later pings to the left, or above: a line that was run back lies as the one beside it.";
     SwapShownSides, "Swap the shown sides", None, "Shows port where starboard is and starboard where port is; the data stay as they are.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";

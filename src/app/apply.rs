@@ -329,6 +329,7 @@ impl App {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.water_column = !waterfall.water_column;
             }
+            Action::NextChannel => self.next_channel(),
             Action::PresetRecommended => self.use_preset(Preset::Recommended),
             Action::PresetPublished => self.use_preset(Preset::Published),
             Action::FindObjects => self.detect(),

@@ -51,8 +51,8 @@ pub use measuring::{Figure, Measure, Measuring};
 pub use objects::{ObjectState, SurveyObject};
 pub use open_log::{LogBox, LogId, OpenLog};
 pub use options::{
-    CloudColour, CloudOptions, ColourMap, LayoutPreset, MapOptions, Orientation, SideColours,
-    ThemeChoice, View, ViewOptions, WaterfallOptions,
+    CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
+    SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use print::{Paper, PrintOptions, Sheet};
 pub use profile_line::ProfileLine;

@@ -5,6 +5,7 @@ use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
 use crate::picture::Geometry;
 use crate::presentation::units::Units;
+use crate::survey::ChannelKind;
 use serde::{Deserialize, Serialize};
 
 /// A view of the centre.
@@ -111,6 +112,50 @@ pub enum SideColours {
     Maritime,
 }
 
+/// A channel that looks down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EchogramChannel {
+    /// None of them.
+    #[default]
+    None,
+    /// Down-imaging sonar.
+    DownScan,
+    /// Traditional sonar.
+    Primary,
+    /// Traditional sonar, second frequency.
+    Secondary,
+}
+
+impl EchogramChannel {
+    /// All in the order of the menu.
+    pub const ALL: [EchogramChannel; 4] = [
+        EchogramChannel::None,
+        EchogramChannel::DownScan,
+        EchogramChannel::Primary,
+        EchogramChannel::Secondary,
+    ];
+
+    /// The channel of a log; `None` without one.
+    pub fn kind(self) -> Option<ChannelKind> {
+        match self {
+            EchogramChannel::None => None,
+            EchogramChannel::DownScan => Some(ChannelKind::DownScan),
+            EchogramChannel::Primary => Some(ChannelKind::Primary),
+            EchogramChannel::Secondary => Some(ChannelKind::Secondary),
+        }
+    }
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            EchogramChannel::None => "side-scan alone",
+            EchogramChannel::DownScan => "down-scan",
+            EchogramChannel::Primary => "primary",
+            EchogramChannel::Secondary => "secondary",
+        }
+    }
+}
+
 /// Waterfall display.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -121,6 +166,10 @@ pub struct WaterfallOptions {
     pub orientation: Orientation,
     /// Show distances on level ground instead of slant ranges.
     pub ground_range: bool,
+    /// The channel that looks down and is shown with the side-scan, where the log has it.
+    pub echogram: EchogramChannel,
+    /// Show that channel in the place of the side-scan instead of beside it.
+    pub echogram_alone: bool,
     /// Show what lies before the first return. On the ground there is none.
     pub water_column: bool,
     /// Draw the first return.
@@ -154,6 +203,8 @@ impl Default for WaterfallOptions {
             colour_map: ColourMap::default(),
             orientation: Orientation::default(),
             ground_range: false,
+            echogram: EchogramChannel::default(),
+            echogram_alone: false,
             water_column: true,
             first_return: true,
             range_lines: true,

@@ -1,6 +1,6 @@
 //! How the picture of the shown log is to be shown: keys and menus for `picture.*`.
 
-use super::App;
+use super::{App, EchogramChannel};
 use crate::mosaic::Gain;
 use crate::picture::PictureSettings;
 use crate::pipeline::Settings;
@@ -43,6 +43,28 @@ impl App {
         self.change_picture("sides of the waterfall", |picture| {
             picture.swap_sides = !picture.swap_sides;
         });
+    }
+
+    /// Side-scan, then each channel that the log has beside it, then alone.
+    pub(super) fn next_channel(&mut self) {
+        let survey = self.log.survey.as_ref();
+        let has = |channel: &EchogramChannel| {
+            let has = |kind| survey.is_some_and(|survey| survey.has_echogram(kind));
+            channel.kind().is_some_and(has)
+        };
+        let shown = &mut self.options.waterfall;
+        let there = EchogramChannel::ALL.into_iter().filter(has);
+        let each = there.flat_map(|channel| [(channel, false), (channel, true)]);
+        let all: Vec<_> = [(EchogramChannel::None, false)]
+            .into_iter()
+            .chain(each)
+            .collect();
+        let now = match shown.echogram {
+            EchogramChannel::None => (EchogramChannel::None, false),
+            channel => (channel, shown.echogram_alone),
+        };
+        let place = all.iter().position(|one| *one == now).unwrap_or(0);
+        (shown.echogram, shown.echogram_alone) = all[(place + 1) % all.len()];
     }
 
     fn change_picture(&mut self, label: &'static str, change: impl FnOnce(&mut PictureSettings)) {

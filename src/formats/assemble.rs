@@ -4,7 +4,7 @@ use super::collected::Collected;
 use super::depths;
 use super::join::join_halves;
 use super::stray::drop_stray;
-use crate::survey::{Channel, Fix, Side, SidePing, SideScanState, Survey, Track};
+use crate::survey::{Channel, Echogram, Fix, Side, SidePing, SideScanState, Survey, Track};
 use std::sync::Arc;
 
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
@@ -15,6 +15,7 @@ const STUCK_SHARE: f64 = 0.95;
 /// Puts the pieces of a log together.
 pub(super) fn assemble(mut log: Collected) -> Survey {
     let mut side_scan = join_sides(&mut log);
+    let echograms = echograms(&mut log);
     let soundings = depths::choose(std::mem::take(&mut log.depths));
     depths::warn_of_lost_bottom(&soundings, &log.report);
     depths::give_to(&mut side_scan, &soundings);
@@ -41,6 +42,7 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         side_scan: Arc::new(side_scan),
         side_scan_state,
         range_source: log.range_source,
+        echograms,
         soundings,
         track: Track::new(fixes),
         warnings: log.report.finish(),
@@ -69,6 +71,16 @@ fn join_sides(log: &mut Collected) -> Vec<SidePing> {
     };
     pings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     pings
+}
+
+/// Channels that look down, each in time order, the ones that show most of the bottom first.
+fn echograms(log: &mut Collected) -> Vec<Echogram> {
+    let mut echograms = std::mem::take(&mut log.echograms);
+    for echogram in &mut echograms {
+        Arc::make_mut(&mut echogram.pings).sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    }
+    echograms.sort_by_key(|echogram| std::cmp::Reverse(echogram.kind));
+    echograms
 }
 
 /// Fixes in time order, without those that a damaged header threw far away.

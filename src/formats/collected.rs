@@ -3,8 +3,10 @@
 use super::report::Report;
 use crate::geo::LonLat;
 use crate::survey::{
-    Bytes, Channel, ChannelKind, Fix, RangeSource, SidePing, SideSpan, Sounding, Source,
+    Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, RangeSource, SidePing, SideSpan,
+    Sounding, Source,
 };
+use std::sync::Arc;
 
 /// Depths beyond this are damage: the deepest sea is 11 km.
 const DEEPEST_M: f32 = 12_000.0;
@@ -51,6 +53,8 @@ pub(super) struct Collected {
     pub(super) port: Vec<HalfPing>,
     /// Starboard halves that came alone.
     pub(super) starboard: Vec<HalfPing>,
+    /// Pings of channels that look down.
+    pub(super) echograms: Vec<Echogram>,
     /// Depths by the channel that carried them.
     pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
     /// Positions.
@@ -72,6 +76,7 @@ impl Collected {
             composite: Vec::new(),
             port: Vec::new(),
             starboard: Vec::new(),
+            echograms: Vec::new(),
             depths: Vec::new(),
             fixes: Vec::new(),
             range_source: RangeSource::default(),
@@ -136,6 +141,25 @@ impl Collected {
         match self.depths.iter_mut().find(|(known, _)| *known == kind) {
             Some((_, soundings)) => soundings.push(sounding),
             None => self.depths.push((kind, vec![sounding])),
+        }
+    }
+
+    /// Keeps a ping of a channel that looks down, if it can hold a picture.
+    pub(super) fn add_echogram(&mut self, kind: ChannelKind, time_s: f64, span: SideSpan) {
+        let looks_down = matches!(
+            kind,
+            ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan
+        );
+        if !(looks_down && is_sound(&span)) {
+            return;
+        }
+        let ping = EchogramPing { time_s, span };
+        match self.echograms.iter_mut().find(|one| one.kind == kind) {
+            Some(echogram) => Arc::make_mut(&mut echogram.pings).push(ping),
+            None => self.echograms.push(Echogram {
+                kind,
+                pings: Arc::new(vec![ping]),
+            }),
         }
     }
 

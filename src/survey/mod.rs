@@ -2,9 +2,10 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `left_out` which stretches count for nothing. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `left_out` which stretches count for nothing, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
+mod echogram;
 mod fitted_track;
 mod gauge;
 mod identity;
@@ -18,6 +19,7 @@ mod tracks_apart;
 mod turn_rate;
 
 pub use bottom_lock::mark_bottom_lock;
+pub use echogram::{Echogram, EchogramPing};
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
@@ -216,6 +218,8 @@ pub struct Survey {
     pub side_scan_state: SideScanState,
     /// Where its slant ranges come from.
     pub range_source: RangeSource,
+    /// Channels that look down.
+    pub echograms: Vec<Echogram>,
     /// Depths under the boat.
     pub soundings: Vec<Sounding>,
     /// Positions, courses and compass headings.

@@ -82,6 +82,7 @@ impl Reader {
         if ping.easting_m != 0 && ping.northing_m != 0 {
             log.add_fix(fix(ping, time_s));
         }
+        log.add_echogram(kind, time_s, span);
         if is_side && is_sound(&span) {
             let half = HalfPing { time_s, span };
             match kind {

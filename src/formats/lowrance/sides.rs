@@ -7,8 +7,11 @@ use crate::formats::report::Kind;
 use crate::survey::{ChannelKind, Encoding, Order, SidePing, SideSpan};
 use std::ops::Range;
 
-/// Keeps the sides of a frame that can hold a picture; says so where there is none.
+/// Keeps the sides of a frame that can hold a picture, and what looks down; says so where there is none.
 pub(super) fn keep(log: &mut Collected, kind: ChannelKind, frame: &Frame, time_s: f64) {
+    if let ChannelKind::Primary | ChannelKind::Secondary | ChannelKind::DownScan = kind {
+        return log.add_echogram(kind, time_s, alone(frame));
+    }
     let spans = match kind {
         ChannelKind::Composite => composite(frame),
         ChannelKind::Port => [Some(alone(frame)), None],
@@ -73,7 +76,7 @@ fn composite(frame: &Frame) -> [Option<SideSpan>; 2] {
     [Some(port), Some(starboard)]
 }
 
-/// The one side of a left or right frame; its first sample is nearest.
+/// The one side of a left or right frame, or what looks down; its first sample is nearest.
 fn alone(frame: &Frame) -> SideSpan {
     let a_m = metres(frame.min_range_ft).abs();
     let b_m = metres(frame.max_range_ft).abs();

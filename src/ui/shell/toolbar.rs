@@ -1,7 +1,9 @@
 //! The options of a view, at the right end of its title bar.
 
 use super::{levels, map_layers, swipe};
-use crate::app::{Action, CloudColour, ColourMap, Command, View, ViewOptions};
+use crate::app::{
+    Action, CloudColour, ColourMap, Command, EchogramChannel, View, ViewOptions, WaterfallOptions,
+};
 use crate::ui::ViewContext;
 use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -9,7 +11,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 /// Width that the title and all controls of a view need side by side; below it they go into a menu.
 fn room(view: View) -> f32 {
     match view {
-        View::Waterfall => 560.0,
+        View::Waterfall => 640.0,
         View::Map => 220.0,
         View::Cloud => 330.0,
     }
@@ -83,8 +85,9 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         "Distance on level ground instead of slant range (G).",
     );
     button(ui, context, Action::OneToOne, "1:1");
-    let shown = &mut options.waterfall;
     menu(egui::RichText::new("Levels").small()).ui(ui, |ui| levels::ui(ui, context));
+    channels(ui, context, &mut options.waterfall);
+    let shown = &mut options.waterfall;
     egui::ComboBox::from_id_salt("colour map")
         .width(92.0)
         .selected_text(egui::RichText::new(shown.colour_map.name()).small())
@@ -96,6 +99,48 @@ fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptio
         .response
         .accessible_name("Colour map")
         .on_hover_text("Colours of echo strength.");
+}
+
+/// The channels that look down, where the log has any.
+pub fn channels(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut WaterfallOptions) {
+    let survey = context.app.log.survey.as_ref();
+    let has = |channel: &EchogramChannel| match channel.kind() {
+        None => true,
+        Some(kind) => survey.is_some_and(|survey| survey.has_echogram(kind)),
+    };
+    let there: Vec<EchogramChannel> = EchogramChannel::ALL.into_iter().filter(has).collect();
+    if there.len() < 2 {
+        return;
+    }
+    let name = match (shown.echogram, shown.echogram_alone) {
+        (EchogramChannel::None, _) => "side-scan".to_owned(),
+        (channel, true) => channel.name().to_owned(),
+        (channel, false) => format!("+ {}", channel.name()),
+    };
+    egui::ComboBox::from_id_salt("channels")
+        .width(92.0)
+        .selected_text(egui::RichText::new(name).small())
+        .show_ui(ui, |ui| {
+            for channel in there {
+                if channel == EchogramChannel::None {
+                    ui.selectable_value(&mut shown.echogram, channel, "side-scan");
+                    continue;
+                }
+                for alone in [false, true] {
+                    let is_it = shown.echogram == channel && shown.echogram_alone == alone;
+                    let label = match alone {
+                        false => format!("side-scan and {}", channel.name()),
+                        true => format!("{} alone", channel.name()),
+                    };
+                    if ui.selectable_label(is_it, label).clicked() {
+                        (shown.echogram, shown.echogram_alone) = (channel, alone);
+                    }
+                }
+            }
+        })
+        .response
+        .accessible_name("Channels")
+        .on_hover_text("Side-scan, or a channel that looks down with its bottom.");
 }
 
 /// A menu that stays open while its sliders are dragged.

@@ -14,7 +14,9 @@ const READABLE_PINGS: f64 = 4.0;
 pub(super) struct Extent {
     /// Pings of the survey.
     pub pings: f64,
-    /// Farthest slant range to each side, metres.
+    /// What lies nearest to the upper or left edge, metres from the middle: on the other side, or the middle itself.
+    pub near_m: f64,
+    /// Farthest slant range, metres.
     pub far_m: f64,
     /// Slant range of the finest sample, metres.
     pub bin_m: f64,
@@ -110,7 +112,7 @@ impl Camera {
     pub fn fit(&mut self, extent: &Extent, size: Size) {
         self.is_one_to_one = false;
         self.along.fit(0.0, extent.pings, size.along);
-        self.across.fit(-extent.far_m, extent.far_m, size.across);
+        self.across.fit(extent.near_m, extent.far_m, size.across);
     }
 
     /// What is in view: first and last ping, and ends across, metres.
@@ -148,6 +150,32 @@ impl Camera {
             self.along.centre = ping;
             self.along.fitted = false;
         }
+    }
+
+    /// Sees along the track what another part of the view sees, which this one leads where the other has not looked anywhere yet.
+    pub fn share_along(&mut self, other: &mut Self, extent: &Extent, size: Size) {
+        if other.along.per_point <= 0.0 {
+            self.settle(extent, size);
+            other.along = self.along;
+            other.is_one_to_one = self.is_one_to_one;
+        }
+        self.along = other.along;
+        self.is_one_to_one = false;
+    }
+
+    /// Follows another part of the view along the track.
+    pub fn take_along(&mut self, other: &Self) {
+        if self.along.per_point != other.along.per_point {
+            self.is_one_to_one = false;
+        }
+        self.along = other.along;
+    }
+
+    /// Keeps the range across on the picture, whatever is seen along the track.
+    pub fn settle_across(&mut self, extent: &Extent, size: Size) {
+        let finest_m = extent.bin_m / LARGEST_TEXEL;
+        self.across
+            .settle(extent.near_m, extent.far_m, size.across, finest_m);
     }
 
     /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.
@@ -202,9 +230,7 @@ impl Camera {
 
     /// Keeps the camera on the picture; fits again what follows the window's size.
     pub fn settle(&mut self, extent: &Extent, size: Size) {
-        let finest_m = extent.bin_m / LARGEST_TEXEL;
-        self.across
-            .settle(-extent.far_m, extent.far_m, size.across, finest_m);
+        self.settle_across(extent, size);
         let ping_m = self.ping_m.or(extent.ping_m);
         match ping_m.filter(|_| self.is_one_to_one) {
             Some(ping_m) => {
@@ -251,6 +277,7 @@ mod tests {
 
     const EXTENT: Extent = Extent {
         pings: 3453.0,
+        near_m: -30.0,
         far_m: 30.0,
         bin_m: 0.02,
         ping_m: None,

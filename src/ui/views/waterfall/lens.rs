@@ -276,6 +276,7 @@ mod tests {
     fn camera(rect: Rect, orientation: Orientation) -> Camera {
         let extent = Extent {
             pings: 3453.0,
+            near_m: -30.0,
             far_m: 30.0,
             bin_m: 0.02,
             ping_m: None,

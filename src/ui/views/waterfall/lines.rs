@@ -71,6 +71,23 @@ pub(super) fn first_return(
     draw(painter, &columns(lens, survey, step, side), lens, pen);
 }
 
+/// The first return of a side below the boat, where a channel that looks down is shown.
+pub(super) fn first_return_below(
+    painter: &Painter,
+    lens: &Lens,
+    survey: &Survey,
+    step: LineStep<'_>,
+    side: Side,
+    pen: Pen,
+) {
+    let columns = Columns {
+        // What looks down is shown where starboard is.
+        side: Side::Starboard,
+        ..columns(lens, survey, step, side)
+    };
+    draw(painter, &columns, lens, pen);
+}
+
 /// The recorded depth, where the slant range lies at which a flat bottom would give the first return; dashed and paler where the recorder
 /// had lost the bottom.
 pub(super) fn depth(

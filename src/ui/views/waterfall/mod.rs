@@ -5,6 +5,7 @@ mod bottom;
 mod boxes;
 mod camera;
 mod drawing;
+mod echogram;
 mod flat_spots;
 mod gestures;
 mod labels;
@@ -22,13 +23,15 @@ mod tone;
 
 pub use boxes::outline;
 
-use crate::app::{App, ColourMap, Command, Mark, Tool};
+use crate::app::{App, ColourMap, Command, Mark, Orientation, Tool};
 use crate::picture::Geometry;
 use crate::presentation::colours;
 use crate::render::waterfall::WaterfallPicture;
 use crate::ui::{ViewContext, ViewRequest, theme};
+use crate::waterfall::RangeAxis;
 use camera::{Camera, Extent, Size};
 use drawing::Drawing;
+use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
 use lens::{Arrangement, Lens};
 use picture::PictureCallback;
@@ -52,6 +55,7 @@ pub struct WaterfallView {
     pen: bottom::BottomPen,
     leave_out: left_out::LeaveOutTool,
     measure: measure::MeasureTool,
+    echogram: echogram::EchogramPart,
     settled: bool,
 }
 
@@ -61,6 +65,7 @@ enum Request {
     Pings(Range<usize>),
 }
 
+/// What draws one picture.
 struct Gpu {
     picture: Arc<WaterfallPicture>,
     palette: Option<ColourMap>,
@@ -70,17 +75,46 @@ struct Gpu {
 impl WaterfallView {
     /// Draws the view into all of `ui` and pushes what the analyst does in it.
     pub fn ui(&mut self, ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
-        let rect = ui
+        let whole = ui
             .available_rect_before_wrap()
             .round_to_pixels(ui.pixels_per_point());
-        let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, theme::canvas_colour(&context.app.options));
+        ui.painter()
+            .rect_filled(whole, 0.0, theme::canvas_colour(&context.app.options));
         self.follow_survey(ui.ctx(), context);
-        if rect.width() < 1.0 || rect.height() < 1.0 {
+        if whole.width() < 1.0 || whole.height() < 1.0 {
+            ui.allocate_rect(whole, Sense::hover());
             self.settled = true;
             return;
         }
+        let [rect, below] = self.echogram.divide(whole, ui.ctx(), context);
+        if rect.is_positive() {
+            self.side_scan(ui, rect, context);
+        } else {
+            self.settled = true;
+        }
+        if below.is_positive() {
+            self.begin(below);
+            // Without side-scan nothing else moves it.
+            let along = self.camera.get_or_insert_default();
+            let drawing = self.drawing.as_ref();
+            let settled = self.echogram.ui(ui, below, along, drawing, context);
+            self.settled &= settled;
+        }
+    }
+
+    /// Looks at the beginning of the side-scan although that is not shown yet.
+    fn begin(&mut self, rect: egui::Rect) {
+        let axis = self.drawing.as_ref().and_then(Drawing::axis);
+        if let (None, Some(axis)) = (self.camera, axis) {
+            let size = Size::of(rect.size(), Orientation::Horizontal);
+            self.camera = Some(Camera::start(&extent(&axis), size));
+        }
+    }
+
+    /// The side-scan with all that lies over it.
+    fn side_scan(&mut self, ui: &mut egui::Ui, rect: egui::Rect, context: &mut ViewContext<'_>) {
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let painter = ui.painter_at(rect);
         let survey = context.app.log.survey.clone();
         let axis = self.drawing.as_ref().and_then(Drawing::axis);
         let Some((survey, axis)) = survey.zip(axis) else {
@@ -99,12 +133,7 @@ impl WaterfallView {
             draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, lens, context));
         let draws = draws
             | before.is_some_and(|lens| self.measure.follow(ui, &response, lens, &survey, context));
-        let extent = Extent {
-            pings: axis.pings as f64,
-            far_m: axis.far_m,
-            bin_m: axis.bin_m,
-            ping_m: axis.ping_m,
-        };
+        let extent = extent(&axis);
         let drag_moves = !holds_box && !draws;
         let lens = self.aim(ui, &response, &extent, &arrangement, context, drag_moves);
         self.draw_picture(&painter, &lens, context);
@@ -278,18 +307,8 @@ impl WaterfallView {
             return;
         };
         let options = &context.app.options.waterfall;
-        let gpu = self.gpu.get_or_insert_with(|| Gpu {
-            picture: Arc::new(WaterfallPicture::new(
-                &render_state.device,
-                render_state.target_format,
-            )),
-            palette: None,
-            levelling: None,
-        });
-        if gpu.palette.replace(options.colour_map) != Some(options.colour_map) {
-            gpu.picture
-                .set_palette(&render_state.queue, &palette(options.colour_map));
-        }
+        let gpu = self.gpu.get_or_insert_with(|| Gpu::new(render_state));
+        gpu.colour(render_state, options.colour_map);
         drawing.upload(|size, texels| {
             gpu.picture
                 .upload(&render_state.device, &render_state.queue, size, texels)
@@ -324,6 +343,35 @@ impl WaterfallView {
                 tiles,
             },
         ));
+    }
+}
+
+/// Both sides of all pings.
+fn extent(axis: &RangeAxis) -> Extent {
+    Extent {
+        pings: axis.pings as f64,
+        near_m: -axis.far_m,
+        far_m: axis.far_m,
+        bin_m: axis.bin_m,
+        ping_m: axis.ping_m,
+    }
+}
+
+impl Gpu {
+    fn new(render_state: &RenderState) -> Self {
+        let (device, target) = (&render_state.device, render_state.target_format);
+        Self {
+            picture: Arc::new(WaterfallPicture::new(device, target)),
+            palette: None,
+            levelling: None,
+        }
+    }
+
+    /// Takes the colours over where they are others.
+    fn colour(&mut self, render_state: &RenderState, map: ColourMap) {
+        if self.palette.replace(map) != Some(map) {
+            self.picture.set_palette(&render_state.queue, &palette(map));
+        }
     }
 }
 

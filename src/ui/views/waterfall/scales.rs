@@ -311,6 +311,7 @@ mod tests {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(500.0, 400.0));
         let extent = Extent {
             pings: 50.0,
+            near_m: -20.0,
             far_m: 20.0,
             bin_m: 0.02,
             ping_m: None,

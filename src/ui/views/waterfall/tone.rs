@@ -98,6 +98,28 @@ pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: 
     }
 }
 
+/// Echoes as recorded, by levels that suit them.
+pub(super) fn plain_look(app: &App, lens: &Lens, levels: Levels) -> Look {
+    Look {
+        gamma: app.log.settings.picture.gamma.max(0.01) as f32,
+        highlight: HIGHLIGHT,
+        black: levels.black,
+        white: levels.white.max(levels.black + LEAST_CONTRAST),
+        time_is_down: u32::from(lens.orientation == Orientation::Vertical),
+        linear_target: 0,
+        geometry: 0,
+        filters: 0,
+        spreading: 0.0,
+        absorption: 0.0,
+        middle_m: 1.0,
+        port: 1.0,
+        starboard: 1.0,
+        curve_far_m: 1.0,
+        curve_factor: 1.0,
+        padding: 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use crate::mosaic::GainTable;

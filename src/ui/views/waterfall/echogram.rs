@@ -1,0 +1,334 @@
+//! A channel that looks down, beside the side-scan or in its place: the same pings, with the bottom that was recorded and found.
+
+use super::camera::{Camera, Extent, Size};
+use super::drawing::Drawing;
+use super::labels::{INK, Labels};
+use super::lens::{Arrangement, Lens};
+use super::lines::{self, Pen};
+use super::picture::PictureCallback;
+use super::scales::{self, RangeLines};
+use super::{Gpu, gestures, tone};
+use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
+use crate::cloud::Reduction;
+use crate::survey::{Side, Survey};
+use crate::ui::{ViewContext, text, theme};
+use crate::waterfall::LineStep;
+use eframe::egui_wgpu::RenderState;
+use egui::{Align2, Painter, Rect, Response, Sense, Stroke, Ui};
+use std::sync::Arc;
+
+/// Share of the view that it takes beside the side-scan.
+const SHARE: f32 = 0.36;
+
+/// What is shown of a log's channel.
+#[derive(Default)]
+pub(super) struct EchogramPart {
+    shown: Option<Shown>,
+    gpu: Option<Gpu>,
+}
+
+struct Shown {
+    channel: EchogramChannel,
+    survey_serial: u64,
+    /// The log as that channel saw it; `None` where it has no such channel.
+    survey: Option<Arc<Survey>>,
+    drawing: Option<Drawing>,
+    camera: Option<Camera>,
+}
+
+impl EchogramPart {
+    /// Parts of the view for the side-scan and for the channel; one of them may have no size.
+    pub fn divide(
+        &mut self,
+        whole: Rect,
+        ctx: &egui::Context,
+        context: &ViewContext<'_>,
+    ) -> [Rect; 2] {
+        let options = &context.app.options.waterfall;
+        self.follow(ctx, context.app);
+        if self
+            .shown
+            .as_ref()
+            .is_none_or(|shown| shown.survey.is_none())
+        {
+            return [whole, Rect::NOTHING];
+        }
+        let has_side_scan = context
+            .app
+            .log
+            .survey
+            .as_ref()
+            .is_some_and(|survey| survey.has_side_scan());
+        if options.echogram_alone || !has_side_scan {
+            return [Rect::NOTHING, whole];
+        }
+        let (one, other) = match options.orientation {
+            Orientation::Horizontal => whole.split_top_bottom_at_fraction(1.0 - SHARE),
+            Orientation::Vertical => whole.split_left_right_at_fraction(1.0 - SHARE),
+        };
+        [one, other]
+    }
+
+    /// Starts over with another log or channel.
+    fn follow(&mut self, ctx: &egui::Context, app: &App) {
+        let channel = app.options.waterfall.echogram;
+        let (Some(kind), Some(survey)) = (channel.kind(), &app.log.survey) else {
+            self.shown = None;
+            return;
+        };
+        let is_it =
+            |shown: &Shown| shown.channel == channel && shown.survey_serial == app.survey_serial;
+        if self.shown.as_ref().is_some_and(is_it) {
+            return;
+        }
+        let seen = survey.looking_down(kind).map(Arc::new);
+        self.shown = Some(Shown {
+            channel,
+            survey_serial: app.survey_serial,
+            drawing: (seen.clone()).map(|survey| Drawing::start(survey, app.survey_serial, ctx)),
+            survey: seen,
+            camera: None,
+        });
+    }
+
+    /// Draws it over the pings that `along` sees, and moves that by what is done here; `side_scan` is the drawing of the log's first
+    /// returns. Returns whether everything is drawn.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        along: &mut Camera,
+        side_scan: Option<&Drawing>,
+        context: &mut ViewContext<'_>,
+    ) -> bool {
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        let Self { shown, gpu } = self;
+        let Some(Shown {
+            survey: Some(survey),
+            drawing: Some(drawing),
+            camera,
+            channel,
+            ..
+        }) = shown
+        else {
+            return true;
+        };
+        drawing.poll(None);
+        let Some(axis) = drawing.axis() else {
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Image, true, "Echogram, being read")
+            });
+            return drawing.is_settled();
+        };
+        let options = &context.app.options.waterfall;
+        let arrangement = Arrangement {
+            orientation: options.orientation,
+            flip: context.app.log.settings.picture.flip,
+            ..Arrangement::default()
+        };
+        let extent = Extent {
+            pings: axis.pings as f64,
+            near_m: 0.0,
+            far_m: axis.far_m,
+            bin_m: axis.bin_m,
+            ping_m: axis.ping_m,
+        };
+        let size = Size::of(rect.size(), options.orientation);
+        let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
+        camera.share_along(along, &extent, size);
+        gestures::apply(camera, ui, &response, &arrangement, &extent, true);
+        camera.settle_across(&extent, size);
+        along.take_along(camera);
+        let lens = Lens::arranged(*camera, rect, &arrangement);
+        let painter = ui.painter_at(rect);
+        let settled = match context.render_state {
+            Some(state) => {
+                let gpu = gpu.get_or_insert_with(|| Gpu::new(state));
+                draw_picture(gpu, state, drawing, &painter, &lens, context.app)
+            }
+            None => true,
+        };
+        let over = Over {
+            survey,
+            drawing,
+            side_scan,
+            far_m: axis.far_m,
+            name: channel.name(),
+        };
+        over.draw(&painter, &lens, context.app);
+        let read_out = point(&response, &lens, survey, context);
+        if let Some((at, text)) = response.hover_pos().zip(read_out.as_ref()) {
+            super::pointer::read_out(&painter, &lens, at, text);
+        }
+        let visible = lens.visible(survey.side_scan.len());
+        let name = format!(
+            "Echogram, {}, pings {} to {} of {}",
+            channel.name(),
+            visible.start,
+            visible.end.saturating_sub(1),
+            survey.side_scan.len()
+        );
+        response.widget_info(|| egui::WidgetInfo {
+            current_text_value: read_out.clone(),
+            ..egui::WidgetInfo::labeled(egui::Role::Image, true, &name)
+        });
+        settled
+    }
+}
+
+/// Draws the echoes; returns whether all of them are there.
+fn draw_picture(
+    gpu: &mut Gpu,
+    state: &RenderState,
+    drawing: &mut Drawing,
+    painter: &Painter,
+    lens: &Lens,
+    app: &App,
+) -> bool {
+    gpu.colour(state, app.options.waterfall.colour_map);
+    let uploaded = gpu
+        .levelling
+        .get_or_insert_with(|| tone::upload(&gpu.picture, state, None));
+    let picture = &gpu.picture;
+    drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
+    let tiles = drawing.plan(lens, None, painter.pixels_per_point());
+    if drawing.has_uploads() {
+        painter
+            .ctx()
+            .request_repaint_after(std::time::Duration::from_millis(1));
+    }
+    painter.add(eframe::egui_wgpu::Callback::new_paint_callback(
+        lens.rect,
+        PictureCallback {
+            picture: picture.clone(),
+            look: tone::plain_look(app, lens, drawing.levels),
+            tables: uploaded.tables.clone(),
+            tiles,
+        },
+    ));
+    drawing.is_settled()
+}
+
+/// What is drawn over the echoes.
+struct Over<'a> {
+    survey: &'a Survey,
+    drawing: &'a Drawing,
+    side_scan: Option<&'a Drawing>,
+    far_m: f64,
+    name: &'static str,
+}
+
+impl Over<'_> {
+    fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
+        let options = &app.options;
+        let ink = theme::picture_ink(options);
+        let as_recorded = Reduction::default();
+        let range_lines = options
+            .waterfall
+            .range_lines
+            .then(|| RangeLines::in_view(lens, self.survey, as_recorded, self.far_m));
+        if let Some(lines) = &range_lines {
+            lines.draw(painter, ink);
+        }
+        self.bottom(painter, lens, app);
+        let marked = [
+            (app.selection, theme::selection_colour()),
+            (app.hover, theme::hover_colour()),
+        ];
+        for (mark, colour) in marked {
+            if let Some(mark) = mark {
+                let line = lens.line_at_ping(mark.ping as f64 + 0.5);
+                painter.line_segment(line, Stroke::new(1.0, colour));
+            }
+        }
+        let edge = match lens.orientation {
+            Orientation::Horizontal => [lens.rect.left_top(), lens.rect.right_top()],
+            Orientation::Vertical => [lens.rect.left_top(), lens.rect.left_bottom()],
+        };
+        painter.line_segment(edge, Stroke::new(1.0, ink));
+        let mut labels = Labels::new(painter);
+        labels.write(
+            lens.rect.shrink(6.0).right_bottom(),
+            Align2::RIGHT_BOTTOM,
+            self.name,
+            INK,
+        );
+        if let Some(lines) = &range_lines {
+            lines.label(&mut labels, lens);
+        }
+        scales::ticks(painter, &mut labels, lens, self.survey, ink);
+    }
+
+    /// The bottom as recorded, and as the side-scan found it on both sides.
+    fn bottom(&self, painter: &Painter, lens: &Lens, app: &App) {
+        let pen = |colour| Pen {
+            colour,
+            width: 1.0,
+            rim: 0.0,
+        };
+        let depth = pen(theme::depth_line_colour());
+        let as_recorded = Reduction::default();
+        lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
+        let returns = app.returns().filter(|_| app.options.waterfall.first_return);
+        let (Some(returns), Some(side_scan), Some(log)) =
+            (returns, self.side_scan, &app.log.survey)
+        else {
+            return;
+        };
+        for side in Side::BOTH {
+            let step = LineStep::Picks {
+                returns,
+                lines: side_scan.picks.as_deref(),
+                side,
+            };
+            let found = pen(theme::side_colour(&app.options, side));
+            lines::first_return_below(painter, lens, log, step, side, found);
+        }
+    }
+}
+
+/// Hover, selection and the words beside the pointer.
+fn point(
+    response: &Response,
+    lens: &Lens,
+    survey: &Survey,
+    context: &mut ViewContext<'_>,
+) -> Option<String> {
+    let place = lens.place_at(response.hover_pos()?);
+    let ping = (place.ping >= 0.0).then_some(place.ping as usize)?;
+    let recorded = survey.side_scan.get(ping)?;
+    let is_of_log = context
+        .app
+        .log
+        .survey
+        .as_ref()
+        .is_some_and(|log| ping < log.side_scan.len());
+    if is_of_log {
+        let mark = Mark::ping(ping);
+        if context.app.hover != Some(mark) {
+            context.push(Command::Hover(Some(mark)));
+        }
+        if response.clicked() {
+            context.push(Command::Select(Some(mark)));
+        }
+    }
+    let mut words = format!(
+        "ping {ping}  {}\n{:.2} m below the transducer",
+        text::clock(survey.start_unix_s, recorded.time_s),
+        place.across_m.abs()
+    );
+    if let (Some(span), Some(samples)) = (
+        survey.span(ping, Side::Starboard),
+        survey.samples(ping, Side::Starboard),
+    ) {
+        let sample = span.sample_at(place.across_m.abs());
+        if sample >= 0.0 && (sample as usize) < samples.len() {
+            let echo = samples.get(sample as usize);
+            words += &format!("\nsample {}, echo {echo}", sample as usize);
+        }
+    }
+    if recorded.depth_m.is_finite() {
+        words += &format!("\nrecorded depth {:.2} m", recorded.depth_m);
+    }
+    Some(words)
+}
