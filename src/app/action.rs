@@ -136,10 +136,14 @@ actions! {
     RejectObject, "Reject object", Some("Shift+R"), "There is nothing: rejects all boxes that show the object, in all logs, and goes on to the next undecided box.";
     UndecideObject, "Take the decisions on the object back", Some("Shift+U"), "Makes all boxes that show the object undecided again, in all logs.";
     NextSighting, "Next sighting", Some("J"), "Shows the next box of the same object, in whichever log saw it.";
+    FlyToBox, "Fly to the box", Some("I"), "Enlarges the selected box in the waterfall, on the map and in 3D: it fills about a third of each.";
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
-    EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges.";
+    EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges. A drag of an edge moves that edge: of the echo, between echo and shadow, or at the end of the shadow.";
+    NextEdge, "Next edge of the box", Some("G"), "Has the arrow keys move one edge of the selected box: near edge, border of echo and shadow, end of the shadow, first ping, last ping, and then the box again.";
+    FindEdges, "Find the edges of the box", None, "Leaves the edges of echo and shadow that were drawn by hand, and has them found in the box again.";
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
+    MarkTarget, "Mark target", Some("T"), "The next click in the waterfall marks a point: a place without size. T once more marks it at the pointer, or at the selected place.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
     DrawBottom, "Draw the bottom", Some("M"), "A drag in the waterfall draws the first return, with Ctrl it marks that there is none, with Alt it removes the edit. Up and Down make it shallower and deeper at the selected ping.";

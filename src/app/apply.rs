@@ -78,12 +78,13 @@ impl App {
             }
             Command::Export(folder) => self.export(folder),
             Command::Edit { edit, live } => self.edit(&edit, live),
-            Command::Note(id, text) => {
-                let edit = Edit::Note(id.id, text);
-                self.with_log(id.log, |app| app.edit(&edit, false));
+            Command::MarkTarget(mark) => self.mark_target(mark),
+            Command::EditIn(log, edit) => {
+                self.with_log(log, |app| app.edit(&edit, false));
             }
             Command::SelectBox(id) => self.select_box(id),
             Command::SelectLogBox(id) => self.select_log_box(id),
+            Command::FlyTo(id) => self.fly_to(id),
             Command::Nudge(nudge) => self.nudge_box(nudge),
             Command::LeaveOut { log, part, leave } => self.leave_out(log, part, leave),
             Command::DrawBottom(stroke) => self.draw_bottom(&stroke),
@@ -232,7 +233,11 @@ impl App {
     pub(super) fn reveal(&mut self, mark: Mark) {
         let serial = self.reveal.map_or(0, |reveal| reveal.serial) + 1;
         self.selection = Some(mark);
-        self.reveal = Some(Reveal { mark, serial });
+        self.reveal = Some(Reveal {
+            mark,
+            serial,
+            close_up: None,
+        });
     }
 
     fn act(&mut self, action: Action) {
@@ -345,10 +350,17 @@ impl App {
                 self.edit_object(Edit::Undecide, "take decisions on object back");
             }
             Action::NextSighting => self.step_sighting(),
+            Action::FlyToBox => match self.selected_log_box() {
+                Some(id) => self.fly_to(id),
+                None => self.ask_for_box(),
+            },
             Action::SwapSide => self.edit_selected(Edit::SwapSide),
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),
             Action::NewBox => self.take_tool(Tool::Draw),
+            Action::NextEdge => self.next_edge(),
+            Action::FindEdges => self.edit_selected(Edit::FindEdges),
+            Action::MarkTarget => self.point_tool(),
             Action::LeaveOut => self.take_tool(Tool::LeaveOut),
             Action::TakeBackIn => self.take_back_in(),
             Action::DrawBottom => self.take_tool(Tool::Bottom),

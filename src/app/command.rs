@@ -100,12 +100,16 @@ pub enum Command {
         /// The analyst is still dragging.
         live: bool,
     },
-    /// Write a note on a box of any log.
-    Note(LogBox, String),
+    /// Mark a point where a sample lies.
+    MarkTarget(Mark),
+    /// Decide about a box of any log, or write about it.
+    EditIn(LogId, Edit),
     /// Select a box and bring it into all views, or select none.
     SelectBox(Option<BoxId>),
     /// Show the log of a box, if it is another one, and bring the box into all views.
     SelectLogBox(LogBox),
+    /// Select a box, in whichever log, and enlarge it in all views.
+    FlyTo(LogBox),
     /// Move the selected box by keys.
     Nudge(Nudge),
     /// Sort and filter the boxes.

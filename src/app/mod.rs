@@ -21,6 +21,7 @@ mod loader;
 mod logs;
 mod map_layers;
 mod measuring;
+mod object_table;
 mod objects;
 mod open_log;
 mod options;
@@ -48,6 +49,7 @@ pub use loader::{LoadStatus, Origin};
 pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, Measure, Measuring};
+pub use object_table::{ObjectColumn, ObjectFilter, ObjectSummary, ObjectTable};
 pub use objects::{ObjectState, SurveyObject};
 pub use open_log::{LogBox, LogId, OpenLog};
 pub use options::{
@@ -58,10 +60,10 @@ pub use print::{Paper, PrintOptions, Sheet};
 pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{
-    Judging, MistakeSort, Nudge, PIXEL_M, Placed, ReviewCounts, Reviewing, SearchStatus, Tool,
-    middle,
+    BoxEdge, Judging, MistakeSort, Nudge, PIXEL_M, Placed, ReviewCounts, Reviewing, SearchStatus,
+    Tool, border_m, middle,
 };
-pub use state::{App, Mark, Notice, Reveal};
+pub use state::{App, CloseUp, Mark, Notice, Reveal};
 pub use swipe::{Swipe, SwipeSide};
 
 pub use crate::pipeline::{Jobs, Outcome, Task};

@@ -4,7 +4,7 @@
 //! number while its boxes are decided, moved or hidden.
 
 use super::reviewing::Entries;
-use super::{App, LogBox, LogId, OpenLog};
+use super::{App, LogBox, LogId, ObjectSummary, ObjectTable, OpenLog};
 use crate::detection::review::{Review, Reviewed, State};
 use crate::detection::targets::GroupSettings;
 use crate::geo::LonLat;
@@ -25,6 +25,8 @@ pub struct SurveyObject {
     pub position: LonLat,
     /// Class, place in the plane of the survey, and height.
     pub joint: JointObject,
+    /// Name, state and size for a row of the table.
+    pub summary: ObjectSummary,
 }
 
 impl SurveyObject {
@@ -94,7 +96,7 @@ impl LogBoxes {
 /// Objects with their numbers.
 #[derive(Default)]
 struct Grouped {
-    objects: Vec<SurveyObject>,
+    objects: Arc<Vec<SurveyObject>>,
     /// The object of every box.
     of: HashMap<LogBox, usize>,
     numbers: Arc<Numbers>,
@@ -103,14 +105,14 @@ struct Grouped {
 impl Grouped {
     fn new(logs: &[LogBoxes], before: &Numbers) -> Self {
         let all = logs.iter().enumerate();
-        let all: Vec<(LogBox, State, PlacedBox<'_>)> = all
+        let all: Vec<(LogBox, &Reviewed, PlacedBox<'_>)> = all
             .flat_map(|(log, boxes)| {
                 boxes.boxes().filter_map(move |one| {
                     let id = LogBox {
                         log: boxes.id,
                         id: one.id,
                     };
-                    Some((id, one.state, boxes.placed(log, one)?))
+                    Some((id, one, boxes.placed(log, one)?))
                 })
             })
             .collect();
@@ -119,21 +121,24 @@ impl Grouped {
         for is_rejected in [false, true] {
             let part = all.iter();
             let part: Vec<_> = part
-                .filter(|(_, state, _)| (*state == State::Rejected) == is_rejected)
+                .filter(|(_, one, _)| (one.state == State::Rejected) == is_rejected)
                 .collect();
             let placed: Vec<PlacedBox<'_>> = part.iter().map(|(.., placed)| *placed).collect();
             let joined = joint_objects(&placed, &GroupSettings::default()).into_iter();
             found.extend(joined.map(|joint| {
-                let boxes = joint.members.iter().map(|member| part[*member].0);
-                (boxes.collect::<Vec<LogBox>>(), joint)
+                let members = joint.members.iter().map(|member| part[*member]);
+                let boxes = members.clone().map(|(id, ..)| *id);
+                let summary =
+                    ObjectSummary::of(members.map(|(_, one, placed)| (*one, placed.target)));
+                (boxes.collect::<Vec<LogBox>>(), joint, summary)
             }));
         }
         let mut numbers = before.clone();
-        let numbered = numbers.give(found.iter().map(|(boxes, _)| boxes.as_slice()));
+        let numbered = numbers.give(found.iter().map(|(boxes, ..)| boxes.as_slice()));
         let mut objects: Vec<SurveyObject> = found
             .into_iter()
             .zip(numbered)
-            .filter_map(|((boxes, joint), number)| {
+            .filter_map(|((boxes, joint, summary), number)| {
                 let LogBoxes {
                     survey, navigation, ..
                 } = logs.first()?;
@@ -143,6 +148,7 @@ impl Grouped {
                     boxes,
                     position: navigation.to_lon_lat(&survey.track, east_m, north_m),
                     joint,
+                    summary,
                 })
             })
             .collect();
@@ -152,7 +158,7 @@ impl Grouped {
         Self {
             of: of.collect(),
             numbers: Arc::new(numbers),
-            objects,
+            objects: Arc::new(objects),
         }
     }
 }
@@ -217,12 +223,13 @@ struct PassesOf {
 pub(super) struct Objects {
     grouping: Background<Vec<LogBoxes>, Grouped>,
     passes: Background<PassesOf, (u32, usize)>,
+    listing: Background<(Same<Vec<SurveyObject>>, ObjectTable), Vec<u32>>,
 }
 
 impl Objects {
     /// Whether objects are being put together.
     pub fn is_busy(&self) -> bool {
-        self.grouping.is_running() || self.passes.is_running()
+        self.grouping.is_running() || self.passes.is_running() || self.listing.is_running()
     }
 }
 
@@ -231,6 +238,18 @@ impl App {
     pub fn objects(&self) -> &[SurveyObject] {
         let grouped = self.objects.grouping.result();
         grouped.map_or(&[], |grouped| &grouped.objects)
+    }
+
+    /// Numbers of the objects that the table shows, in its order.
+    pub fn listed_objects(&self) -> &[u32] {
+        self.objects.listing.result().map_or(&[], Vec::as_slice)
+    }
+
+    /// An object by its number.
+    pub fn object(&self, number: u32) -> Option<&SurveyObject> {
+        let objects = self.objects();
+        let index = objects.binary_search_by_key(&number, |object| object.number);
+        objects.get(index.ok()?)
     }
 
     /// The object that a box shows; `None` where it has no place, and of logs that are not visible.
@@ -250,22 +269,6 @@ impl App {
         let object = self.selected_object()?;
         // Passes of a moment ago may be fewer than the boxes of now.
         (*number == object.number).then_some((*passes).max(object.boxes.len()))
-    }
-
-    /// How far the decisions about an object are.
-    pub fn object_state(&self, object: &SurveyObject) -> ObjectState {
-        let states = object.boxes.iter().filter_map(|id| self.log_box(*id));
-        let (mut open, mut rejected, mut all) = (0, 0, 0);
-        for one in states {
-            all += 1;
-            open += usize::from(one.state == State::Proposed);
-            rejected += usize::from(one.state == State::Rejected);
-        }
-        match open {
-            0 if rejected == all => ObjectState::Rejected,
-            0 => ObjectState::Accepted,
-            _ => ObjectState::Open(open),
-        }
     }
 
     /// Has the objects put together again where what they are made of has changed.
@@ -290,7 +293,21 @@ impl App {
         grouping.ask(logs.clone(), &self.jobs, move |_| {
             Some(Grouped::new(&of, &before))
         });
+        self.list_objects();
         self.count_passes(logs);
+    }
+
+    /// Sorts and filters the table where the objects, the order or the filter are others.
+    fn list_objects(&mut self) {
+        let Objects {
+            grouping, listing, ..
+        } = &mut self.objects;
+        let Some(grouped) = grouping.result() else {
+            return;
+        };
+        let (objects, table) = (grouped.objects.clone(), self.options.objects.clone());
+        let key = (Same(objects.clone()), table.clone());
+        listing.ask(key, &self.jobs, move |_| Some(table.list(&objects)));
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {

@@ -1,6 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
-use super::{LayerStack, PrintOptions, Swipe};
+use super::{LayerStack, ObjectTable, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
 use crate::picture::Geometry;
@@ -303,4 +303,6 @@ pub struct ViewOptions {
     pub left_out: Vec<Product>,
     /// How a view is printed.
     pub print: PrintOptions,
+    /// Order and filter of the table of objects.
+    pub objects: ObjectTable,
 }

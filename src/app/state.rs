@@ -60,6 +60,21 @@ pub struct Reveal {
     pub mark: Mark,
     /// Grows with each request.
     pub serial: u64,
+    /// What the views enlarge; without it they only bring the place into view.
+    pub close_up: Option<CloseUp>,
+}
+
+/// An object that fills about a third of each view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CloseUp {
+    /// First ping of its box, and the first one after it.
+    pub pings: [usize; 2],
+    /// Slant ranges of the edges of its box by the recorder's scale, port negative, metres.
+    pub across_m: [f64; 2],
+    /// Its place, metres east, north and up in the plane of the survey; `None` where it has none.
+    pub place_m: Option<[f64; 3]>,
+    /// Its longer side on the ground, metres.
+    pub size_m: f64,
 }
 
 /// A sentence for the analyst.

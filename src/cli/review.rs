@@ -23,7 +23,7 @@ pub struct ReviewArgs {
     /// The decisions about the boxes of a log; without it, SURVEY.review.json next to each log. May be given again
     #[arg(long, value_name = "FILE")]
     review: Vec<PathBuf>,
-    /// Folder for objects.csv, .geojson, .kml, .gpx and dataset; made when missing
+    /// Folder for objects.csv, .geojson, .kml, .gpx, .gpkg and dataset; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Part of a training set that these logs belong to: train, val or test

@@ -1,7 +1,7 @@
 //! Objects on the bottom: the picture that a detector sees, what it finds, and where that lies in the survey.
 //!
 //! `raster` resamples one side of the survey into a picture whose pixels are square on the bottom, in tiles; `mark` is a
-//! box in the survey's own terms (side, pings, slant range), `rect` the same box in a picture's pixels; `level` brings the
+//! box in the survey's own terms (side, pings, slant range), `extent` how the size of what lies in it is known, `rect` the same box in a picture's pixels; `level` brings the
 //! levels of a tile to one scale.
 //! `dataset` makes labelled pictures to learn from.
 //! `nms` keeps the surest of boxes that overlap, `vote` moves it to their mean, `test_time_augmentation` combines the boxes of a picture and of its mirror image.
@@ -14,6 +14,7 @@
 mod class;
 pub mod dataset;
 pub mod decode;
+mod extent;
 mod find;
 pub mod labels;
 mod level;
@@ -34,6 +35,7 @@ pub mod truth;
 mod vote;
 
 pub use class::class_index;
+pub use extent::ObjectExtent;
 pub use find::{DetectorSettings, SoFar, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};

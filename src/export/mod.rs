@@ -30,6 +30,7 @@ mod points;
 mod profile_csv;
 mod qgis_style;
 mod rings;
+mod sqlite;
 mod summary;
 mod track;
 mod vector;
@@ -52,7 +53,9 @@ pub use footprint::footprint_geojson;
 pub use geotiff::{RasterError, geotiff};
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use log_points::LogPoints;
-pub use objects::{ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpx, objects_kml};
+pub use objects::{
+    ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
+};
 pub use picture_boxes::picture_boxes_csv;
 pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};

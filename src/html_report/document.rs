@@ -3,7 +3,7 @@
 use super::depth_plan::depth_plan;
 use super::mosaic_plan::mosaic_plan;
 use super::strip::strip;
-use super::{ReportData, chart, logs, objects, summary, tables};
+use super::{ReportData, chart, logs, objects, summary, tables, targets};
 use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 
@@ -16,8 +16,10 @@ aside{background:#fff6e0;border-left:4px solid #d98e00;padding:8px 14px;margin:1
 figure{margin:10px 0}figcaption{font-size:13px;color:#444444;max-width:900px}svg,img{max-width:100%;height:auto}\
 table{border-collapse:collapse;font-size:13px;margin:8px 0}td,th{border:1px solid #d0d0d0;padding:3px 8px;text-align:right;font-weight:normal}\
 th{background:#f1f1f1}td.text,th.text{text-align:left}pre{font-size:12.5px;background:#f4f4f4;padding:10px;overflow-x:auto}\
+section.target>div{display:flex;flex-wrap:wrap;gap:18px;align-items:flex-start}section.target figure{margin:4px 0}\
+section.target dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 12px;font-size:13px;margin:4px 0;flex:1 1 420px}dt{color:#444444}dd{margin:0}\
 code{font-size:11.5px;word-break:break-all}.made{color:#666666;font-size:13px}\
-@media print{body{padding:0;max-width:none}figure,table tr{break-inside:avoid}h2{break-after:avoid}}";
+@media print{body{padding:0;max-width:none}figure,table tr,section.target{break-inside:avoid}h2{break-after:avoid}}";
 
 /// The self-contained document: no script, no font and no picture from elsewhere.
 pub fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Cancelled> {
@@ -38,6 +40,7 @@ pub fn document(from: &ReportData<'_>, progress: &Progress) -> Result<String, Ca
     );
     html += &strips(from, progress)?;
     html += &objects::section(from, progress)?;
+    html += &targets::section(from, progress)?;
     html += &tables::trust(from);
     html += &tables::method(from);
     html += &tables::files(from);

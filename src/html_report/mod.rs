@@ -21,6 +21,7 @@ mod raster;
 mod strip;
 mod summary;
 mod tables;
+mod targets;
 
 pub use document::document;
 

@@ -13,13 +13,17 @@ use std::fmt::Write as _;
 
 /// Longest table; the files of the run list all.
 const MOST_ROWS: usize = 60;
+/// Width of a picture in the table, pixels.
+const LISTED_WIDTH: usize = 220;
 
-fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
+/// All boxes.
+pub fn rows<'a>(from: &'a ReportData<'_>) -> &'a [ObjectRow<'a>] {
     let objects = from.objects.as_ref();
     objects.map_or(&[][..], |objects| objects.rows)
 }
 
-fn is_undecided(row: &ObjectRow<'_>) -> bool {
+/// Whether nobody has decided about a box.
+pub fn is_undecided(row: &ObjectRow<'_>) -> bool {
     row.state == State::Proposed.name()
 }
 
@@ -114,7 +118,7 @@ fn seen_line(
     let in_logs = plural(*logs, "log", "logs");
     format!(
         "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{sightings} of {passes} passes, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
-        picture(from, surest),
+        picture(from, surest, LISTED_WIDTH),
         xml(&object.class),
         (surest.score).map_or(String::new(), |score| format!("{score:.2}")),
         surest.state,
@@ -203,8 +207,8 @@ fn left_out(from: &ReportData<'_>) -> String {
     }
 }
 
-/// What is seen in a box, as an image; empty where its log has no pictures.
-fn picture(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
+/// What is seen in a box, as an image of so many pixels at most; empty where its log has no pictures.
+pub fn picture(from: &ReportData<'_>, row: &ObjectRow<'_>, width: usize) -> String {
     let rasters = from.objects.as_ref().map(|objects| objects.rasters);
     let raster = rasters.and_then(|rasters| rasters.get(row.log)?.as_ref());
     let (Some(raster), Some(log)) = (raster, from.logs.get(row.log)) else {
@@ -215,13 +219,22 @@ fn picture(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
         "<img alt=\"{} {}\" width=\"{}\" src=\"{}\">",
         xml(row.class),
         row.id,
-        chip.width.min(220),
+        shown_width(chip.width, chip.height, width),
         raster::grey(&chip.levels, chip.width, chip.height)
     )
 }
 
+/// Width of a picture on the page. In the table it is as wide as it is, up to the room; a larger room is filled, unless pixels would be
+/// larger than four, or the picture higher than wide.
+fn shown_width(width: usize, height: usize, room: usize) -> usize {
+    match room <= LISTED_WIDTH {
+        true => width.min(room),
+        false => room.min(4 * width).min(room * width / height.max(1)),
+    }
+}
+
 fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
-    let picture = picture(from, row);
+    let picture = picture(from, row, LISTED_WIDTH);
     let at = row.target.as_ref().map_or_else(
         || {
             "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td>"

@@ -1,9 +1,10 @@
 //! The boxes of a survey as rows of tables, and the objects that they are sightings of, over all logs.
 
-use crate::detection::review::{Review, State};
-use crate::detection::targets::GroupSettings;
+use crate::detection::review::{Confidence, Review, State};
+use crate::detection::targets::{GroupSettings, Target};
 use crate::detection::{Detection, Mark};
 use crate::export::ObjectRow;
+use crate::geo::LonLat;
 use crate::outputs::OutputError;
 use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects};
 use crate::pipeline::{Placing, ProcessedLog, Products};
@@ -29,18 +30,24 @@ impl<'a> ObjectRows<'a> {
     ) {
         let placing = placing(of);
         let first = self.rows.len() as u32 + 1;
-        self.rows
-            .extend((first..).zip(found).map(|(id, one)| ObjectRow {
+        let rows = (first..).zip(found).map(|(id, one)| {
+            let target = placing.place(&one.mark);
+            ObjectRow {
                 log,
                 id,
                 class: names.get(one.class).map_or("", String::as_str),
                 score: Some(one.score),
                 state: State::Proposed.name(),
                 mark: &one.mark,
-                target: placing.place(&one.mark),
+                outline: target.as_ref().and_then(|target| outline(of, target)),
+                target,
                 object: None,
                 note: "",
-            }));
+                name: "",
+                confidence: "",
+            }
+        });
+        self.rows.extend(rows);
     }
 
     /// Adds the boxes of a log's review but those in stretches that are left out.
@@ -58,6 +65,7 @@ impl<'a> ObjectRows<'a> {
         let boxes = review.boxes();
         for one in boxes.filter(|one| !is_left_out(&of.products, &one.mark)) {
             progress.check()?;
+            let target = placing.place_as(&one.mark, one.extent);
             self.rows.push(ObjectRow {
                 log,
                 id: one.id.0,
@@ -65,9 +73,12 @@ impl<'a> ObjectRows<'a> {
                 score: one.score,
                 state: one.state.name(),
                 mark: &one.mark,
-                target: placing.place(&one.mark),
+                outline: target.as_ref().and_then(|target| outline(of, target)),
+                target,
                 object: None,
                 note: &one.note,
+                name: &one.name,
+                confidence: one.confidence.map_or("", Confidence::name),
             });
             progress.advance(1);
         }
@@ -102,6 +113,14 @@ impl<'a> ObjectRows<'a> {
         }
         self.objects = objects;
     }
+}
+
+/// The footprint in WGS84; `None` where the size is not known.
+fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
+    let is_known = target.length_m.is_finite() && target.width_m.is_finite();
+    let (navigation, track) = (&of.products.navigation, &of.survey.track);
+    let place = |[east_m, north_m]: [f64; 2]| navigation.to_lon_lat(track, east_m, north_m);
+    is_known.then(|| target.corners().map(place))
 }
 
 fn placing(of: &ProcessedLog) -> Placing<'_> {

@@ -2,8 +2,8 @@
 
 use crate::calibration::Calibration;
 use crate::cloud::Correction;
-use crate::detection::Mark;
 use crate::detection::targets::{Placer, ShadowError, ShadowHeight, Target};
+use crate::detection::{Mark, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, Side, Survey};
 
@@ -33,7 +33,12 @@ impl<'a> Placing<'a> {
 
     /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        let target = self.placer.place(mark)?;
+        self.place_as(mark, ObjectExtent::Found)
+    }
+
+    /// As [`Placing::place`], of a box whose edges the analyst has set, or of a point.
+    pub fn place_as(&self, mark: &Mark, extent: ObjectExtent) -> Option<Target> {
+        let target = self.placer.place_as(mark, extent)?;
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target {

@@ -20,8 +20,22 @@ pub use read::read;
 /// Settings that are paths: they are written from the project's folder.
 const PATH_KEYS: [&str; 3] = ["detector.model", "track.file", "water_level.file"];
 /// Fields of the row of a box.
-const BOX_FIELDS: [&str; 11] = [
-    "class", "edited", "far_m", "id", "model", "near_m", "note", "pings", "score", "side", "state",
+const BOX_FIELDS: [&str; 15] = [
+    "border_m",
+    "class",
+    "confidence",
+    "edited",
+    "far_m",
+    "id",
+    "model",
+    "name",
+    "near_m",
+    "note",
+    "pings",
+    "point",
+    "score",
+    "side",
+    "state",
 ];
 /// Fields of the row of a stretch of the bottom.
 const BOTTOM_FIELDS: [&str; 2] = ["corners", "last"];

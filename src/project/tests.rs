@@ -1,6 +1,6 @@
 use super::*;
 use crate::detection::Mark;
-use crate::detection::review::{BoxId, Edit, Review};
+use crate::detection::review::{BoxId, Confidence, Edit, Review};
 use crate::first_return::{BottomEdit, BottomSettings};
 use crate::geo::LonLat;
 use crate::survey::Side;
@@ -197,6 +197,33 @@ fn one_decision_changes_one_line() {
                 class: 1,
             }),
             [0, 1],
+        ),
+        (box_edit(Edit::Rename(BoxId(7), "Anna".to_owned())), [1, 1]),
+        (
+            box_edit(Edit::Rate(BoxId(7), Some(Confidence::Probable))),
+            [1, 1],
+        ),
+        (
+            box_edit(Edit::SetEdges {
+                id: BoxId(7),
+                mark: mark(50),
+                border_m: mark(50).near_m + 0.25,
+            }),
+            [1, 1],
+        ),
+        (
+            box_edit(Edit::AddPoint {
+                side: Side::Port,
+                ping: 77,
+                range_m: 6.5,
+                class: 1,
+            }),
+            [0, 1],
+        ),
+        // The class is one of the log's from then on.
+        (
+            box_edit(Edit::Classify(BoxId(7), "steam tug".to_owned())),
+            [2, 2],
         ),
         (Change::Rename(key.clone(), "Chart 2".to_owned()), [1, 1]),
         (Change::Show(key.clone(), false), [0, 1]),

@@ -114,6 +114,14 @@ impl OrbitCamera {
         self.distance_m = distance_m.max(0.5).clamp(nearest, farthest);
     }
 
+    /// Enlarges a place, from the direction the camera has: what has this size there fills about a third of the picture's height.
+    pub fn close_up(&mut self, place: Vec3, size_m: f32) {
+        let [nearest, farthest] = DISTANCES_M;
+        self.target = place;
+        let distance_m = 3.0 * size_m / (2.0 * (0.5 * FIELD_OF_VIEW).tan());
+        self.distance_m = distance_m.clamp(nearest.max(LEAST_M), farthest);
+    }
+
     /// Looks from a direction.
     pub fn look_from(&mut self, direction: Direction) {
         self.azimuth_rad = 0.0;

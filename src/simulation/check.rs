@@ -191,8 +191,8 @@ impl Scene {
         for object in &self.objects {
             within("objects.east_m", object.east_m, -1e5, 1e5)?;
             within("objects.north_m", object.north_m, -1e5, 1e5)?;
-            within("objects.length_m", object.length_m, 0.05, 20.0)?;
-            within("objects.width_m", object.width_m, 0.05, 20.0)?;
+            within("objects.length_m", object.length_m, 0.05, 100.0)?;
+            within("objects.width_m", object.width_m, 0.05, 30.0)?;
             within("objects.height_m", object.height_m, 0.01, 20.0)?;
             within("objects.heading_deg", object.heading_deg, -360.0, 360.0)?;
             within("objects.buried_m", object.buried_m, 0.0, 20.0)?;

@@ -52,6 +52,7 @@ mod simulation;
 mod space;
 mod support;
 mod survey_run;
+mod targets;
 mod trusted_depths;
 mod truth;
 mod waterfall;

@@ -6,7 +6,7 @@ use crate::review::search::{model, until};
 use crate::window::{Window, app, drawn_window, press, settle as drawn};
 use bathyscope::app::{Action, App, Command, Jobs, LogBox, LogId, ObjectState, SurveyObject};
 use bathyscope::detection::Detection;
-use bathyscope::detection::review::{Review, State};
+use bathyscope::detection::review::{Edit, Review, State};
 use bathyscope::survey::Identity;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -177,10 +177,7 @@ fn an_object_is_decided_in_all_its_logs_as_one_step() {
         assert!(!object.boxes.contains(&selected(&window)));
         let same = app(&window).object_of(object.boxes[0]).expect("an object");
         assert_eq!((same.number, &same.boxes), (object.number, &object.boxes));
-        assert!(!matches!(
-            app(&window).object_state(same),
-            ObjectState::Open(_)
-        ));
+        assert!(!matches!(same.summary.state, ObjectState::Open(_)));
 
         press(&mut window, Modifiers::COMMAND, Key::Z);
         settle(&mut window);
@@ -243,13 +240,33 @@ fn the_list_is_sorted_by_how_often_an_object_was_seen() {
     assert_eq!(times(&window), by_number);
     assert!(!by_number.is_sorted_by(|a, b| a >= b), "{by_number:?}");
     window
-        .get_by_role_and_label(Role::ComboBox, "Order")
+        .get_by_label("Sort objects by seen")
         .click_accesskit();
-    window.run();
-    window.get_by_label("times seen").click_accesskit();
     settle(&mut window);
     let sorted = times(&window);
     assert!(sorted.is_sorted_by(|a, b| a >= b), "{sorted:?}");
+    // Another click turns it around.
+    window
+        .get_by_label("Sort objects by seen, falling")
+        .click_accesskit();
+    settle(&mut window);
+    let rising = times(&window);
+    assert!(rising.is_sorted(), "{rising:?}");
+
+    // The filter leaves what has the name.
+    let object = object_of(&window, 1);
+    let edit = Edit::Rename(object.boxes[0].id, "Anna".to_owned());
+    (window.state_mut().app).apply(Command::EditIn(object.boxes[0].log, edit));
+    settle(&mut window);
+    let field = "Filter of the objects";
+    (window.get_by_role_and_label(Role::TextInput, field)).focus();
+    window.run();
+    (window.get_by_role_and_label(Role::TextInput, field)).type_text("ann");
+    settle(&mut window);
+    assert_eq!(app(&window).listed_objects(), [object.number]);
+    let name = format!("Object {}, Anna, block", object.number);
+    window.get_by_label_contains(&name);
+    window.get_by_label_contains("by the filter");
 }
 
 #[test]

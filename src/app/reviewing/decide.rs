@@ -1,9 +1,9 @@
 //! Decisions and corrections of single boxes, and the steps that undo goes back to.
 
-use super::{Reviewing, Step, Tool, middle};
+use super::{BoxEdge, Reviewing, Step, Tool, border_m, middle};
 use crate::app::{App, LogBox, Orientation};
-use crate::detection::Mark;
 use crate::detection::review::{BoxId, Edit, Review};
+use crate::detection::{Mark, ObjectExtent};
 use crate::survey::Side;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -75,7 +75,8 @@ impl App {
         let now = &self.log.reviewing.review;
         let next_id = now.next_id();
         let after = now.apply(edit);
-        let is_new = matches!(edit, Edit::Add { .. }) && after.is_some();
+        let adds = matches!(edit, Edit::Add { .. } | Edit::AddPoint { .. });
+        let is_new = adds && after.is_some();
         // The end of a drag moves nothing and still ends its step.
         let after = after.map_or_else(|| now.clone(), Arc::new);
         let target = edit.target().or(is_new.then_some(next_id));
@@ -86,7 +87,12 @@ impl App {
         self.take_review(after, label, live);
         match edit {
             Edit::Relabel(_, class) => self.log.reviewing.class = *class,
-            Edit::Add { .. } if is_new => {
+            Edit::Classify(id, _) => {
+                let reviewing = &mut self.log.reviewing;
+                let class = reviewing.review.get(*id).map(|one| one.class);
+                reviewing.class = class.unwrap_or(reviewing.class);
+            }
+            _ if is_new => {
                 self.log.reviewing.tool = Tool::Look;
                 self.select_box(Some(next_id));
             }
@@ -97,6 +103,7 @@ impl App {
     /// Selects a box and brings it into all views, or selects none.
     pub(in crate::app) fn select_box(&mut self, id: Option<BoxId>) {
         self.log.reviewing.selected = id;
+        self.log.reviewing.edge = BoxEdge::default();
         self.log.reviewing.judging.look_away();
         let Some((survey, one)) = self
             .log
@@ -145,6 +152,7 @@ impl App {
         }
         self.leave_measuring();
         let in_hand = self.log.reviewing.tool == tool;
+        self.log.reviewing.edge = BoxEdge::default();
         self.log.reviewing.tool = if in_hand { Tool::Look } else { tool };
     }
 
@@ -165,8 +173,17 @@ impl App {
             Orientation::Horizontal => (nudge.right, nudge.down),
             Orientation::Vertical => (nudge.down, nudge.right),
         };
-        let mark = nudged(&one.mark, along, across, nudge.resize);
-        let edit = Edit::Reshape(one.id, mark);
+        let reviewing = &self.log.reviewing;
+        let edit = match reviewing.edge {
+            edge if nudge.resize || edge == BoxEdge::Whole => {
+                let resize = nudge.resize && one.extent != ObjectExtent::Point;
+                Edit::Reshape(one.id, nudged(&one.mark, along, across, resize))
+            }
+            edge => match edge.moved(one, border_m(reviewing, one), along, across) {
+                Some(edit) => edit,
+                None => return,
+            },
+        };
         self.edit(&edit, false);
     }
 }

@@ -174,7 +174,7 @@ impl App {
         }
     }
 
-    pub(super) fn ask_for_box(&mut self) {
+    pub(in crate::app) fn ask_for_box(&mut self) {
         self.notify("select a box first, with Tab or a click".to_owned(), true);
     }
 

@@ -1,13 +1,16 @@
 //! The boxes of the open survey: which one is selected, how they are lined up, which tool is in hand.
 //!
-//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `detect` asks a model, `line` is
+//! `autosave` keeps decisions as they are made, `decide` carries out edits and moves on to the next box, `edges` moves single edges and
+//! marks points, `detect` asks a model, `line` is
 //! the queue over all logs, `places` puts boxes on the
-//! ground, `judging` compares them with the truth where it is known, `files` keeps the review and writes what other programs read.
+//! ground, `judging` compares them with the truth where it is known, `fly` enlarges a box in all views, `files` keeps the review and writes what other programs read.
 
 mod autosave;
 mod decide;
 mod detect;
+mod edges;
 mod files;
+mod fly;
 mod judging;
 mod line;
 mod places;
@@ -15,6 +18,7 @@ mod places;
 pub use crate::detection::review::PIXEL_M;
 pub use decide::Nudge;
 pub use detect::SearchStatus;
+pub use edges::{BoxEdge, border_m};
 pub use judging::{Judging, MistakeSort};
 pub use line::ReviewCounts;
 pub use places::Placed;
@@ -44,6 +48,8 @@ pub enum Tool {
     Edit,
     /// Draws a new box.
     Draw,
+    /// Marks a point at a click.
+    Point,
     /// Draws the bottom.
     Bottom,
     /// Leaves stretches out; on the map too.
@@ -111,6 +117,8 @@ pub struct Reviewing {
     pub queue: Queue,
     /// What a drag does.
     pub tool: Tool,
+    /// The edge of the selected box that the arrow keys move while it is edited.
+    pub edge: BoxEdge,
     /// The file that the review is kept in, once it has one.
     pub path: Option<PathBuf>,
     line: Vec<BoxId>,
@@ -145,6 +153,7 @@ impl Default for Reviewing {
             selected: None,
             queue: Queue::default(),
             tool: Tool::default(),
+            edge: BoxEdge::default(),
             path: None,
             line: Vec::new(),
             along: Vec::new(),

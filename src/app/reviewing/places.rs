@@ -5,9 +5,9 @@ use super::Reviewing;
 use crate::app::{App, Outcome, Task};
 use crate::calibration::Calibration;
 use crate::cloud::Correction;
-use crate::detection::Mark;
-use crate::detection::review::BoxId;
+use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
+use crate::detection::{Mark, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Placing, Products};
 use crate::survey::Navigation;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub struct Placed {
     /// Place, extent, height and depth.
     pub target: Target,
-    /// Corners of its footprint, metres east and north: length along the track, width across it.
+    /// Corners of its footprint, metres east and north: length along the track, width across it; of a point all in its place.
     pub corners: [[f64; 2]; 4],
 }
 
@@ -53,7 +53,7 @@ impl Ground {
 }
 
 /// A box as it was placed; `None` where it has no place.
-pub(in crate::app) type Entry = (Mark, Option<Arc<Placed>>);
+pub(in crate::app) type Entry = ((Mark, ObjectExtent), Option<Arc<Placed>>);
 
 /// The places of a log's boxes; another allocation when one of them is another.
 pub(in crate::app) type Entries = Arc<HashMap<BoxId, Entry>>;
@@ -138,12 +138,15 @@ impl App {
             .ground
             .as_ref()
             .is_some_and(|known| known.is_same(&ground));
-        let is_known = |id: &BoxId, mark: &Mark| {
-            is_same && places.known.get(id).is_some_and(|(known, _)| known == mark)
+        let is_known = |one: &Reviewed| {
+            let known = places.known.get(&one.id);
+            let is_as_placed =
+                |(mark, extent): &(Mark, ObjectExtent)| *mark == one.mark && *extent == one.extent;
+            is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
-        let missing: Vec<(BoxId, Mark)> = (reviewing.review.boxes())
-            .filter(|one| !is_known(&one.id, &one.mark))
-            .map(|one| (one.id, one.mark.clone()))
+        let missing: Vec<(BoxId, Mark, ObjectExtent)> = (reviewing.review.boxes())
+            .filter(|one| !is_known(one))
+            .map(|one| (one.id, one.mark.clone(), one.extent))
             .collect();
         if missing.is_empty() {
             return;
@@ -157,12 +160,12 @@ impl App {
                 correction,
             } = &from;
             let placing = Placing::new(&survey, navigation, returns, calibration, correction);
-            let entry = |(id, mark): (BoxId, Mark)| {
-                let placed = placing.place(&mark).map(|target| {
-                    let corners = corners(navigation, &target);
+            let entry = |(id, mark, extent): (BoxId, Mark, ObjectExtent)| {
+                let placed = placing.place_as(&mark, extent).map(|target| {
+                    let corners = target.corners();
                     Arc::new(Placed { target, corners })
                 });
-                (id, (mark, placed))
+                (id, ((mark, extent), placed))
             };
             let requested = missing.into_par_iter();
             requested
@@ -171,26 +174,4 @@ impl App {
         });
         places.running = Some(Running { ground, task });
     }
-}
-
-/// The footprint turned into the track's direction at the middle of the box.
-fn corners(navigation: &Navigation, target: &Target) -> [[f64; 2]; 4] {
-    let pings = &target.mark.pings;
-    let middle = usize::midpoint(pings.start, pings.end);
-    let heading_rad = navigation
-        .pings
-        .get(middle)
-        .map_or(0.0, |ping| ping.heading_rad);
-    let (sin, cos) = match heading_rad.is_finite() {
-        true => heading_rad.sin_cos(),
-        false => (0.0, 1.0),
-    };
-    let [along_m, across_m] = [0.5 * target.length_m, 0.5 * target.width_m];
-    [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(ahead, right)| {
-        let (along_m, across_m) = (ahead * along_m, right * across_m);
-        [
-            target.east_m + along_m * sin + across_m * cos,
-            target.north_m + along_m * cos - across_m * sin,
-        ]
-    })
 }

@@ -1,7 +1,7 @@
 //! A new model's detections beside decisions that are there.
 
 use super::{Review, Reviewed, State, held};
-use crate::detection::{Detection, Raster, Rect, class_index};
+use crate::detection::{Detection, ObjectExtent, Raster, Rect, class_index};
 use crate::survey::Side;
 use std::ops::Range;
 use std::sync::Arc;
@@ -78,6 +78,9 @@ impl Review {
                 state: State::Proposed,
                 edited: false,
                 note: String::new(),
+                name: String::new(),
+                confidence: None,
+                extent: ObjectExtent::Found,
                 model: Some(model.clone()),
             }));
         }

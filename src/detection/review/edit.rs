@@ -1,7 +1,7 @@
 //! What the analyst does to a box.
 
-use super::{BoxId, Review, Reviewed, State, held};
-use crate::detection::Mark;
+use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
+use crate::detection::{Mark, ObjectExtent, class_index};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -29,6 +29,35 @@ pub enum Edit {
     },
     /// Removes a box that was drawn by hand. One that a model proposed is rejected instead: it is a hard negative.
     Remove(BoxId),
+    /// A point that the analyst marks: a place without size; it gets [`Review::next_id`].
+    AddPoint {
+        /// The side it lies on.
+        side: Side,
+        /// The ping that shows it.
+        ping: usize,
+        /// Its slant range by the recorder's scale, metres.
+        range_m: f64,
+        /// Index into the classes.
+        class: usize,
+    },
+    /// The edges of its echo and its shadow as the analyst sees them.
+    SetEdges {
+        /// The box.
+        id: BoxId,
+        /// Pings of the echo, its near edge, and the end of the shadow.
+        mark: Mark,
+        /// Slant range of the border between echo and shadow by the recorder's scale, metres; that of the far edge where there is no
+        /// shadow.
+        border_m: f64,
+    },
+    /// Leaves it to the program again to find echo and shadow in the box.
+    FindEdges(BoxId),
+    /// It is of a class by its name, which becomes one of the review's classes.
+    Classify(BoxId, String),
+    /// What it is called.
+    Rename(BoxId, String),
+    /// How sure the analyst is.
+    Rate(BoxId, Option<Confidence>),
     /// A remark.
     Note(BoxId, String),
 }
@@ -44,6 +73,12 @@ impl Edit {
             Edit::Reshape(..) => "move box",
             Edit::SwapSide(_) => "swap side of box",
             Edit::Add { .. } => "new box",
+            Edit::AddPoint { .. } => "new point",
+            Edit::SetEdges { .. } => "edges of box",
+            Edit::FindEdges(_) => "find edges of box",
+            Edit::Classify(..) => "class of box",
+            Edit::Rename(..) => "name of box",
+            Edit::Rate(..) => "confidence of box",
             Edit::Remove(_) => "remove box",
             Edit::Note(..) => "note on box",
         }
@@ -52,7 +87,7 @@ impl Edit {
     /// The box that it is about, if there is one already.
     pub fn target(&self) -> Option<BoxId> {
         match self {
-            Edit::Add { .. } => None,
+            Edit::Add { .. } | Edit::AddPoint { .. } => None,
             Edit::Accept(id)
             | Edit::Reject(id)
             | Edit::Undecide(id)
@@ -60,6 +95,11 @@ impl Edit {
             | Edit::Reshape(id, _)
             | Edit::SwapSide(id)
             | Edit::Remove(id)
+            | Edit::SetEdges { id, .. }
+            | Edit::FindEdges(id)
+            | Edit::Classify(id, _)
+            | Edit::Rename(id, _)
+            | Edit::Rate(id, _)
             | Edit::Note(id, _) => Some(*id),
         }
     }
@@ -81,7 +121,10 @@ impl Review {
             }
             Edit::Reshape(id, mark) => {
                 let mark = held(mark, self.identity.pings)?;
-                self.correct(*id, |one| one.mark = mark)
+                self.correct(*id, |one| {
+                    one.extent = one.extent.moved(&one.mark, &mark);
+                    one.mark = mark;
+                })
             }
             Edit::SwapSide(id) => self.correct(*id, |one| {
                 one.mark.side = match one.mark.side {
@@ -89,7 +132,37 @@ impl Review {
                     Side::Starboard => Side::Port,
                 }
             }),
-            Edit::Add { mark, class } => self.add(mark, *class),
+            Edit::Add { mark, class } => self.add(mark, *class, ObjectExtent::Found),
+            Edit::AddPoint {
+                side,
+                ping,
+                range_m,
+                class,
+            } => {
+                let mark = Mark::point(*side, *ping, *range_m);
+                self.add(&mark, *class, ObjectExtent::Point)
+            }
+            Edit::SetEdges { id, mark, border_m } => {
+                let mark = held(mark, self.identity.pings)?;
+                let border_m = border_m.clamp(mark.near_m, mark.far_m);
+                border_m.is_finite().then_some(())?;
+                self.correct(*id, |one| {
+                    one.mark = mark;
+                    one.extent = ObjectExtent::Drawn { border_m };
+                })
+            }
+            Edit::FindEdges(id) => self.correct(*id, |one| {
+                if one.extent != ObjectExtent::Point {
+                    one.extent = ObjectExtent::Found;
+                }
+            }),
+            Edit::Classify(id, name) => self.classify(*id, name.trim()),
+            Edit::Rename(id, name) => {
+                let name = name.trim();
+                (name.is_empty() || is_name(name)).then_some(())?;
+                self.correct(*id, |one| name.clone_into(&mut one.name))
+            }
+            Edit::Rate(id, confidence) => self.correct(*id, |one| one.confidence = *confidence),
             Edit::Remove(id) => self.remove(*id),
             Edit::Note(id, text) => self.correct(*id, |one| one.note.clone_from(text)),
         }
@@ -115,7 +188,15 @@ impl Review {
         })
     }
 
-    fn add(&self, mark: &Mark, class: usize) -> Option<Review> {
+    /// The class becomes one of the review's own where it is new.
+    fn classify(&self, id: BoxId, name: &str) -> Option<Review> {
+        is_name(name).then_some(())?;
+        let mut named = self.clone();
+        let class = class_index(&mut named.classes, name);
+        named.correct(id, |one| one.class = class)
+    }
+
+    fn add(&self, mark: &Mark, class: usize, extent: ObjectExtent) -> Option<Review> {
         let mark = held(mark, self.identity.pings)?;
         let class = (class < self.classes.len()).then_some(class)?;
         let mut after = self.clone();
@@ -128,6 +209,9 @@ impl Review {
             state: State::Added,
             edited: false,
             note: String::new(),
+            name: String::new(),
+            confidence: None,
+            extent,
             model: None,
         }));
         Some(after)

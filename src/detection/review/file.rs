@@ -1,7 +1,7 @@
 //! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
 
-use super::{BoxId, Review, Reviewed, State, held};
-use crate::detection::Mark;
+use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
+use crate::detection::{Mark, ObjectExtent};
 use crate::regular_file;
 use crate::survey::{Identity, Side};
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,6 @@ const MOST_BOXES: usize = 200_000;
 const MOST_CLASSES: usize = 1_000;
 /// Stretches that were searched; a review of our own has two or three.
 const MOST_SEARCHED: usize = 1_000;
-/// Letters of a class name or a model's name.
-const LONGEST_NAME: usize = 200;
 /// Letters of a note.
 const LONGEST_NOTE: usize = 10_000;
 
@@ -108,6 +106,18 @@ pub struct BoxRow {
     /// [`Reviewed::note`].
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub note: String,
+    /// [`Reviewed::name`].
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub name: String,
+    /// [`Reviewed::confidence`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
+    /// Border between echo and shadow where the analyst has set it, metres of slant range: [`ObjectExtent::Drawn`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub border_m: Option<f64>,
+    /// It is a place without size: [`ObjectExtent::Point`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub point: bool,
     /// [`Reviewed::model`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
@@ -164,6 +174,10 @@ impl Review {
             state: one.state,
             edited: one.edited,
             note: one.note.clone(),
+            name: one.name.clone(),
+            confidence: one.confidence,
+            border_m: one.extent.border_m(),
+            point: one.extent == ObjectExtent::Point,
             model: one.model.as_deref().map(str::to_owned),
         }
     }
@@ -291,6 +305,12 @@ impl Review {
         let class = self.classes.iter().position(|class| *class == one.class);
         let has_model_name = model.as_deref().is_none_or(is_name);
         let is_manual = model.is_none();
+        let extent = match one.border_m {
+            Some(border_m) => ObjectExtent::Drawn { border_m },
+            None if one.point => ObjectExtent::Point,
+            None => ObjectExtent::Found,
+        };
+        let is_inside = |border_m: f64| (one.near_m..=one.far_m).contains(&border_m);
         match class {
             _ if !is_held => Err("its pings or ranges lie outside the log"),
             None => Err("its class is not in the list"),
@@ -299,6 +319,12 @@ impl Review {
             }
             _ if !has_model_name || one.note.chars().count() > LONGEST_NOTE => {
                 Err("its note or the name of its model is too long")
+            }
+            _ if !(one.name.is_empty() || is_name(&one.name)) => {
+                Err("its name is too long or not of one line")
+            }
+            _ if !one.border_m.is_none_or(is_inside) || (one.point && one.border_m.is_some()) => {
+                Err("the border of its shadow lies outside of it")
             }
             _ if (one.state == State::Added && !is_manual)
                 || (is_manual && matches!(one.state, State::Proposed | State::Accepted)) =>
@@ -313,15 +339,13 @@ impl Review {
                 state: one.state,
                 edited: one.edited,
                 note: one.note,
+                name: one.name,
+                confidence: one.confidence,
+                extent,
                 model,
             }),
         }
     }
-}
-
-fn is_name(name: &str) -> bool {
-    let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
-    is_usual && !name.is_empty()
 }
 
 fn shared(models: &mut HashSet<Arc<str>>, name: String) -> Arc<str> {

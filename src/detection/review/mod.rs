@@ -5,19 +5,21 @@
 //! never touched.
 
 mod adopt;
+mod confidence;
 mod edit;
 mod file;
 mod queue;
 mod searched;
 mod tiles;
 
+pub use confidence::Confidence;
 pub use edit::Edit;
 pub use file::{BoxRow, ReviewError, ReviewRows, SearchRow, read_text};
 pub use queue::{Counts, Filter, Queue, Sort};
 pub use searched::Searched;
 pub use tiles::ReviewedTile;
 
-use super::Mark;
+use super::{Mark, ObjectExtent};
 use crate::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -84,10 +86,16 @@ pub struct Reviewed {
     pub score: Option<f32>,
     /// Where it stands.
     pub state: State,
-    /// Class, place or note were changed by hand: a new model does not take it away.
+    /// Class, place, edges, name, confidence or note were changed by hand: a new model does not take it away.
     pub edited: bool,
     /// The analyst's remark.
     pub note: String,
+    /// What the analyst calls it, beside its class; empty where it has no name.
+    pub name: String,
+    /// How sure the analyst is of it; `None` where nobody has said.
+    pub confidence: Option<Confidence>,
+    /// How its extent is known.
+    pub extent: ObjectExtent,
     /// The model that proposed it; `None` for a box drawn by hand.
     pub model: Option<Arc<str>>,
 }
@@ -172,6 +180,15 @@ impl Review {
         self.next_id = self.next_id.saturating_add(1);
         id
     }
+}
+
+/// Letters of the name of a class, a model or an object.
+const LONGEST_NAME: usize = 200;
+
+/// Whether a text can be a name: something on one line, and not too long.
+fn is_name(name: &str) -> bool {
+    let is_usual = name.chars().count() <= LONGEST_NAME && !name.contains(char::is_control);
+    is_usual && !name.is_empty()
 }
 
 /// The mark held to the survey: at least one ping and a range that is positive; `None` when nothing is left of it.

@@ -446,3 +446,151 @@ fn a_search_that_was_stopped_leaves_what_it_has_not_come_to() {
     let damaged = only.to_json().replace("120", "1001");
     assert!(Review::from_json(&damaged, &identity()).is_err());
 }
+
+#[test]
+fn edges_that_are_drawn_belong_to_the_box_until_they_are_left() {
+    let (id, review) = (BoxId(1), proposed());
+    let drawn = mark(Side::Port, 100, 5.0);
+    let set = |border_m: f64| Edit::SetEdges {
+        id,
+        mark: drawn.clone(),
+        border_m,
+    };
+    assert_eq!(review.apply(&set(f64::NAN)), None);
+    let border = |review: &Review| review.get(id).unwrap().extent.border_m();
+    let after = edited(&review, &[set(5.4)]);
+    assert_eq!(border(&after), Some(5.4));
+    assert!(after.get(id).unwrap().is_kept(), "a new model leaves it");
+    assert_eq!(border(&edited(&review, &[set(99.0)])), Some(drawn.far_m));
+    let moved = edited(&after, &[Edit::Reshape(id, mark(Side::Port, 130, 6.0))]);
+    assert!((border(&moved).unwrap() - 6.4).abs() < 1e-9);
+    let left = edited(&moved, &[Edit::FindEdges(id)]);
+    assert_eq!(border(&left), None);
+    assert_eq!(left.apply(&Edit::FindEdges(id)), None);
+}
+
+#[test]
+fn a_point_is_a_place_without_size() {
+    let review = proposed();
+    let id = review.next_id();
+    let add = Edit::AddPoint {
+        side: Side::Starboard,
+        ping: 321,
+        range_m: 7.5,
+        class: 1,
+    };
+    let after = edited(&review, &[add]);
+    let one = after.get(id).unwrap();
+    assert_eq!((one.state, one.extent), (State::Added, ObjectExtent::Point));
+    assert_eq!(one.mark, Mark::point(Side::Starboard, 321, 7.5));
+    // It has no edges to be found, and moves as a whole.
+    assert_eq!(after.apply(&Edit::FindEdges(id)), None);
+    let moved = edited(
+        &after,
+        &[Edit::Reshape(id, Mark::point(Side::Starboard, 322, 7.4))],
+    );
+    assert_eq!(moved.get(id).unwrap().extent, ObjectExtent::Point);
+    let late = Edit::AddPoint {
+        side: Side::Port,
+        ping: PINGS,
+        range_m: 7.5,
+        class: 0,
+    };
+    assert_eq!(review.apply(&late), None);
+    // No picture teaches a detector its size, and none says that nothing is there.
+    let tiles = after.tiles(&raster());
+    assert!(tiles.is_empty(), "a point makes no tile");
+    let beside = edited(
+        &after,
+        &[Edit::Add {
+            mark: mark(Side::Starboard, 322, 6.0),
+            class: 0,
+        }],
+    );
+    let tiles = beside.tiles(&raster());
+    assert_eq!(tiles.len(), 1);
+    assert_eq!(
+        (tiles[0].boxes.labels.len(), tiles[0].boxes.ignored.len()),
+        (1, 1)
+    );
+}
+
+#[test]
+fn a_target_has_a_name_a_class_of_its_own_and_a_word_of_confidence() {
+    let (id, review) = (BoxId(2), proposed());
+    for edit in [
+        Edit::Rename(id, "two\nlines".into()),
+        Edit::Rename(id, "x".repeat(201)),
+        Edit::Classify(id, "  ".into()),
+    ] {
+        assert_eq!(review.apply(&edit), None, "{edit:?}");
+    }
+    let after = edited(
+        &review,
+        &[
+            Edit::Rename(id, " Anna ".into()),
+            Edit::Classify(id, "steam tug".into()),
+            Edit::Rate(id, Some(Confidence::Certain)),
+        ],
+    );
+    let one = after.get(id).unwrap();
+    assert_eq!((one.name.as_str(), one.class), ("Anna", 2));
+    assert_eq!(after.classes(), names(&["rock", "tyre", "steam tug"]));
+    assert_eq!(one.confidence, Some(Confidence::Certain));
+    assert_eq!(after.apply(&Edit::Classify(id, "steam tug".into())), None);
+    let known = edited(&after, &[Edit::Classify(id, "rock".into())]);
+    assert_eq!(known.classes(), after.classes());
+    assert_eq!(known.get(id).unwrap().class, 0);
+    let cleared = edited(
+        &after,
+        &[Edit::Rename(id, String::new()), Edit::Rate(id, None)],
+    );
+    assert_eq!(cleared.get(id).unwrap().confidence, None);
+}
+
+#[test]
+fn a_file_keeps_edges_points_names_and_refuses_those_that_make_no_sense() {
+    let review = proposed();
+    let id = BoxId(1);
+    let [near_m, far_m] = [5.0, 7.0];
+    let set = Edit::SetEdges {
+        id,
+        mark: Mark {
+            side: Side::Port,
+            pings: 100..110,
+            near_m,
+            far_m,
+        },
+        border_m: 5.5,
+    };
+    let point = Edit::AddPoint {
+        side: Side::Starboard,
+        ping: 321,
+        range_m: 7.5,
+        class: 1,
+    };
+    let named = Edit::Rename(id, "Anna".into());
+    let rated = Edit::Rate(id, Some(Confidence::Unsure));
+    let after = edited(&review, &[set, point, named, rated]);
+    let text = after.to_json();
+    assert_eq!(Review::from_json(&text, review.identity()), Ok(after));
+    for (from, to) in [
+        ("\"border_m\": 5.5", "\"border_m\": 9.5"),
+        ("\"border_m\": 5.5", "\"border_m\": 5.5, \"point\": true"),
+        ("\"name\": \"Anna\"", "\"name\": \"An\\nna\""),
+        ("\"confidence\": \"unsure\"", "\"confidence\": \"maybe\""),
+    ] {
+        assert!(text.contains(from), "{text}");
+        let wrong = text.replace(from, to);
+        assert!(
+            Review::from_json(&wrong, review.identity()).is_err(),
+            "{to}"
+        );
+    }
+    // A file of before says nothing of all that.
+    let old = review.to_json();
+    for field in ["border_m\"", "point\"", "name\"", "confidence\""] {
+        assert!(!old.contains(&format!("\"{field}")), "{field}");
+    }
+    assert_eq!(Review::from_json(&old, review.identity()), Ok(review));
+}

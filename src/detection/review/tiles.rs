@@ -2,13 +2,16 @@
 
 use super::{NAMELESS_CLASS, Review, Reviewed, State};
 use crate::detection::dataset::Boxes;
-use crate::detection::{Labelled, Raster, Rect, TILE_PX};
+use crate::detection::{Labelled, ObjectExtent, Raster, Rect, TILE_PX};
 use crate::survey::Side;
 
 /// Least share of a box that lies in a tile for it to be asked for there.
 const LEAST_SHARE: f32 = 0.4;
 /// Least width and height of such a box, pixels.
 const LEAST_PX: f32 = 6.0;
+
+/// Side of the square around a point in which a detector may find an object or not, metres.
+const POINT_M: f32 = 2.0;
 
 /// A tile of the raster with what is decided in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +53,7 @@ impl Review {
             let mut boxes: Vec<(Rect, &Reviewed)> = self
                 .boxes()
                 .filter(|one| one.mark.side == side)
-                .map(|one| (raster.rect_of(&one.mark), one))
+                .map(|one| (rect_of(raster, one), one))
                 .collect();
             boxes.sort_by(|(a, _), (b, _)| a.y0.total_cmp(&b.y0));
             let first = tiles.len();
@@ -61,12 +64,29 @@ impl Review {
                 };
                 // Tiles follow the track: only the last few can hold the box.
                 let is_seen = tiles[first..].iter().rev().take(8).any(is_held);
-                if one.state != State::Proposed && !is_seen {
+                let is_picture = one.state != State::Proposed && one.extent != ObjectExtent::Point;
+                if is_picture && !is_seen {
                     tiles.push(around(rect, side, raster, &boxes));
                 }
             }
         }
         tiles
+    }
+}
+
+/// A box in the pixels of the raster; of a point what an object there may well cover.
+fn rect_of(raster: &Raster, one: &Reviewed) -> Rect {
+    let rect = raster.rect_of(&one.mark);
+    if one.extent != ObjectExtent::Point {
+        return rect;
+    }
+    let half = 0.5 * POINT_M / raster.pixel_m() as f32;
+    let [x, y] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
+    Rect {
+        x0: (x - half).max(0.0),
+        y0: (y - half).max(0.0),
+        x1: x + half,
+        y1: y + half,
     }
 }
 
@@ -103,6 +123,10 @@ fn around(rect: &Rect, side: Side, raster: &Raster, boxes: &[(Rect, &Reviewed)])
         let large = (inside.x1 - inside.x0).min(inside.y1 - inside.y0) >= LEAST_PX;
         let whole_enough = large && inside.area() >= LEAST_SHARE * rect.area();
         match one.state {
+            // How large it is, nobody has said.
+            State::Accepted | State::Added if one.extent == ObjectExtent::Point => {
+                tile.boxes.ignored.push(label);
+            }
             State::Rejected => tile.rejected += 1,
             State::Accepted | State::Added if whole_enough => tile.boxes.labels.push(label),
             State::Accepted | State::Added | State::Proposed => tile.boxes.ignored.push(label),

@@ -60,6 +60,9 @@ const GOES_ON: f64 = 0.2;
 /// The shadow begins at most so far behind what is bright, metres: the top of an object may be no brighter than the bottom.
 const GAP_M: f64 = 1.2;
 
+/// A border so near the far edge of a box leaves no shadow, metres.
+const LEAST_DRAWN_M: f64 = 0.02;
+
 /// Whether a box holds a large object, of which [`drawn_parts`] speaks. `length_m` is its extent along the track.
 pub(super) fn is_large(mark: &Mark, length_m: f64) -> bool {
     // NaN is not large.
@@ -93,6 +96,24 @@ pub(super) fn drawn_parts(survey: &Survey, mark: &Mark) -> Option<Parts> {
         shadow_m: ends.max_by(f64::total_cmp).map(|end_m| [start_m, end_m]),
         longest,
     })
+}
+
+/// The echo and the shadow as the analyst has set them. One that ends with what was recorded, to `reach_m` on the recorder's scale,
+/// runs off the range.
+pub(super) fn set_parts(mark: &Mark, border_m: f64, reach_m: f64) -> Parts {
+    let shadow = (mark.far_m - border_m > LEAST_DRAWN_M).then_some(Shadow {
+        bright_end_m: border_m,
+        start_m: border_m,
+        end_m: match mark.far_m < reach_m {
+            true => mark.far_m,
+            false => f64::NAN,
+        },
+    });
+    Parts {
+        echo_m: [mark.near_m, border_m],
+        shadow_m: shadow.map(|shadow| [shadow.start_m, shadow.end_m]),
+        longest: shadow,
+    }
 }
 
 /// Finds the echo and its shadow: the bright run, and the dark run behind it, that explain the levels in the middle pings of
@@ -260,4 +281,28 @@ fn longest(shadows: impl Iterator<Item = Shadow>) -> Option<Shadow> {
         false => 1.0 - one.start_m / one.end_m,
     };
     shadows.max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Side;
+
+    #[test]
+    fn drawn_edges_are_the_parts_and_a_shadow_to_the_end_has_no_end() {
+        let mark = Mark {
+            side: Side::Port,
+            pings: 3..9,
+            near_m: 4.0,
+            far_m: 7.0,
+        };
+        let whole = set_parts(&mark, 5.0, 12.0);
+        assert_eq!(whole.echo_m, [4.0, 5.0]);
+        assert_eq!(whole.shadow_m, Some([5.0, 7.0]));
+        assert_eq!(whole.longest.map(|one| one.bright_end_m), Some(5.0));
+        let none = set_parts(&mark, 7.0, 12.0);
+        assert_eq!((none.shadow_m, none.longest), (None, None));
+        let off = set_parts(&mark, 5.0, 7.0);
+        assert!(off.shadow_m.is_some_and(|shadow| shadow[1].is_nan()));
+    }
 }

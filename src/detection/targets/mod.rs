@@ -24,7 +24,7 @@ pub use passes::{Pass, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
 
-use super::Mark;
+use super::{Mark, ObjectExtent};
 use crate::geo::LonLat;
 
 /// One box in the world. Metres; what cannot be known is NaN.
@@ -32,6 +32,10 @@ use crate::geo::LonLat;
 pub struct Target {
     /// The box.
     pub mark: Mark,
+    /// How its extent is known.
+    pub extent: ObjectExtent,
+    /// Echo and shadow in the box, by the recorder's scale; `None` of a point, and where nothing was found.
+    pub parts: Option<Parts>,
     /// Slant range of the middle of the echo, by the calibration in force.
     pub slant_m: f64,
     /// Distance from the track to the middle of the object, on the bottom.
@@ -44,13 +48,16 @@ pub struct Target {
     pub north_m: f64,
     /// Middle of the object.
     pub position: LonLat,
-    /// Extent along the track, the width of the beam taken off.
+    /// ObjectExtent along the track, the width of the beam taken off; NaN of a point.
     pub length_m: f64,
-    /// Extent of what is seen of it across the track.
+    /// ObjectExtent of what is seen of it across the track; NaN of a point.
     pub width_m: f64,
     /// Height above the bottom from the length of the longest shadow; NaN without a shadow that ends within the range. Of a
     /// round top it is that of the far flank where the last ray touches it.
     pub height_m: f64,
+    /// Slant ranges of start and end of that shadow by the calibration in force: the height is the altitude times what lies between
+    /// them, over the end. The start is NaN without a shadow, the end where it runs off the range.
+    pub shadow_m: [f64; 2],
     /// Standard deviation of the height; NaN without a height. It holds how sharp both ends of the shadow are, how far its end
     /// is from the box's, a bottom that slopes by two degrees, and a top that may be flat or round. What casts no shadow of
     /// its own (the far side of a wide object, a branch in the shadow of the trunk) cannot be known.
@@ -68,4 +75,24 @@ pub struct Target {
     pub heading_rad: f64,
     /// Distance sailed up to the middle of the box.
     pub sailed_m: f64,
+}
+
+impl Target {
+    /// Corners of its footprint, metres east and north: length along the track, width across it. What is not known counts as nothing:
+    /// those of a point all lie in its place.
+    pub fn corners(&self) -> [[f64; 2]; 4] {
+        let (sin, cos) = match self.heading_rad.is_finite() {
+            true => self.heading_rad.sin_cos(),
+            false => (0.0, 1.0),
+        };
+        let half_m = |size_m: f64| if size_m.is_nan() { 0.0 } else { 0.5 * size_m };
+        let [along_m, across_m] = [self.length_m, self.width_m].map(half_m);
+        [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(ahead, right)| {
+            let (along_m, across_m) = (ahead * along_m, right * across_m);
+            [
+                self.east_m + along_m * sin + across_m * cos,
+                self.north_m + along_m * cos - across_m * sin,
+            ]
+        })
+    }
 }

@@ -35,7 +35,12 @@ pub(super) fn same_pass(one: &Sighting<'_>, other: &Sighting<'_>) -> bool {
 
 /// How far the middle of what is seen may lie from the middle of the object because of its size: standard deviation, metres.
 pub(super) fn size_m(target: &Target) -> f64 {
-    SIZE_SIGMA * target.length_m.max(target.width_m).min(LARGEST_M)
+    let size_m = target.length_m.max(target.width_m);
+    // Of a point it is not known; its uncertainty says how far it may be off.
+    match size_m.is_nan() {
+        true => 0.0,
+        false => SIZE_SIGMA * size_m.min(LARGEST_M),
+    }
 }
 
 /// Squared distance of two sightings in standard deviations, with their joint covariance; another class adds to it.

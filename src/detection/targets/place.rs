@@ -2,10 +2,10 @@
 
 use super::echo::Shadow;
 use super::heading::heading_sigma_rad;
-use super::seen::{PART_SIGMA, Seen};
-use super::{Target, altitude::altitude_m, echo, parts};
+use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, PART_SIGMA, Seen};
+use super::{Parts, Target, altitude::altitude_m, echo, parts};
 use crate::calibration::Calibration;
-use crate::detection::Mark;
+use crate::detection::{Mark, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
 use std::ops::Range;
@@ -67,10 +67,16 @@ impl<'a> Placer<'a> {
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
     /// altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
+        self.place_as(mark, ObjectExtent::Found)
+    }
+
+    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size.
+    pub fn place_as(&self, mark: &Mark, extent: ObjectExtent) -> Option<Target> {
         let middle = self.middle(mark);
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
-        let seen = self.seen(mark, span, altitude_m);
+        let found = self.parts(mark, extent, span);
+        let seen = self.seen(mark, extent, found, span, altitude_m);
         let ground_m = seen.middle_m();
         let boat = self.boat(mark)?;
         let [x, y] = boat.starboard()?;
@@ -83,7 +89,9 @@ impl<'a> Placer<'a> {
             return None;
         }
         let track = &self.survey.track;
-        let length_m = self.length_m(mark, seen.slant_m(), out_m);
+        let is_point = extent == ObjectExtent::Point;
+        let sized = |size_m: f64| if is_point { f64::NAN } else { size_m };
+        let length_m = sized(self.length_m(mark, seen.slant_m(), out_m));
         let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
         let along_sigma_m = askew_m
             .hypot(PART_SIGMA * length_m.max(0.0))
@@ -97,7 +105,8 @@ impl<'a> Placer<'a> {
             north_m,
             position: self.navigation.to_lon_lat(track, east_m, north_m),
             length_m,
-            width_m: seen.width_m(),
+            width_m: sized(seen.width_m()),
+            shadow_m: seen.shadow_m(),
             height_m: seen.height_m(),
             height_sigma_m: seen.height_sigma_m(),
             depth_m: altitude_m,
@@ -107,6 +116,8 @@ impl<'a> Placer<'a> {
             heading_rad: boat.heading_rad,
             sailed_m: self.sailed_m.get(middle).copied().unwrap_or(0.0),
             mark: mark.clone(),
+            extent,
+            parts: found,
         })
     }
 
@@ -153,14 +164,38 @@ impl<'a> Placer<'a> {
         self.survey.span(ping, side)
     }
 
+    /// Echo and shadow of a box: as the analyst has set them, or as they are found; `None` of a point.
+    fn parts(&self, mark: &Mark, extent: ObjectExtent, span: &SideSpan) -> Option<Parts> {
+        match extent {
+            ObjectExtent::Point => None,
+            ObjectExtent::Drawn { border_m } => {
+                // Nobody draws the last sample.
+                let reach_m = f64::from(span.far_m) - 1.5 * span.metres_per_sample();
+                Some(echo::set_parts(mark, border_m, reach_m))
+            }
+            ObjectExtent::Found if echo::is_large(mark, self.sailed_over_m(mark)) => {
+                echo::drawn_parts(self.survey, mark)
+            }
+            ObjectExtent::Found => parts(self.survey, mark),
+        }
+    }
+
     /// What is seen of the object in a box.
-    fn seen(&self, mark: &Mark, span: &SideSpan, altitude_m: f64) -> Seen {
+    fn seen(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        found: Option<Parts>,
+        span: &SideSpan,
+        altitude_m: f64,
+    ) -> Seen {
         let calibrated = |recorded_m: f64| self.calibrated_m(span, recorded_m);
+        if extent == ObjectExtent::Point {
+            let range_m = calibrated(0.5 * (mark.near_m + mark.far_m));
+            return Seen::point(altitude_m, range_m);
+        }
+        let is_drawn = extent.border_m().is_some();
         let large = echo::is_large(mark, self.sailed_over_m(mark));
-        let found = match large {
-            true => echo::drawn_parts(self.survey, mark),
-            false => parts(self.survey, mark),
-        };
         // The box begins where the echo does, and holds more shadow than echo. Of the echo itself often one face is bright.
         let shadow_m = found.and_then(|found| found.shadow_m);
         let far_m = match (&found, shadow_m) {
@@ -179,8 +214,12 @@ impl<'a> Placer<'a> {
             near_m: calibrated(mark.near_m),
             far_m: calibrated(far_m),
             box_end_m: calibrated(mark.far_m),
-            // A shadow ends the echo, or whoever drew the box of a large object did.
-            bounded: large || shadow_m.is_some(),
+            // A shadow ends the echo, or whoever drew the edges or the box of a large object did.
+            bounded: large || is_drawn || shadow_m.is_some(),
+            edge_sigma_m: match is_drawn {
+                true => DRAWN_SIGMA_M,
+                false => EDGE_SIGMA_M,
+            },
             longest: longest.map(|shadow| Shadow {
                 bright_end_m: calibrated(shadow.bright_end_m),
                 start_m: calibrated(shadow.start_m),
@@ -231,7 +270,7 @@ impl<'a> Placer<'a> {
         })
     }
 
-    /// Extent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
+    /// ObjectExtent along the track where the object lies, with the beam's width there taken off (as widths of two blurs are). In a
     /// turn the beam sweeps slower or faster there than the boat sails.
     fn length_m(&self, mark: &Mark, slant_m: f64, out_m: f64) -> f64 {
         let abeam = |ping: usize| {

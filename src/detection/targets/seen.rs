@@ -8,6 +8,8 @@ use super::echo::Shadow;
 
 /// Standard deviation of an edge in range, metres: a pulse is 2 to 5 cm long, and edges are rounded.
 pub(super) const EDGE_SIGMA_M: f64 = 0.05;
+/// The same of an edge that is drawn by hand: the eye puts it within about another 5 cm, the side of a speckle.
+pub(super) const DRAWN_SIGMA_M: f64 = 0.07;
 /// Standard deviation of the altitude at the object: the bottom is not flat. A share of the altitude.
 pub(super) const ALTITUDE_SIGMA: f64 = 0.05;
 /// Slope of the bottom between the object and the end of its shadow, standard deviation: 2 degrees.
@@ -37,11 +39,32 @@ pub(super) struct Seen {
     pub(super) bounded: bool,
     /// Far edge of the box, which whoever drew it took for the end of the shadow.
     pub(super) box_end_m: f64,
+    /// Standard deviation of an edge in range.
+    pub(super) edge_sigma_m: f64,
     /// The longest shadow.
     pub(super) longest: Option<Shadow>,
 }
 
 impl Seen {
+    /// A place without size.
+    pub(super) fn point(altitude_m: f64, range_m: f64) -> Self {
+        Self {
+            altitude_m,
+            near_m: range_m,
+            far_m: range_m,
+            bounded: true,
+            box_end_m: range_m,
+            edge_sigma_m: DRAWN_SIGMA_M,
+            longest: None,
+        }
+    }
+
+    /// Start and end of the longest shadow; NaN where there is none.
+    pub(super) fn shadow_m(&self) -> [f64; 2] {
+        let shadow = self.longest.map(|shadow| [shadow.start_m, shadow.end_m]);
+        shadow.unwrap_or([f64::NAN; 2])
+    }
+
     /// Slant range of the middle of the echo.
     pub(super) fn slant_m(&self) -> f64 {
         0.5 * (self.near_m + self.far_m)
@@ -69,8 +92,10 @@ impl Seen {
             } = shadow;
             let height_m = self.height_m();
             // Of evenly spread ones the standard deviation is the width over the root of 12.
-            let start_sigma_m = EDGE_SIGMA_M.hypot((start_m - bright_end_m) / 12f64.sqrt());
-            let end_sigma_m = EDGE_SIGMA_M.hypot(0.5 * (self.box_end_m - end_m));
+            let start_sigma_m = self
+                .edge_sigma_m
+                .hypot((start_m - bright_end_m) / 12f64.sqrt());
+            let end_sigma_m = self.edge_sigma_m.hypot(0.5 * (self.box_end_m - end_m));
             let start = self.altitude_m / end_m * start_sigma_m;
             let end = self.altitude_m * start_m / (end_m * end_m) * end_sigma_m;
             let beside = |range_m: f64, below_m: f64| {
@@ -87,7 +112,7 @@ impl Seen {
         })
     }
 
-    /// Extent across the track on the bottom.
+    /// ObjectExtent across the track on the bottom.
     pub(super) fn width_m(&self) -> f64 {
         let [near_m, far_m] = self.ground_m(self.raised_m());
         far_m - near_m
@@ -108,7 +133,7 @@ impl Seen {
         };
         let raised_m = self.raised_m();
         let edges_m = moved(&|sign| {
-            let edge_m = sign * EDGE_SIGMA_M;
+            let edge_m = sign * self.edge_sigma_m;
             let seen = Self {
                 near_m: self.near_m + edge_m,
                 far_m: self.far_m + edge_m,
@@ -186,6 +211,7 @@ mod tests {
             near_m: ground_m.hypot(2.0),
             far_m: start_m,
             box_end_m: end_m,
+            edge_sigma_m: EDGE_SIGMA_M,
             bounded: true,
             longest: Some(Shadow {
                 bright_end_m: start_m,
@@ -222,5 +248,23 @@ mod tests {
         other.bounded = false;
         assert!(other.height_m().is_nan() && other.height_sigma_m().is_nan());
         assert!(other.across_sigma_m() > 1.3 * beside.across_sigma_m());
+    }
+
+    #[test]
+    fn a_point_lies_where_its_ray_meets_the_bottom_and_has_no_height() {
+        let point = Seen::point(3.0, 5.0);
+        assert!((point.middle_m() - 4.0).abs() < 1e-12);
+        assert!(point.height_m().is_nan() && point.shadow_m()[0].is_nan());
+        assert!(point.across_sigma_m() > 0.0);
+        // Nearer to the boat the same slant range says less of the place.
+        assert!(Seen::point(3.0, 3.2).across_sigma_m() > point.across_sigma_m());
+    }
+
+    #[test]
+    fn an_edge_drawn_by_hand_is_a_little_less_certain() {
+        let mut drawn = block(6.0);
+        let found_m = drawn.height_sigma_m();
+        drawn.edge_sigma_m = DRAWN_SIGMA_M;
+        assert!(drawn.height_sigma_m() > found_m);
     }
 }

@@ -3,7 +3,7 @@
 use super::Truth;
 use crate::detection::dataset::Known;
 use crate::detection::review::Review;
-use crate::detection::{Mark, class_index};
+use crate::detection::{Mark, ObjectExtent, class_index};
 use crate::survey::{Identity, Side};
 use csv::StringRecord;
 
@@ -32,9 +32,11 @@ impl Truth {
         from_table(text, of.pings)
     }
 
-    /// The accepted and added boxes of a review.
+    /// The accepted and added boxes of a review, without its points.
     pub fn from_review(review: &Review) -> Self {
-        let objects = review.boxes().filter(|one| one.state.is_object());
+        // Of a point nobody knows the box.
+        let objects = (review.boxes())
+            .filter(|one| one.state.is_object() && one.extent != ObjectExtent::Point);
         Self {
             classes: review.classes().to_vec(),
             objects: objects

@@ -6,7 +6,7 @@ use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-const HEADER: [&str; 22] = [
+const HEADER: [&str; 24] = [
     "id",
     "file",
     "class",
@@ -29,6 +29,8 @@ const HEADER: [&str; 22] = [
     "height_sigma_m",
     "object",
     "note",
+    "name",
+    "confidence",
 ];
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
@@ -63,7 +65,7 @@ pub fn objects_csv(
     })
 }
 
-fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 22] {
+fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 24] {
     let samples = row.mark.samples(survey);
     let target = row.target.as_ref();
     let number = |value: f64, decimals: usize| match value.is_finite() {
@@ -98,6 +100,8 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 22] {
         row.object
             .map_or_else(String::new, |object| object.to_string()),
         plain(row.note),
+        plain(row.name),
+        row.confidence.to_owned(),
     ]
 }
 

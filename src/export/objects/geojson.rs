@@ -51,6 +51,8 @@ fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
             "sigma_m": metres(target.sigma_m),
             "height_sigma_m": metres(target.height_sigma_m),
             "object": row.object,
+            "name": row.name,
+            "confidence": row.confidence,
             "note": row.note,
         },
     });

@@ -27,7 +27,7 @@ pub fn objects_gpx(
                 "<wpt lat=\"{:.8}\" lon=\"{:.8}\"><name>{}</name><desc>{}</desc><type>{}</type></wpt>",
                 target.position.lat_deg,
                 target.position.lon_deg,
-                xml(&row.name(log_name(logs, row))),
+                xml(&row.title(log_name(logs, row))),
                 xml(&row.description()),
                 xml(row.class),
             )

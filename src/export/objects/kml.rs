@@ -27,7 +27,7 @@ pub fn objects_kml(
             writeln!(
                 text,
                 "<Placemark><name>{}</name><description>{}</description><Point><coordinates>{:.8},{:.8}</coordinates></Point></Placemark>",
-                xml(&row.name(log_name(logs, row))),
+                xml(&row.title(log_name(logs, row))),
                 xml(&row.description()),
                 target.position.lon_deg,
                 target.position.lat_deg,

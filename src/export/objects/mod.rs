@@ -2,16 +2,19 @@
 
 mod csv_table;
 mod geojson;
+mod geopackage;
 mod gpx;
 mod kml;
 
 pub use csv_table::objects_csv;
 pub use geojson::objects_geojson;
+pub use geopackage::objects_gpkg;
 pub use gpx::objects_gpx;
 pub use kml::objects_kml;
 
 use crate::detection::Mark;
 use crate::detection::targets::Target;
+use crate::geo::LonLat;
 use crate::survey::Survey;
 
 /// A log that boxes are of.
@@ -46,27 +49,42 @@ pub struct ObjectRow<'a> {
     pub mark: &'a Mark,
     /// Where in the world; `None` where that cannot be known.
     pub target: Option<Target>,
+    /// Corners of its outline on the ground: length along the track by width across it; `None` where the size is not known.
+    pub outline: Option<[LonLat; 4]>,
     /// Number of the object that it is a sighting of; `None` where it is none.
     pub object: Option<usize>,
     /// The analyst's remark.
     pub note: &'a str,
+    /// What the analyst calls it; empty where it has no name.
+    pub name: &'a str,
+    /// How sure the analyst is: `unsure`, `probable` or `certain`; empty where nobody has said.
+    pub confidence: &'a str,
 }
 
 impl ObjectRow<'_> {
-    /// `rock 12`, or `rock 12, lake-1` of several logs: plotters take places of one name for one.
-    fn name(&self, log: Option<&str>) -> String {
+    /// `rock 12`, or `rock 12, lake-1` of several logs: plotters take places of one name for one. `Anna, rock 12` of one that has a name.
+    fn title(&self, log: Option<&str>) -> String {
         let log = log.map_or_else(String::new, |log| format!(", {log}"));
-        format!("{} {}{log}", self.class, self.id)
+        let name = match self.name.is_empty() {
+            true => String::new(),
+            false => format!("{}, ", self.name),
+        };
+        format!("{name}{} {}{log}", self.class, self.id)
     }
 
-    /// What a plotter shows beside the name: size, height, depth, confidence, note; what is not known is left out.
+    /// What a plotter shows beside the name: size, height, depth, score, confidence, note; what is not known is left out.
     fn description(&self) -> String {
         let mut parts = vec![self.state.to_owned()];
         if let Some(score) = self.score {
-            parts.push(format!("confidence {score:.2}"));
+            parts.push(format!("score {score:.2}"));
+        }
+        if !self.confidence.is_empty() {
+            parts.push(self.confidence.to_owned());
         }
         if let Some(target) = &self.target {
-            parts.push(format!("{:.2} x {:.2} m", target.length_m, target.width_m));
+            if target.length_m.is_finite() && target.width_m.is_finite() {
+                parts.push(format!("{:.2} x {:.2} m", target.length_m, target.width_m));
+            }
             let known = [
                 ("height", target.height_m),
                 ("depth", target.depth_m),

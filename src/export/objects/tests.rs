@@ -15,6 +15,8 @@ fn mark() -> Mark {
 fn target(mark: &Mark) -> Target {
     Target {
         mark: mark.clone(),
+        extent: crate::detection::ObjectExtent::Found,
+        parts: None,
         slant_m: 4.5,
         ground_m: 4.0,
         altitude_m: 2.0,
@@ -27,6 +29,7 @@ fn target(mark: &Mark) -> Target {
         length_m: 0.8,
         width_m: 0.6,
         height_m: f64::NAN,
+        shadow_m: [f64::NAN; 2],
         height_sigma_m: f64::NAN,
         depth_m: 2.0,
         sigma_m: 0.3,
@@ -47,8 +50,11 @@ fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
         state: "accepted",
         mark,
         target: Some(target(mark)),
+        outline: None,
         object: Some(1),
         note: "=cmd & \"two\", \u{1}see\nbelow",
+        name: "",
+        confidence: "",
     };
     let lost = ObjectRow {
         id: 8,

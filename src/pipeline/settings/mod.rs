@@ -103,6 +103,16 @@ pub struct Settings {
     pub surface: SurfaceSettings,
     /// `isobaths.*`.
     pub isobaths: IsobathSettings,
+    /// `report.*`.
+    pub report: ReportSettings,
+}
+
+/// `report.*` settings: what the report shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReportSettings {
+    /// Proposals that nobody has decided about have a section each, as targets have.
+    pub proposals: bool,
 }
 
 impl Settings {
@@ -194,6 +204,7 @@ impl Settings {
         plain.mosaic = MosaicSettings::default();
         plain.surface = SurfaceSettings::default();
         plain.isobaths = IsobathSettings::default();
+        plain.report = ReportSettings::default();
         plain.crs = CrsChoice::default();
         [Preset::Recommended, Preset::Published]
             .into_iter()

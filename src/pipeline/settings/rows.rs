@@ -333,4 +333,10 @@ rows! {
     SMOOTH: "isobaths.smooth", "Smoothing", "isobath smoothing",
         "How often the corners of isobaths are cut; 0 leaves them as measured.",
         number!(isobaths.smooth, "", [0.0, 8.0], 1.0, 0, Slider);
+    REPORT_PROPOSALS: "report.proposals", "Proposals", "proposals in the report",
+        "Whether proposals that nobody has decided about have a section of their own in the report, as accepted and added targets have.",
+        choice!(report.proposals, [
+            "false", "left out", "Only what was accepted or added has a section.";
+            "true", "shown", "Undecided proposals come after the targets.";
+        ]);
 }

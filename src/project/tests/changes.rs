@@ -65,7 +65,7 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
         }
         11 | 12 => {
             let id = BoxId(1 + (b % 20) as u32);
-            let edit = match a % 8 {
+            let edit = match a % 13 {
                 0 => Edit::Accept(id),
                 1 => Edit::Reject(id),
                 2 => Edit::Undecide(id),
@@ -76,6 +76,21 @@ fn change_from((kind, a, b): (u8, usize, usize), project: &Project) -> Option<Ch
                     mark: mark(b % 480),
                     class: 0,
                 },
+                7 => Edit::SetEdges {
+                    id,
+                    mark: mark(b % 480),
+                    border_m: b as f64 / 100.0,
+                },
+                8 => Edit::FindEdges(id),
+                9 => Edit::AddPoint {
+                    side,
+                    ping: b % 480,
+                    range_m: 1.0 + b as f64 / 50.0,
+                    class: 0,
+                },
+                10 => Edit::Classify(id, format!("class {}", b % 4)),
+                11 if b % 2 == 0 => Edit::Rename(id, format!("name {b}")),
+                11 => Edit::Rate(id, (b % 3 > 0).then_some(Confidence::ALL[b % 3])),
                 _ if b % 2 == 0 => Edit::Remove(id),
                 _ => Edit::Note(id, format!("note\n{b} \"x\" \u{2028}")),
             };

@@ -143,7 +143,8 @@ pub fn row(ui: &mut Ui, name: &str, hint: &str, add: impl FnOnce(&mut Ui) -> Res
     .inner
 }
 
-fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
+/// The name of a row, as wide as those of all rows.
+pub fn name_cell(ui: &mut Ui, name: &str, hint: &str) -> Response {
     let size = egui::vec2(theme::LABEL_WIDTH, ui.spacing().interact_size.y);
     let label = ui
         .allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {

@@ -39,6 +39,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         setting(ui, context, &rows::CRS);
         groups(ui, context);
+        setting(ui, context, &rows::REPORT_PROPOSALS);
         parts::remark(
             ui,
             "manifest.json says of each: inputs, settings, system, extent.",

@@ -107,8 +107,12 @@ const BOXES: &[Action] = &[
     Action::RejectObject,
     Action::UndecideObject,
     Action::NextSighting,
+    Action::FlyToBox,
     Action::EditBox,
+    Action::NextEdge,
+    Action::FindEdges,
     Action::NewBox,
+    Action::MarkTarget,
     Action::SwapSide,
     Action::RemoveBox,
 ];
@@ -283,7 +287,8 @@ fn review(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     ui.separator();
     for &action in BOXES {
-        let enabled = is_open && (has_boxes || action == Action::NewBox);
+        let enabled =
+            is_open && (has_boxes || matches!(action, Action::NewBox | Action::MarkTarget));
         titled(ui, context, action, action.label(), enabled);
     }
     ui.separator();

@@ -9,9 +9,9 @@ pub(crate) mod search;
 
 use self::exported::{check_dataset, check_tables, export_by_keys};
 use crate::window::{Window, app, demo_window, drawn_window, press, settle, threshold};
-use bathyscope::app::{Action, App, Command, Jobs, Tool};
-use bathyscope::detection::review::{BoxId, Edit, Review, State};
-use bathyscope::detection::{Detection, Mark, Raster};
+use bathyscope::app::{Action, App, BoxEdge, Command, Jobs, Tool, border_m};
+use bathyscope::detection::review::{BoxId, Edit, Review, Reviewed, State};
+use bathyscope::detection::{Detection, Mark, ObjectExtent, Raster};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
 use bathyscope::survey::{Identity, Side};

@@ -142,3 +142,102 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
     assert_eq!(app(&window).log.reviewing.selected, None);
     assert!(app(&window).selection.is_some());
 }
+
+#[test]
+fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::F);
+    press(&mut window, Modifiers::NONE, Key::N);
+    let (from, to) = (at(&window, 300.0, -9.0), at(&window, 400.0, -4.0));
+    drag(&mut window, from, to);
+    let id = selected(&window);
+    let one = |window: &Window| review_of(window).get(id).expect("the box").clone();
+    let drawn = one(&window);
+    assert_eq!(drawn.extent, ObjectExtent::Found);
+    let border_m = border_m(&app(&window).log.reviewing, &drawn);
+    assert!((drawn.mark.near_m..=drawn.mark.far_m).contains(&border_m));
+
+    press(&mut window, Modifiers::NONE, Key::E);
+    // Off the middle of the box along the track, so that nothing else is near.
+    let (from, to) = (at(&window, 350.0, -border_m), at(&window, 350.0, -7.6));
+    drag(&mut window, from, to);
+    let set = one(&window);
+    assert_eq!(set.mark, drawn.mark, "the outer edges stay");
+    let moved_m = set.extent.border_m().expect("a border that was drawn");
+    assert!((moved_m - 7.6).abs() < 0.2, "{moved_m}");
+    let label = format!("edges of box {}", id.0);
+    assert_eq!(app(&window).undo_label(), Some(&*label));
+
+    // By keys: the border is the second edge. To port, up on the screen is outward.
+    press(&mut window, Modifiers::NONE, Key::G);
+    press(&mut window, Modifiers::NONE, Key::G);
+    assert_eq!(app(&window).log.reviewing.edge, BoxEdge::Border);
+    window.get_by_label_contains("editing its border of echo and shadow");
+    press(&mut window, Modifiers::NONE, Key::ArrowUp);
+    let nudged_m = one(&window).extent.border_m().expect("a border");
+    assert!((nudged_m - moved_m - 0.04).abs() < 1e-9, "{nudged_m}");
+    press(&mut window, Modifiers::NONE, Key::G);
+    press(&mut window, Modifiers::SHIFT, Key::ArrowUp);
+    let longer = one(&window);
+    assert!((longer.mark.far_m - drawn.mark.far_m - 0.4).abs() < 1e-9);
+    assert_eq!(longer.extent.border_m(), Some(nudged_m), "the border stays");
+
+    // Each was one step.
+    for _ in 0..2 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(one(&window).extent.border_m(), Some(moved_m));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(one(&window).extent, ObjectExtent::Found);
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    app_mut(&mut window).apply(Command::Do(Action::FindEdges));
+    window.run();
+    assert_eq!(one(&window).extent, ObjectExtent::Found);
+}
+
+#[test]
+fn a_target_is_marked_by_a_click_or_at_the_pointer() {
+    let mut window = demo_window();
+    press(&mut window, Modifiers::NONE, Key::F);
+    press(&mut window, Modifiers::NONE, Key::T);
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Point);
+    let place = at(&window, 300.0, -6.0);
+    drag(&mut window, place, place);
+    let points = |window: &Window| -> Vec<Mark> {
+        let is_point = |one: &Reviewed| one.extent == ObjectExtent::Point;
+        assert!(review_of(window).boxes().all(is_point));
+        let boxes = review_of(window).boxes();
+        boxes.map(|one| one.mark.clone()).collect()
+    };
+    let [point] = &points(&window)[..] else {
+        panic!("{:?}", points(&window))
+    };
+    let range_m = 0.5 * (point.near_m + point.far_m);
+    assert!(
+        (range_m - 6.0).abs() < 0.1 && point.side == Side::Port,
+        "{point:?}"
+    );
+    assert!((point.pings.start as f64 - 300.0).abs() < 4.0, "{point:?}");
+    assert_eq!(app(&window).log.reviewing.tool, Tool::Look);
+    let id = selected(&window);
+    let placed = app(&window).log.reviewing.placed(id).expect("a place");
+    let target = &placed.target;
+    assert!(target.length_m.is_nan() && target.width_m.is_nan() && target.height_m.is_nan());
+    assert!(target.east_m.is_finite() && target.sigma_m > 0.0);
+
+    // By keys: once for the tool, once more at the pointer.
+    window.hover_at(at(&window, 500.0, 5.0));
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::T);
+    press(&mut window, Modifiers::NONE, Key::T);
+    assert_eq!(points(&window).len(), 2);
+    assert_eq!(points(&window)[1].side, Side::Starboard);
+    assert_eq!(app(&window).undo_label(), Some("new point 2"));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(points(&window).len(), 1);
+    // A point is deleted as a box that was drawn.
+    app_mut(&mut window).apply(Command::SelectBox(Some(id)));
+    window.run();
+    press(&mut window, Modifiers::NONE, Key::Delete);
+    assert!(points(&window).is_empty());
+}

@@ -1,20 +1,22 @@
-//! The selected box enlarged: the bottom around it in square pixels, as a detector sees it.
+//! The selected box enlarged: the bottom around it in square pixels, turned as the waterfall is.
 
-use crate::app::{ColourMap, OpenLog, PIXEL_M};
+use crate::app::{ColourMap, OpenLog, Orientation, PIXEL_M, WaterfallOptions};
 use crate::detection::review::{Review, Reviewed};
-use crate::detection::{Mark, Raster, TILE_PX, level};
+use crate::detection::{Mark, ObjectExtent, Raster, Rect as BoxRect, TILE_PX, level};
 use crate::pipeline::Same;
 use crate::presentation::units::Units;
-use crate::survey::{Navigation, Survey};
+use crate::survey::{Navigation, Side, Survey};
 use crate::ui::views::waterfall::{outline, palette};
-use egui::{ColorImage, Rect, Response, Role, Sense, TextureHandle, Ui, WidgetInfo, pos2, vec2};
+use egui::{ColorImage, Pos2, Rect, Response, Role, Sense, TextureHandle, Ui, Vec2, WidgetInfo};
+use egui::{pos2, vec2};
 
-/// Width over height.
-const ASPECT: f32 = 1.5;
-/// Height of the picture over that of the box.
-const SURROUNDINGS: f32 = 2.2;
-/// Least height, pixels of the raster: a box alone tells nothing.
+/// Surroundings on each side of a box as a share of its longer side, and at least, pixels of the raster.
+const SURROUNDINGS: f32 = 0.35;
+const LEAST_AROUND_PX: f32 = 14.0;
+/// Least side of a picture, pixels: a box alone tells nothing.
 const LEAST_PX: f32 = 64.0;
+/// Longer side of a picture over its shorter one, at most.
+const LONGEST: f32 = 2.6;
 
 /// What a picture was made of.
 #[derive(Clone, PartialEq)]
@@ -23,100 +25,243 @@ pub struct Key {
     pub navigation: Same<Navigation>,
     pub mark: Mark,
     pub map: ColourMap,
+    pub orientation: Orientation,
 }
 
 impl Key {
     /// Of a box of a log; `None` while the log has no results.
-    pub fn of(log: &OpenLog, mark: &Mark, map: ColourMap) -> Option<Self> {
+    pub fn of(log: &OpenLog, mark: &Mark, shown: &WaterfallOptions) -> Option<Self> {
         Some(Self {
             survey: Same(log.survey.clone()?),
             navigation: Same(log.products.as_ref()?.navigation.clone()),
             mark: mark.clone(),
-            map,
+            map: shown.colour_map,
+            orientation: shown.orientation,
         })
+    }
+
+    fn turned(&self) -> Turned {
+        Turned {
+            orientation: self.orientation,
+            side: self.mark.side,
+        }
+    }
+}
+
+/// How a raster's picture, range to the right and time downward, is turned: as the waterfall shows that side.
+#[derive(Clone, Copy)]
+struct Turned {
+    orientation: Orientation,
+    side: Side,
+}
+
+impl Turned {
+    /// Where a place of the raster's picture comes to lie; both as shares of the picture.
+    fn share(self, range: f32, time: f32) -> Pos2 {
+        let across = match self.side {
+            Side::Port => 1.0 - range,
+            Side::Starboard => range,
+        };
+        match self.orientation {
+            Orientation::Horizontal => pos2(time, across),
+            Orientation::Vertical => pos2(across, time),
+        }
+    }
+
+    fn size([columns, rows]: [usize; 2], orientation: Orientation) -> [usize; 2] {
+        match orientation {
+            Orientation::Horizontal => [rows, columns],
+            Orientation::Vertical => [columns, rows],
+        }
+    }
+
+    /// Which way range grows and time runs.
+    fn words(self) -> &'static str {
+        match (self.orientation, self.side) {
+            (Orientation::Vertical, Side::Starboard) => "range to the right, time down",
+            (Orientation::Vertical, Side::Port) => "range to the left, time down",
+            (Orientation::Horizontal, Side::Starboard) => "range down, time to the right",
+            (Orientation::Horizontal, Side::Port) => "range up, time to the right",
+        }
+    }
+}
+
+/// Columns and rows of the raster that a picture shows.
+struct Window {
+    column: usize,
+    row: usize,
+    columns: usize,
+    rows: usize,
+}
+
+impl Window {
+    /// The box and its surroundings, in no shape too long to be looked at.
+    fn around(rect: &BoxRect) -> [f32; 2] {
+        let [width, height] = [rect.x1 - rect.x0, rect.y1 - rect.y0];
+        let around = (SURROUNDINGS * width.max(height)).max(LEAST_AROUND_PX);
+        let [width, height] = [width, height].map(|side| (side + 2.0 * around).max(LEAST_PX));
+        let least = width.max(height) / LONGEST;
+        [width.max(least), height.max(least)]
+    }
+
+    fn new(raster: &Raster, mark: &Mark) -> Self {
+        let rect = raster.rect_of(mark);
+        let [width, height] = Self::around(&rect).map(|side| side.min(TILE_PX as f32));
+        let start = |from: f32, to: f32, size: f32| (0.5 * (from + to - size)).max(0.0) as usize;
+        Self {
+            column: start(rect.x0, rect.x1, width),
+            row: start(rect.y0, rect.y1, height),
+            columns: width as usize,
+            rows: height as usize,
+        }
     }
 }
 
 /// A picture of a box with what lies around it.
 pub struct Chip {
     texture: TextureHandle,
-    /// The box as shares of the picture.
+    /// Width and height, pixels.
+    size: Vec2,
+    /// The box as shares of the picture of the raster: range and time.
     share: Rect,
-    height_m: f64,
+    turned: Turned,
+    /// Width and height on the bottom, metres.
+    size_m: [f64; 2],
 }
 
 impl Chip {
-    /// Draws it; a box too large for a tile in coarser pixels.
+    /// Draws it; a box too large for a tile in coarser pixels, so that a hull is shown as a whole.
     pub fn new(of: &Key, ctx: &egui::Context) -> Option<Self> {
         let (survey, navigation, mark) = (&of.survey.0, &of.navigation.0, &of.mark);
         let fine = Raster::new(survey, navigation, PIXEL_M);
-        let height = chip_height(&fine, mark);
-        let largest = TILE_PX as f32 / ASPECT;
-        let pixel_m = PIXEL_M * f64::from((height / largest).max(1.0));
-        let raster = match pixel_m > PIXEL_M {
-            true => Raster::new(survey, navigation, pixel_m),
+        let [width, height] = Window::around(&fine.rect_of(mark));
+        let coarser = f64::from(width.max(height) / TILE_PX as f32);
+        let raster = match coarser > 1.0 {
+            true => fine.coarser(coarser),
             false => fine,
         };
-        let height = chip_height(&raster, mark).min(largest);
-        let rect = raster.rect_of(mark);
-        let [cx, cy] = [0.5 * (rect.x0 + rect.x1), 0.5 * (rect.y0 + rect.y1)];
-        let (rows, columns) = (height as usize, (height * ASPECT) as usize);
-        let column = (cx - 0.5 * columns as f32).max(0.0) as usize;
-        let row = (cy - 0.5 * rows as f32).max(0.0) as usize;
-        if rows == 0 || columns == 0 {
+        let window = Window::new(&raster, mark);
+        if window.rows == 0 || window.columns == 0 {
             return None;
         }
-        let mut tile = raster.tile(survey, mark.side, row, column);
+        let mut tile = raster.tile(survey, mark.side, window.row, window.column);
         level(&mut tile.pixels);
-        let colours = palette(of.map);
-        let pixels = tile.pixels.chunks_exact(TILE_PX).take(rows);
-        let pixels = pixels.flat_map(|line| line.iter().take(columns));
-        let pixels = pixels.map(|&level| {
-            let [r, g, b] = colours[usize::from(level)];
-            egui::Color32::from_rgb(r, g, b)
-        });
-        let image = ColorImage::new([columns, rows], pixels.collect());
-        let rect = rect.shifted(-(column as f32), -(row as f32));
-        let share = |x: f32, y: f32| pos2(x / columns as f32, y / rows as f32);
+        let rect = raster.rect_of(mark);
+        let share = |x: f32, y: f32| {
+            let x = (x - window.column as f32) / window.columns as f32;
+            pos2(x, (y - window.row as f32) / window.rows as f32)
+        };
+        let image = image(&tile.pixels, &window, of);
+        let [width, height] = image.size;
         Some(Self {
             texture: ctx.load_texture("box", image, egui::TextureOptions::LINEAR),
+            size: vec2(width as f32, height as f32),
             share: Rect::from_min_max(share(rect.x0, rect.y0), share(rect.x1, rect.y1)),
-            height_m: rows as f64 * raster.pixel_m(),
+            turned: of.turned(),
+            size_m: [width, height].map(|side| side as f64 * raster.pixel_m()),
         })
     }
 
-    /// Shows it as wide as there is room.
+    /// Shows it as large as there is room.
     pub fn ui(&self, ui: &mut Ui, one: &Reviewed, review: &Review, units: Units) {
-        let response = self.draw(ui, one, ui.available_width(), Sense::hover());
+        let width = ui.available_width();
+        let room = vec2(width, width / 1.2);
+        let response = self.draw(ui, one, room, Sense::hover());
+        let [width_m, height_m] = self.size_m;
         let name = format!(
-            "Picture of box {}, {}, {} high, range to the right",
+            "Picture of box {}, {}, {} wide, {} high, {}",
             one.id.0,
             review.class_name(one.class),
-            units.measure(self.height_m, 1)
+            units.measure(width_m, 1),
+            units.measure(height_m, 1),
+            self.turned.words()
         );
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-        response.on_hover_text("Slant range grows to the right, time runs down; square pixels.");
+        let hint = format!(
+            "As in the waterfall: {}; square pixels.",
+            self.turned.words()
+        );
+        response.on_hover_text(hint);
     }
 
-    /// Draws it as wide as it is told, with the line of the box's state.
-    pub fn draw(&self, ui: &mut Ui, one: &Reviewed, width: f32, sense: Sense) -> Response {
-        let (area, response) = ui.allocate_exact_size(vec2(width, width / ASPECT), sense);
+    /// Draws it as large as fits into some room, in its own shape, with the line of the box's state.
+    pub fn draw(&self, ui: &mut Ui, one: &Reviewed, room: Vec2, sense: Sense) -> Response {
+        let scale = (room / self.size).min_elem();
+        let size = self.size * scale;
+        let (whole, response) = ui.allocate_exact_size(vec2(room.x, size.y), sense);
+        let area = Rect::from_center_size(whole.center(), size);
         let painter = ui.painter_at(area);
-        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(self.texture.id(), area, whole, egui::Color32::WHITE);
-        let frame = Rect::from_min_max(
-            area.lerp_inside(self.share.min.to_vec2()),
-            area.lerp_inside(self.share.max.to_vec2()),
-        );
+        let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(self.texture.id(), area, all, egui::Color32::WHITE);
+        let at = |x: f32, y: f32| area.lerp_inside(self.turned.share(x, y).to_vec2());
+        let (min, max) = (self.share.min, self.share.max);
+        let frame = Rect::from_two_pos(at(min.x, min.y), at(max.x, max.y));
         // With the line of its state, as in the waterfall.
-        outline::draw(&painter, frame, outline::Style::of(one.state), false);
+        let style = outline::Style::of(one.state);
+        match one.extent {
+            ObjectExtent::Point => outline::point(&painter, frame.center(), style, false),
+            ObjectExtent::Found => outline::draw(&painter, frame, style, false),
+            ObjectExtent::Drawn { border_m } => {
+                outline::draw(&painter, frame, style, false);
+                let range_m = one.mark.far_m - one.mark.near_m;
+                let share = ((border_m - one.mark.near_m) / range_m) as f32;
+                let x = min.x + share * (max.x - min.x);
+                let line = [at(x, min.y), at(x, max.y)];
+                outline::border(&painter, line, style.colour, false);
+            }
+        }
         response
     }
 }
 
-/// Rows around a box so that its surroundings are seen, and all its columns.
-fn chip_height(raster: &Raster, mark: &Mark) -> f32 {
-    let rect = raster.rect_of(mark);
-    let tallest = (rect.y1 - rect.y0).max((rect.x1 - rect.x0) / ASPECT);
-    (SURROUNDINGS * tallest).max(LEAST_PX)
+/// The pixels of a window in colour, turned as the waterfall is.
+fn image(pixels: &[u8], window: &Window, of: &Key) -> ColorImage {
+    let colours = palette(of.map);
+    let size = Turned::size([window.columns, window.rows], of.orientation);
+    let [width, height] = size;
+    let is_port = of.mark.side == Side::Port;
+    let colour = |x: usize, y: usize| {
+        let (across, row) = match of.orientation {
+            Orientation::Horizontal => (y, x),
+            Orientation::Vertical => (x, y),
+        };
+        let column = match is_port {
+            true => window.columns - 1 - across,
+            false => across,
+        };
+        let level = pixels[row * TILE_PX + column];
+        let [r, g, b] = colours[usize::from(level)];
+        egui::Color32::from_rgb(r, g, b)
+    };
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    ColorImage::new(size, places.map(|(x, y)| colour(x, y)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_turned_as_the_waterfall_is() {
+        let share = |orientation, side| Turned { orientation, side }.share(0.25, 0.1);
+        let [h, v] = [Orientation::Horizontal, Orientation::Vertical];
+        assert_eq!(share(v, Side::Starboard), pos2(0.25, 0.1));
+        assert_eq!(share(v, Side::Port), pos2(0.75, 0.1));
+        assert_eq!(share(h, Side::Starboard), pos2(0.1, 0.25));
+        assert_eq!(share(h, Side::Port), pos2(0.1, 0.75));
+    }
+
+    #[test]
+    fn a_long_box_is_shown_whole_and_a_small_one_with_what_is_around() {
+        let rect = |width: f32, height: f32| BoxRect {
+            x0: 100.0,
+            y0: 200.0,
+            x1: 100.0 + width,
+            y1: 200.0 + height,
+        };
+        let [width, height] = Window::around(&rect(150.0, 750.0));
+        assert!(height > 1000.0 && width > 400.0 && height / width <= LONGEST + 1e-3);
+        let [width, height] = Window::around(&rect(10.0, 8.0));
+        assert_eq!([width, height], [LEAST_PX, LEAST_PX]);
+    }
 }

@@ -3,12 +3,14 @@
 
 mod chip;
 mod judged;
+mod lines;
 mod object;
 mod queue;
 mod selected;
+mod table;
 
 use super::parts::{Section, remark, section, warning};
-use crate::app::{Action, Command, LogBox};
+use crate::app::{Action, Command};
 use crate::pipeline::Background;
 use crate::presentation::units::Units;
 use crate::ui::{ViewContext, theme};
@@ -16,11 +18,11 @@ use chip::Chip;
 use egui::{Button, ProgressBar, RichText, Ui};
 use object::ObjectPictures;
 
-/// State of the panel: the picture of the selected box, and the note that is being written.
+/// State of the panel: the picture of the selected box, and what is being written about it.
 #[derive(Default)]
 pub struct ReviewPanel {
     chip: Background<chip::Key, Chip>,
-    note: Option<(LogBox, String)>,
+    lines: lines::Lines,
     object: ObjectPictures,
 }
 
@@ -52,7 +54,7 @@ impl ReviewPanel {
             queue::ui(ui, context);
             files(ui, context);
         });
-        object::list(ui, context);
+        table::ui(ui, context);
         judged::ui(ui, context);
     }
 }

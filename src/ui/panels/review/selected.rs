@@ -3,11 +3,11 @@
 use super::super::parts::{fact, remark};
 use super::chip::Chip;
 use super::{ReviewPanel, button, chip, size};
-use crate::app::{Action, Command, LogBox, Tool};
+use crate::app::{Action, Command, Tool};
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
 use crate::ui::{ViewContext, place, theme};
-use egui::{Button, RichText, TextEdit, Ui};
+use egui::{Button, RichText, Ui};
 
 /// Classes that have a key.
 const KEYED: usize = 9;
@@ -16,7 +16,7 @@ impl ReviewPanel {
     /// Draws the selected box, or how to select one.
     pub(super) fn selected(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         let Some(one) = context.app.log.reviewing.selected_box().cloned() else {
-            self.keep_note(context, None);
+            self.lines.keep(context, None);
             let all = context.app.review_counts().boxes.proposed == 0;
             let is_part = context.app.search_note().is_some();
             remark(
@@ -36,14 +36,14 @@ impl ReviewPanel {
         decisions(ui, context, &one);
         classes(ui, context, &one);
         facts(ui, context, &one);
-        self.note(ui, context, &one);
+        self.lines.ui(ui, context, &one);
         ui.add_space(4.0);
     }
 
     fn picture(&mut self, ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
         let app = context.app;
-        let map = app.options.waterfall.colour_map;
-        let Some(key) = chip::Key::of(&app.log, &one.mark, map) else {
+        let shown = &app.options.waterfall;
+        let Some(key) = chip::Key::of(&app.log, &one.mark, shown) else {
             return;
         };
         let (of, ctx) = (key.clone(), ui.ctx().clone());
@@ -53,47 +53,21 @@ impl ReviewPanel {
             picture.ui(ui, one, &app.log.reviewing.review, app.options.units);
         }
     }
-
-    fn note(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
-        self.keep_note(context, context.app.selected_log_box());
-        let Some((id, note)) = &mut self.note else {
-            return;
-        };
-        let line = TextEdit::singleline(note)
-            .hint_text("Note")
-            .desired_width(f32::INFINITY);
-        let line = ui.add(line).accessible_name("Note on the box");
-        if line.lost_focus() && *note != one.note {
-            context.push(Command::Note(*id, note.clone()));
-        } else if !line.has_focus() {
-            // Undo, or another way to change it.
-            note.clone_from(&one.note);
-        }
-    }
-
-    /// Starts on the note of another box; what was written on the last one is kept, also where that is of another log.
-    fn keep_note(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
-        if self.note.as_ref().map(|(id, _)| *id) == now {
-            return;
-        }
-        let app = context.app;
-        let before = self.note.take();
-        let written = |id: LogBox| Some((id, app.log_box(id)?.note.clone()));
-        self.note = now.and_then(written);
-        if let Some((id, note)) = before
-            && let Some(one) = app.log_box(id)
-            && one.note != note
-        {
-            context.push(Command::Note(id, note));
-        }
-    }
 }
 
 fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     let review = &context.app.log.reviewing.review;
     ui.horizontal(|ui| {
         let class = review.class_name(one.class);
-        ui.label(RichText::new(class).heading().strong());
+        let title = if one.name.is_empty() {
+            class
+        } else {
+            &one.name
+        };
+        ui.label(RichText::new(title).heading().strong());
+        if !one.name.is_empty() {
+            ui.label(class);
+        }
         if let Some(score) = one.score {
             ui.label(format!("{score:.2}"));
         }

@@ -207,7 +207,14 @@ impl CloudView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            show_ping(&mut camera, reveal.mark.ping, rect, products, scene);
+            let close_up = reveal.close_up.and_then(|close_up| {
+                let [east_m, north_m, z_m] = close_up.place_m?;
+                Some((scene.local(east_m, north_m, z_m), close_up.size_m))
+            });
+            match close_up {
+                Some((place, size_m)) => camera.close_up(place, size_m as f32),
+                None => show_ping(&mut camera, reveal.mark.ping, rect, products, scene),
+            }
         }
         self.camera = Some(camera);
         camera

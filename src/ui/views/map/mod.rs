@@ -270,7 +270,13 @@ impl MapView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            if let Some(place) = place::east_north(context.app, reveal.mark) {
+            let close_up = reveal.close_up.and_then(|close_up| {
+                let [east_m, north_m, _] = close_up.place_m?;
+                Some(([east_m, north_m], close_up.size_m))
+            });
+            if let Some((place, size_m)) = close_up {
+                transform.close_up(rect, place, size_m);
+            } else if let Some(place) = place::east_north(context.app, reveal.mark) {
                 transform.reveal(rect, place);
             }
         }

@@ -102,6 +102,14 @@ impl MapTransform {
         }
     }
 
+    /// Enlarges a place: what has this size there fills about a third of the view.
+    pub fn close_up(&mut self, rect: Rect, place: [f64; 2], size_m: f64) {
+        let [nearest, farthest] = SCALES;
+        let points = f64::from(rect.size().min_elem().max(1.0));
+        self.metres_per_point = (3.0 * size_m / points).clamp(nearest, farthest);
+        self.centre_m = place;
+    }
+
     /// Scale and offset of pixels (from the top left of `rect`) per metre from `origin_m`, as `track.wgsl` takes them.
     pub fn pixels(&self, rect: Rect, pixels_per_point: f32, origin_m: [f64; 2]) -> [f32; 4] {
         let origin = self.to_screen(rect, origin_m) - rect.min;
@@ -129,6 +137,16 @@ mod tests {
         let across = f64::from(north_east.x - south_west.x) / 200.0;
         let up = f64::from(south_west.y - north_east.y) / 40.0;
         assert!((across - up).abs() < 1e-4, "{across} {up}");
+    }
+
+    #[test]
+    fn what_is_shown_close_up_fills_a_third_of_the_view() {
+        let mut transform = MapTransform::fit([-50.0, 0.0, 150.0, 40.0], rect(), 1);
+        transform.close_up(rect(), [40.0, 10.0], 6.0);
+        let ends = [37.0, 43.0].map(|east| transform.to_screen(rect(), [east, 10.0]));
+        assert!((ends[1].x - ends[0].x - 100.0).abs() < 0.1, "{ends:?}");
+        let middle = transform.to_screen(rect(), [40.0, 10.0]);
+        assert!(middle.distance(rect().center()) < 0.1);
     }
 
     #[test]

@@ -75,6 +75,9 @@ impl Axis {
     }
 }
 
+/// Size of the view over that of an object that it shows close up.
+const CLOSE_UP: f64 = 3.0;
+
 /// Where the view looks. Along: ping numbers. Across: metres, port negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Camera {
@@ -176,6 +179,34 @@ impl Camera {
         let finest_m = extent.bin_m / LARGEST_TEXEL;
         self.across
             .settle(extent.near_m, extent.far_m, size.across, finest_m);
+    }
+
+    /// Shows these pings and ranges so that they fill about a third of the view, a metre along as long as one across where it is known
+    /// how many metres a ping is.
+    pub fn close_up(
+        &mut self,
+        pings: [f64; 2],
+        across_m: [f64; 2],
+        metres_per_ping: Option<f64>,
+        size: Size,
+    ) {
+        let [ping_count, range_m] = [pings, across_m].map(|[from, to]| to - from);
+        let mut per_point = [
+            CLOSE_UP * ping_count / size.along,
+            CLOSE_UP * range_m / size.across,
+        ];
+        if let Some(metres) = metres_per_ping {
+            let larger_m = per_point[1].max(per_point[0] * metres);
+            per_point = [larger_m / metres, larger_m];
+        }
+        let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
+            centre: 0.5 * (from + to),
+            per_point,
+            fitted: false,
+        };
+        self.is_one_to_one = false;
+        self.along = axis(pings, per_point[0]);
+        self.across = axis(across_m, per_point[1]);
     }
 
     /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.

@@ -291,7 +291,17 @@ impl WaterfallView {
             && reveal.serial != self.reveal_serial
         {
             self.reveal_serial = reveal.serial;
-            camera.reveal(reveal.mark.ping as f64 + 0.5, size);
+            match reveal.close_up {
+                Some(close_up) => {
+                    let pings = close_up.pings.map(|ping| ping as f64);
+                    let survey = context.app.log.survey.as_deref();
+                    let metres = survey.and_then(|survey| {
+                        pointer::metres_per_ping(context.app, survey, reveal.mark.ping)
+                    });
+                    camera.close_up(pings, close_up.across_m, metres, size);
+                }
+                None => camera.reveal(reveal.mark.ping as f64 + 0.5, size),
+            }
         }
         let fits = context.app.measuring.tool.is_none();
         gestures::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);

@@ -69,7 +69,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         missed.draw(painter);
     }
     for shown_box in shown.boxes {
-        shown_box.draw(painter, shown.app.log.reviewing.tool);
+        shown_box.draw(painter, lens, &shown.app.log.reviewing);
     }
     let mut labels = Labels::new(painter);
     if let Some(text) = banner(shown) {

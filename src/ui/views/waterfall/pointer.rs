@@ -60,9 +60,17 @@ pub(super) fn follow(
         && let Some(at) = response.interact_pointer_pos()
     {
         let tool = context.app.log.reviewing.tool;
-        let finds = !matches!(tool, Tool::Draw | Tool::Bottom | Tool::LeaveOut);
+        let finds = !matches!(
+            tool,
+            Tool::Draw | Tool::Point | Tool::Bottom | Tool::LeaveOut
+        );
         match boxes::under(lens, context.app, at).filter(|_| finds) {
             Some(id) => context.push(Command::SelectBox(Some(id))),
+            None if tool == Tool::Point && response.clicked() => {
+                if let Some(mark) = mark_at(survey, lens.place_at(at)) {
+                    context.push(Command::MarkTarget(mark));
+                }
+            }
             None if matches!(tool, Tool::Look | Tool::Bottom | Tool::LeaveOut) => {
                 let mark = mark_at(survey, lens.place_at(at));
                 context.push(Command::Select(mark));

@@ -1,17 +1,20 @@
 //! Clicks and drags on boxes.
 
+use super::hit::outward_m;
 use super::hit::{Edges, drawn};
 use super::{Lens, on_screen};
-use crate::app::{App, Command, Tool};
-use crate::detection::Mark;
-use crate::detection::review::{BoxId, Edit};
+use crate::app::{App, Command, Tool, border_m};
+use crate::detection::review::{BoxId, Edit, Reviewed};
+use crate::detection::{Mark, ObjectExtent};
 use crate::ui::views::drag;
 use crate::ui::views::waterfall::lens::Place;
 use crate::ui::{ViewContext, theme};
-use egui::{CursorIcon, Painter, Pos2, Response, Stroke, StrokeKind, Ui};
+use egui::{CursorIcon, Painter, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
 
 /// How near a box a click must be, points.
 const NEAR: f32 = 3.0;
+/// Side of the square in which a click finds a point, points.
+const POINT: f32 = 18.0;
 /// Least extent on the screen of a box that is drawn: less is a click that slipped, points.
 const LEAST: f32 = 4.0;
 
@@ -22,6 +25,15 @@ enum Held {
         id: BoxId,
         edges: Edges,
         origin: Mark,
+        from: Place,
+    },
+    /// The border between echo and shadow of a box, since a place.
+    Border {
+        id: BoxId,
+        mark: Mark,
+        /// As it was, set or not.
+        extent: ObjectExtent,
+        border_m: f64,
         from: Place,
     },
     /// The first corner of a new box.
@@ -45,8 +57,11 @@ impl Boxes {
         context: &mut ViewContext<'_>,
     ) -> bool {
         let tool = context.app.log.reviewing.tool;
-        if matches!(tool, Tool::Look | Tool::Bottom | Tool::LeaveOut) {
+        if !matches!(tool, Tool::Edit | Tool::Draw) {
             self.held = None;
+            if tool == Tool::Point && response.hovered() {
+                ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+            }
             return false;
         }
         let pointer = response.interact_pointer_pos().or(response.hover_pos());
@@ -74,6 +89,21 @@ impl Boxes {
                     live: !is_over,
                 });
             }
+            Held::Border {
+                id,
+                mark,
+                border_m,
+                from,
+                ..
+            } => {
+                let moved_m = outward_m(mark.side, lens.place_at(at)) - outward_m(mark.side, *from);
+                let border_m = (border_m + moved_m).clamp(mark.near_m, mark.far_m);
+                let (id, mark) = (*id, mark.clone());
+                context.push(Command::Edit {
+                    edit: Edit::SetEdges { id, mark, border_m },
+                    live: !is_over,
+                });
+            }
             Held::Corner(corner) if is_over => {
                 let extent = (at - *corner).abs();
                 if extent.min_elem() >= LEAST {
@@ -95,12 +125,17 @@ impl Boxes {
 
     /// Lets go without a change: a box goes back to where it was.
     fn give_up(&mut self, context: &mut ViewContext<'_>) {
-        if let Some(Held::Box { id, origin, .. }) = self.held.take() {
-            context.push(Command::Edit {
-                edit: Edit::Reshape(id, origin),
-                live: false,
-            });
-        }
+        let edit = match self.held.take() {
+            Some(Held::Box { id, origin, .. }) => Edit::Reshape(id, origin),
+            Some(Held::Border {
+                id, mark, extent, ..
+            }) => match extent.border_m() {
+                Some(border_m) => Edit::SetEdges { id, mark, border_m },
+                None => Edit::FindEdges(id),
+            },
+            Some(Held::Corner(_)) | None => return,
+        };
+        context.push(Command::Edit { edit, live: false });
     }
 
     fn show_cursor(&self, ui: &Ui, response: &Response, lens: &Lens, app: &App) {
@@ -113,9 +148,8 @@ impl Boxes {
                 .log
                 .reviewing
                 .selected_box()
-                .and_then(|one| Edges::under(lens, &one.mark, lens.place_at(at)))
-                .map(|edges| edges.cursor()),
-            Tool::Look | Tool::Bottom | Tool::LeaveOut => None,
+                .and_then(|one| cursor(app, lens, one, lens.place_at(at))),
+            Tool::Look | Tool::Point | Tool::Bottom | Tool::LeaveOut => None,
         };
         if let Some(icon) = icon {
             ui.ctx().set_cursor_icon(icon);
@@ -125,10 +159,34 @@ impl Boxes {
     /// Draws the box that is being drawn.
     pub fn draw(&self, painter: &Painter, at: Option<Pos2>) {
         if let Some((Held::Corner(corner), at)) = self.held.as_ref().zip(at) {
-            let rect = egui::Rect::from_two_pos(*corner, at);
+            let rect = Rect::from_two_pos(*corner, at);
             let stroke = Stroke::new(1.5, theme::selection_colour());
             painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
         }
+    }
+}
+
+/// The edges of a box under the pointer; a point has none and moves as a whole.
+fn edges_under(lens: &Lens, one: &Reviewed, at: Place) -> Option<Edges> {
+    let edges = Edges::under(lens, &one.mark, at)?;
+    Some(match one.extent {
+        ObjectExtent::Point => Edges::ALL,
+        ObjectExtent::Found | ObjectExtent::Drawn { .. } => edges,
+    })
+}
+
+/// The border between echo and shadow, metres of slant range, if it is under the pointer.
+fn border_under(app: &App, lens: &Lens, one: &Reviewed, at: Place) -> Option<f64> {
+    let border_m = border_m(&app.log.reviewing, one);
+    let is_under =
+        one.extent != ObjectExtent::Point && Edges::is_border(lens, &one.mark, border_m, at);
+    is_under.then_some(border_m)
+}
+
+fn cursor(app: &App, lens: &Lens, one: &Reviewed, at: Place) -> Option<CursorIcon> {
+    match border_under(app, lens, one, at) {
+        Some(_) => Some(CursorIcon::Crosshair),
+        None => edges_under(lens, one, at).map(|edges| edges.cursor()),
     }
 }
 
@@ -138,13 +196,31 @@ fn take(app: &App, lens: &Lens, at: Pos2) -> Option<Held> {
     }
     let one = app.log.reviewing.selected_box()?;
     let from = lens.place_at(at);
-    let edges = Edges::under(lens, &one.mark, from)?;
+    if let Some(border_m) = border_under(app, lens, one, from) {
+        return Some(Held::Border {
+            id: one.id,
+            mark: one.mark.clone(),
+            extent: one.extent,
+            border_m,
+            from,
+        });
+    }
+    let edges = edges_under(lens, one, from)?;
     Some(Held::Box {
         id: one.id,
         edges,
         origin: one.mark.clone(),
         from,
     })
+}
+
+/// Where a click finds a box: within its outline, or within the ring of a point.
+fn reach(lens: &Lens, one: &Reviewed) -> Rect {
+    let rect = on_screen(lens, &one.mark);
+    match one.extent {
+        ObjectExtent::Point => Rect::from_center_size(rect.center(), Vec2::splat(POINT)),
+        ObjectExtent::Found | ObjectExtent::Drawn { .. } => rect.expand(NEAR),
+    }
 }
 
 /// The box under the pointer: of several the smallest, which the others would otherwise hide.
@@ -155,7 +231,7 @@ pub(in crate::ui::views::waterfall) fn under(lens: &Lens, app: &App, at: Pos2) -
     let count = app.log.survey.as_ref()?.side_scan.len();
     let boxes = app.log.reviewing.between(lens.visible(count));
     boxes
-        .map(|one| (one.id, on_screen(lens, &one.mark).expand(NEAR)))
+        .map(|one| (one.id, reach(lens, one)))
         .filter(|(_, rect)| rect.contains(at))
         .min_by(|(_, a), (_, b)| a.area().total_cmp(&b.area()))
         .map(|(id, _)| id)

@@ -53,6 +53,19 @@ impl Edges {
         Some(if is_inside { Self::ALL } else { edges })
     }
 
+    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it.
+    pub fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
+        let range_m = outward_m(mark.side, at);
+        let off = |edge_m: f64| (range_m - edge_m).abs() / lens.metres_per_point();
+        let along = lens.pings_per_point();
+        let inside = [
+            (at.ping - mark.pings.start as f64) / along,
+            (mark.pings.end as f64 - at.ping) / along,
+        ];
+        let is_nearest = off(border_m) <= off(mark.near_m).min(off(mark.far_m));
+        off(border_m) < REACH && is_nearest && inside.iter().all(|inside| *inside > -REACH)
+    }
+
     /// The cursor that says so.
     pub fn cursor(&self) -> CursorIcon {
         match self {

@@ -10,11 +10,11 @@ pub(super) use missed::Missed;
 
 use super::labels::Labels;
 use super::lens::{Lens, Place, across_m};
-use crate::app::{App, Tool};
-use crate::detection::Mark;
+use crate::app::{App, BoxEdge, Reviewing, Tool, border_m};
 use crate::detection::review::{Review, Reviewed};
+use crate::detection::{Mark, ObjectExtent};
 use crate::ui::text;
-use egui::{Align2, Painter, Rect, vec2};
+use egui::{Align2, Painter, Pos2, Rect, vec2};
 use outline::Style;
 
 /// Shorter side on the screen from which a box carries its class and score, points.
@@ -63,11 +63,64 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
 
 impl Shown<'_> {
     /// Draws its outline, and the handles of the one that is edited.
-    pub fn draw(&self, painter: &Painter, tool: Tool) {
+    pub fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
         let style = Style::of(self.one.state);
+        if self.one.extent == ObjectExtent::Point {
+            return outline::point(painter, self.rect.center(), style, self.is_selected);
+        }
         outline::draw(painter, self.rect, style, self.is_selected);
-        if self.is_selected && tool == Tool::Edit {
+        let is_edited = self.is_selected && reviewing.tool == Tool::Edit;
+        if is_edited || self.one.extent.border_m().is_some() {
+            let border = self.border(lens, reviewing);
+            let is_small = self.rect.size().min_elem() < LABELLED;
+            if is_edited || !is_small {
+                outline::border(painter, border, style.colour, is_edited);
+            }
+        }
+        if is_edited {
             outline::handles(painter, self.rect, style.colour);
+            if let Some(edge) = self.edge(lens, reviewing) {
+                outline::held(painter, edge);
+            }
+        }
+    }
+
+    /// The line between its echo and its shadow.
+    fn border(&self, lens: &Lens, reviewing: &Reviewing) -> [Pos2; 2] {
+        self.line_at(lens, border_m(reviewing, self.one))
+    }
+
+    fn line_at(&self, lens: &Lens, range_m: f64) -> [Pos2; 2] {
+        let Mark { side, pings, .. } = &self.one.mark;
+        let across_m = across_m(*side, range_m);
+        [pings.start, pings.end].map(|ping| {
+            let ping = ping as f64;
+            lens.screen_at(Place { ping, across_m })
+        })
+    }
+
+    /// The edge that the arrow keys move; `None` where they move all of it.
+    fn edge(&self, lens: &Lens, reviewing: &Reviewing) -> Option<[Pos2; 2]> {
+        let Mark {
+            side,
+            pings,
+            near_m,
+            far_m,
+        } = &self.one.mark;
+        let at_ping = |ping: usize| {
+            [*near_m, *far_m].map(|range_m| {
+                let across_m = across_m(*side, range_m);
+                let ping = ping as f64;
+                lens.screen_at(Place { ping, across_m })
+            })
+        };
+        match reviewing.edge {
+            BoxEdge::Whole => None,
+            BoxEdge::Near => Some(self.line_at(lens, *near_m)),
+            BoxEdge::Border => Some(self.border(lens, reviewing)),
+            BoxEdge::Far => Some(self.line_at(lens, *far_m)),
+            BoxEdge::Start => Some(at_ping(pings.start)),
+            BoxEdge::End => Some(at_ping(pings.end)),
         }
     }
 
@@ -86,12 +139,16 @@ impl Shown<'_> {
     }
 }
 
-/// `rock 0.87`; what was decided goes without saying by the outline.
+/// `rock 0.87`, or `Anna (wreck) 0.87` of one that has a name; what was decided goes without saying by the outline.
 fn caption(one: &Reviewed, review: &Review) -> String {
     let class = review.class_name(one.class);
+    let class = match one.name.is_empty() {
+        true => class.to_owned(),
+        false => format!("{} ({class})", one.name),
+    };
     match one.score {
         Some(score) => format!("{class} {score:.2}"),
-        None => class.to_owned(),
+        None => class,
     }
 }
 
@@ -123,7 +180,15 @@ pub(super) fn words(seen: &[Shown<'_>], missed: &[Missed<'_>], app: &App) -> Str
 fn tool_in_hand(app: &App) -> &'static str {
     match app.log.reviewing.tool {
         Tool::Look => "",
-        Tool::Edit => ", editing it",
+        Tool::Edit => match app.log.reviewing.edge {
+            BoxEdge::Whole => ", editing it",
+            BoxEdge::Near => ", editing the near edge of its echo",
+            BoxEdge::Border => ", editing its border of echo and shadow",
+            BoxEdge::Far => ", editing the end of its shadow",
+            BoxEdge::Start => ", editing its first ping",
+            BoxEdge::End => ", editing its last ping",
+        },
+        Tool::Point => ", marking a target",
         Tool::Draw => ", drawing a box",
         Tool::Bottom => ", drawing the bottom",
         Tool::LeaveOut => ", leaving stretches out",

@@ -8,6 +8,8 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, vec2};
 const PLAIN: f32 = 8.0;
 /// Half of a handle, points.
 const HANDLE: f32 = 3.0;
+/// Radius of the ring of a point, points.
+const POINT: f32 = 6.0;
 
 /// The kind of line.
 #[derive(Clone, Copy, PartialEq)]
@@ -112,6 +114,43 @@ fn room(rect: Rect) -> egui::Vec2 {
     (0.5 * (vec2(PLAIN, PLAIN) - rect.size())).max(egui::Vec2::ZERO)
 }
 
+/// A place without size: a ring with a dot, whatever the scale.
+pub fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
+    let rim = Stroke::new(4.0, Color32::from_black_alpha(120));
+    let stroke = Stroke::new(1.5, style.colour);
+    for stroke in [rim, stroke] {
+        painter.circle_stroke(at, POINT, stroke);
+    }
+    painter.circle_filled(at, 1.5, style.colour);
+    if style.line == Line::Crossed {
+        let rect = Rect::from_center_size(at, egui::Vec2::splat(2.0 * POINT));
+        cross(painter, rect, style.colour);
+    }
+    if is_selected {
+        let halo = Stroke::new(2.0, theme::selection_colour());
+        painter.circle_stroke(at, POINT + 5.0, halo);
+    }
+}
+
+/// The line between echo and shadow, with a handle in its middle while it can be dragged.
+pub fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
+    painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
+    painter.extend(Shape::dashed_line(
+        &line,
+        Stroke::new(1.5, colour),
+        4.0,
+        3.0,
+    ));
+    if has_handle {
+        handle(painter, line[0].lerp(line[1], 0.5), colour);
+    }
+}
+
+/// The edge that the arrow keys move.
+pub fn held(painter: &Painter, line: [Pos2; 2]) {
+    painter.line_segment(line, Stroke::new(3.0, theme::selection_colour()));
+}
+
 /// Squares at the corners and on the middles of the edges.
 pub fn handles(painter: &Painter, rect: Rect, colour: Color32) {
     // In a small box they would hide it.
@@ -123,16 +162,16 @@ pub fn handles(painter: &Painter, rect: Rect, colour: Color32) {
                 continue;
             }
             let at = rect.lerp_inside(vec2(across, down));
-            let square = Rect::from_center_size(at, egui::Vec2::splat(2.0 * HANDLE));
-            painter.rect_filled(square, 0.0, colour);
-            painter.rect_stroke(
-                square,
-                0.0,
-                Stroke::new(1.0, Color32::BLACK),
-                StrokeKind::Outside,
-            );
+            handle(painter, at, colour);
         }
     }
+}
+
+fn handle(painter: &Painter, at: Pos2, colour: Color32) {
+    let square = Rect::from_center_size(at, egui::Vec2::splat(2.0 * HANDLE));
+    painter.rect_filled(square, 0.0, colour);
+    let edge = Stroke::new(1.0, Color32::BLACK);
+    painter.rect_stroke(square, 0.0, edge, StrokeKind::Outside);
 }
 
 /// The way around, back to its start.

@@ -1,0 +1,424 @@
+//! The table of objects: what a row says of an object, and which rows are shown in which order.
+
+use super::{ObjectState, SurveyObject};
+use crate::detection::ObjectExtent;
+use crate::detection::review::{Confidence, Reviewed, State};
+use crate::detection::targets::Target;
+use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+
+/// What the boxes of an object say of it, for a row of the table. Metres; NaN for what is not known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectSummary {
+    /// What the analyst calls it: the first of its boxes that has a name; empty where none has.
+    pub name: String,
+    /// Remarks on its boxes, one after the other.
+    pub notes: String,
+    /// How far the decisions about it are.
+    pub state: ObjectState,
+    /// The highest score of its boxes.
+    pub score: Option<f32>,
+    /// How sure the analyst is: the surest word of its boxes.
+    pub confidence: Option<Confidence>,
+    /// Its length by the box that tells its size best.
+    pub length_m: f64,
+    /// Its width by the same box.
+    pub width_m: f64,
+    /// Depth of the bottom there by the same box.
+    pub depth_m: f64,
+}
+
+impl ObjectSummary {
+    /// Of the boxes of an object, with their places. Sizes are those of a box whose edges were drawn, or else of the surest one.
+    pub(super) fn of<'a>(boxes: impl Iterator<Item = (&'a Reviewed, &'a Target)>) -> Self {
+        let mut summary = Self {
+            name: String::new(),
+            notes: String::new(),
+            state: ObjectState::Rejected,
+            score: None,
+            confidence: None,
+            length_m: f64::NAN,
+            width_m: f64::NAN,
+            depth_m: f64::NAN,
+        };
+        let mut best: Option<(bool, f32)> = None;
+        let (mut open, mut objects) = (0, 0);
+        for (one, target) in boxes {
+            open += usize::from(one.state == State::Proposed);
+            objects += usize::from(one.state.is_object());
+            if summary.name.is_empty() {
+                summary.name.clone_from(&one.name);
+            }
+            if !one.note.is_empty() {
+                if !summary.notes.is_empty() {
+                    summary.notes.push_str("; ");
+                }
+                summary.notes.push_str(&one.note);
+            }
+            let higher = |score: f32| summary.score.is_none_or(|known| score > known);
+            if one.score.is_some_and(higher) {
+                summary.score = one.score;
+            }
+            summary.confidence = summary.confidence.max(one.confidence);
+            let is_drawn = matches!(one.extent, ObjectExtent::Drawn { .. });
+            let rank = (is_drawn, one.score.unwrap_or(1.0));
+            let is_better = |best: (bool, f32)| rank.partial_cmp(&best) == Some(Ordering::Greater);
+            if best.is_none_or(is_better) {
+                best = Some(rank);
+                summary.length_m = target.length_m;
+                summary.width_m = target.width_m;
+                summary.depth_m = target.depth_m;
+            }
+        }
+        summary.state = match (open, objects) {
+            (0, 0) => ObjectState::Rejected,
+            (0, _) => ObjectState::Accepted,
+            _ => ObjectState::Open(open),
+        };
+        summary
+    }
+}
+
+/// A column of the table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ObjectColumn {
+    /// As they were found, along the first log.
+    #[default]
+    Number,
+    /// What the analyst calls it.
+    Name,
+    /// What most of its boxes take it for.
+    Class,
+    /// How far the decisions are.
+    State,
+    /// How sure the analyst is, and then the detector.
+    Sure,
+    /// Metres along the track.
+    Length,
+    /// Metres across the track.
+    Width,
+    /// Metres above the bottom.
+    Height,
+    /// Metres of the bottom below the level that depths count from.
+    Depth,
+    /// Boxes that show it: what is seen every time is rarely a false alarm.
+    Seen,
+    /// Logs that saw it.
+    Logs,
+}
+
+impl ObjectColumn {
+    /// All columns, from left to right.
+    pub const ALL: [Self; 11] = [
+        Self::Number,
+        Self::Name,
+        Self::Class,
+        Self::State,
+        Self::Sure,
+        Self::Length,
+        Self::Width,
+        Self::Height,
+        Self::Depth,
+        Self::Seen,
+        Self::Logs,
+    ];
+
+    /// Its heading.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Number => "no.",
+            Self::Name => "name",
+            Self::Class => "class",
+            Self::State => "state",
+            Self::Sure => "sure",
+            Self::Length => "length",
+            Self::Width => "width",
+            Self::Height => "height",
+            Self::Depth => "depth",
+            Self::Seen => "seen",
+            Self::Logs => "logs",
+        }
+    }
+
+    /// Whether a first click on its heading sorts from the largest down: what is seen most often and what is largest comes first.
+    fn begins_with_largest(self) -> bool {
+        !matches!(self, Self::Number | Self::Name | Self::Class | Self::State)
+    }
+}
+
+/// Which objects the table shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ObjectFilter {
+    /// Objects with undecided boxes.
+    Undecided,
+    /// Objects whose boxes were accepted or added.
+    Accepted,
+    /// Objects whose boxes were rejected.
+    Rejected,
+}
+
+impl ObjectFilter {
+    /// All of them, in the order of the work.
+    pub const ALL: [Self; 3] = [Self::Undecided, Self::Accepted, Self::Rejected];
+
+    /// Its name in the list.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Undecided => "undecided",
+            Self::Accepted => "accepted",
+            Self::Rejected => "rejected",
+        }
+    }
+
+    fn takes(self, state: ObjectState) -> bool {
+        match state {
+            ObjectState::Open(_) => self == Self::Undecided,
+            ObjectState::Accepted => self == Self::Accepted,
+            ObjectState::Rejected => self == Self::Rejected,
+        }
+    }
+}
+
+/// Order and filter of the table.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ObjectTable {
+    /// The column that it is sorted by.
+    pub sort: ObjectColumn,
+    /// From the largest down.
+    pub falling: bool,
+    /// Only objects in this state.
+    pub state: Option<ObjectFilter>,
+    /// Only objects with this in number, name, class or remarks, in capitals or not.
+    #[serde(skip)]
+    pub text: String,
+}
+
+impl ObjectTable {
+    /// Sorts by a column, or, where it is the one already, the other way around.
+    pub fn sort_by(&mut self, column: ObjectColumn) {
+        self.falling = match self.sort == column {
+            true => !self.falling,
+            false => column.begins_with_largest(),
+        };
+        self.sort = column;
+    }
+
+    /// Numbers of the objects that are shown, in order. Objects come by number, and stay so where they are alike; what is not known
+    /// comes last.
+    pub fn list(&self, objects: &[SurveyObject]) -> Vec<u32> {
+        let text = self.text.trim().to_lowercase();
+        let passes = |object: &&SurveyObject| {
+            let of_state = self.state;
+            of_state.is_none_or(|state| state.takes(object.summary.state)) && says(object, &text)
+        };
+        let mut shown: Vec<&SurveyObject> = objects.iter().filter(passes).collect();
+        shown.sort_by(|a, b| self.order(a, b));
+        shown.into_iter().map(|object| object.number).collect()
+    }
+
+    fn order(&self, a: &SurveyObject, b: &SurveyObject) -> Ordering {
+        let turned = |order: Ordering| if self.falling { order.reverse() } else { order };
+        let (left, right) = (&a.summary, &b.summary);
+        let metres = |left: f64, right: f64| match (left.is_nan(), right.is_nan()) {
+            (false, false) => turned(left.total_cmp(&right)),
+            (left, right) => left.cmp(&right),
+        };
+        let texts = |left: &str, right: &str| match (left.is_empty(), right.is_empty()) {
+            (false, false) => turned(left.to_lowercase().cmp(&right.to_lowercase())),
+            (left, right) => left.cmp(&right),
+        };
+        match self.sort {
+            ObjectColumn::Number => turned(a.number.cmp(&b.number)),
+            ObjectColumn::Name => texts(&left.name, &right.name),
+            ObjectColumn::Class => texts(&a.joint.class, &b.joint.class),
+            ObjectColumn::State => turned(state_place(left.state).cmp(&state_place(right.state))),
+            ObjectColumn::Sure => turned(
+                (left.confidence.cmp(&right.confidence)).then(score(left).total_cmp(&score(right))),
+            ),
+            ObjectColumn::Length => metres(left.length_m, right.length_m),
+            ObjectColumn::Width => metres(left.width_m, right.width_m),
+            ObjectColumn::Height => metres(a.joint.height_m, b.joint.height_m),
+            ObjectColumn::Depth => metres(left.depth_m, right.depth_m),
+            ObjectColumn::Seen => turned(a.boxes.len().cmp(&b.boxes.len())),
+            ObjectColumn::Logs => turned(a.logs().len().cmp(&b.logs().len())),
+        }
+    }
+}
+
+/// Undecided first, as the order of the work.
+fn state_place(state: ObjectState) -> usize {
+    match state {
+        ObjectState::Open(_) => 0,
+        ObjectState::Accepted => 1,
+        ObjectState::Rejected => 2,
+    }
+}
+
+/// Who drew a box was sure.
+fn score(summary: &ObjectSummary) -> f32 {
+    summary.score.unwrap_or(1.0)
+}
+
+fn says(object: &SurveyObject, text: &str) -> bool {
+    let summary = &object.summary;
+    let parts = [&summary.name, &object.joint.class, &summary.notes];
+    let has = |part: &&String| part.to_lowercase().contains(text);
+    text.is_empty() || parts.iter().any(has) || object.number.to_string() == text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{LogBox, LogId};
+    use crate::detection::review::BoxId;
+    use crate::detection::targets::GroupSettings;
+    use crate::geo::LonLat;
+    use crate::pipeline::joint::{PlacedBox, joint_objects};
+
+    fn target(length_m: f64) -> Target {
+        let mark = crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0);
+        Target {
+            mark,
+            extent: ObjectExtent::Found,
+            parts: None,
+            slant_m: 5.0,
+            ground_m: 4.0,
+            altitude_m: 3.0,
+            east_m: 0.0,
+            north_m: 0.0,
+            position: LonLat {
+                lon_deg: 0.0,
+                lat_deg: 0.0,
+            },
+            length_m,
+            width_m: 0.4,
+            height_m: f64::NAN,
+            shadow_m: [f64::NAN; 2],
+            height_sigma_m: f64::NAN,
+            depth_m: 3.0,
+            sigma_m: 0.3,
+            along_sigma_m: 0.3,
+            across_sigma_m: 0.3,
+            heading_rad: 0.0,
+            sailed_m: 10.0,
+        }
+    }
+
+    fn reviewed(state: State, score: f32) -> Reviewed {
+        Reviewed {
+            id: BoxId(1),
+            mark: crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0),
+            class: 0,
+            score: Some(score),
+            state,
+            edited: false,
+            note: String::new(),
+            name: String::new(),
+            confidence: None,
+            extent: ObjectExtent::Found,
+            model: None,
+        }
+    }
+
+    fn object(number: u32, class: &str, boxes: &[(Reviewed, Target)]) -> SurveyObject {
+        let placed = PlacedBox {
+            log: 0,
+            class,
+            score: None,
+            target: &boxes[0].1,
+        };
+        let joint = joint_objects(&[placed], &GroupSettings::default());
+        let log = LogId(1);
+        SurveyObject {
+            number,
+            boxes: vec![
+                LogBox {
+                    log,
+                    id: BoxId(number)
+                };
+                boxes.len()
+            ],
+            position: boxes[0].1.position,
+            joint: joint[0].clone(),
+            summary: ObjectSummary::of(boxes.iter().map(|(one, target)| (one, target))),
+        }
+    }
+
+    #[test]
+    fn a_row_says_what_its_boxes_say() {
+        let mut drawn = reviewed(State::Accepted, 0.3);
+        drawn.extent = ObjectExtent::Drawn { border_m: 6.0 };
+        drawn.name = "Anna".to_owned();
+        drawn.confidence = Some(Confidence::Probable);
+        drawn.note = "two".to_owned();
+        let mut other = reviewed(State::Proposed, 0.8);
+        other.note = "three".to_owned();
+        other.confidence = Some(Confidence::Unsure);
+        let boxes = [(other, target(2.0)), (drawn, target(1.0))];
+        let summary = object(1, "rock", &boxes).summary;
+        assert_eq!(summary.name, "Anna");
+        assert_eq!(summary.notes, "three; two");
+        assert_eq!(summary.state, ObjectState::Open(1));
+        assert_eq!(summary.score, Some(0.8));
+        assert_eq!(summary.confidence, Some(Confidence::Probable));
+        assert_eq!(summary.length_m, 1.0, "what was drawn counts");
+        let rejected = [(reviewed(State::Rejected, 0.5), target(1.0))];
+        assert_eq!(
+            object(1, "rock", &rejected).summary.state,
+            ObjectState::Rejected
+        );
+    }
+
+    #[test]
+    fn the_table_is_sorted_and_filtered() {
+        let one = |state, score, length_m| [(reviewed(state, score), target(length_m))];
+        let objects = [
+            object(1, "tyre", &one(State::Accepted, 0.5, 2.0)),
+            object(2, "Rock", &one(State::Proposed, 0.9, f64::NAN)),
+            object(3, "block", &one(State::Rejected, 0.7, 3.0)),
+        ];
+        let mut table = ObjectTable::default();
+        assert_eq!(table.list(&objects), [1, 2, 3]);
+        table.sort_by(ObjectColumn::Length);
+        assert_eq!(table.list(&objects), [3, 1, 2], "the longest first");
+        table.sort_by(ObjectColumn::Length);
+        assert_eq!(table.list(&objects), [1, 3, 2], "what is not known last");
+        table.sort_by(ObjectColumn::Class);
+        assert_eq!(table.list(&objects), [3, 2, 1]);
+        table.sort_by(ObjectColumn::State);
+        assert_eq!(table.list(&objects), [2, 1, 3]);
+        table.sort_by(ObjectColumn::Sure);
+        assert_eq!(table.list(&objects), [2, 3, 1]);
+        table.text = "ROC".to_owned();
+        assert_eq!(table.list(&objects), [2]);
+        table.text = "3".to_owned();
+        assert_eq!(table.list(&objects), [3]);
+        table.text.clear();
+        table.state = Some(ObjectFilter::Accepted);
+        assert_eq!(table.list(&objects), [1]);
+    }
+
+    #[test]
+    fn fifty_thousand_objects_are_sorted_in_a_moment() {
+        let boxes = [(reviewed(State::Proposed, 0.5), target(1.0))];
+        let first = object(1, "rock", &boxes);
+        let objects: Vec<SurveyObject> = (0..50_000_u32)
+            .map(|index| {
+                let mut one = first.clone();
+                one.number = index + 1;
+                one.summary.length_m = f64::from(index.wrapping_mul(2_654_435_761) >> 12);
+                one
+            })
+            .collect();
+        let mut table = ObjectTable::default();
+        table.sort_by(ObjectColumn::Length);
+        table.text = "rock".to_owned();
+        let start = std::time::Instant::now();
+        let listed = table.list(&objects);
+        let took = start.elapsed();
+        println!("50 000 objects in {took:?}");
+        assert_eq!(listed.len(), objects.len());
+        assert!(took.as_secs_f64() < 1.0, "{took:?}");
+    }
+}

@@ -1,0 +1,221 @@
+//! Single edges of a box by keys: those of its echo, the border to its shadow, and the end of the shadow. And points, which have none.
+
+use super::{PIXEL_M, Reviewing, Tool};
+use crate::app::{App, Mark};
+use crate::detection::ObjectExtent;
+use crate::detection::review::{Edit, Reviewed};
+use crate::survey::Side;
+
+/// What of the selected box the arrow keys move while it is edited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BoxEdge {
+    /// All of it.
+    #[default]
+    Whole,
+    /// The near edge of the echo.
+    Near,
+    /// The border between echo and shadow.
+    Border,
+    /// The end of the shadow.
+    Far,
+    /// The first ping.
+    Start,
+    /// The last ping.
+    End,
+}
+
+impl BoxEdge {
+    /// The one after it, and after the last one all of the box.
+    pub fn next(self) -> Self {
+        match self {
+            BoxEdge::Whole => BoxEdge::Near,
+            BoxEdge::Near => BoxEdge::Border,
+            BoxEdge::Border => BoxEdge::Far,
+            BoxEdge::Far => BoxEdge::Start,
+            BoxEdge::Start => BoxEdge::End,
+            BoxEdge::End => BoxEdge::Whole,
+        }
+    }
+
+    /// What it is called in the view; empty of the whole box.
+    pub fn name(self) -> &'static str {
+        match self {
+            BoxEdge::Whole => "",
+            BoxEdge::Near => "near edge of the echo",
+            BoxEdge::Border => "border of echo and shadow",
+            BoxEdge::Far => "end of the shadow",
+            BoxEdge::Start => "first ping",
+            BoxEdge::End => "last ping",
+        }
+    }
+
+    /// The edit that moves it by so many pings along the track and pixels of the raster to starboard; `None` of the whole box.
+    pub(super) fn moved(
+        self,
+        one: &Reviewed,
+        border_m: f64,
+        along: i32,
+        across: i32,
+    ) -> Option<Edit> {
+        let pings = along as isize;
+        let outward = match one.mark.side {
+            Side::Port => -across,
+            Side::Starboard => across,
+        };
+        let outward_m = f64::from(outward) * PIXEL_M;
+        let mut mark = one.mark.clone();
+        match self {
+            BoxEdge::Whole => return None,
+            BoxEdge::Border => {
+                let border_m = (border_m + outward_m).clamp(mark.near_m, mark.far_m);
+                let id = one.id;
+                return Some(Edit::SetEdges { id, mark, border_m });
+            }
+            BoxEdge::Near => mark.near_m = (mark.near_m + outward_m).min(mark.far_m - PIXEL_M),
+            BoxEdge::Far => mark.far_m = (mark.far_m + outward_m).max(mark.near_m + PIXEL_M),
+            BoxEdge::Start => {
+                let start = mark.pings.start.saturating_add_signed(pings);
+                mark.pings.start = start.min(mark.pings.end - 1);
+            }
+            BoxEdge::End => {
+                let end = mark.pings.end.saturating_add_signed(pings);
+                mark.pings.end = end.max(mark.pings.start + 1);
+            }
+        }
+        Some(Edit::Reshape(one.id, mark))
+    }
+}
+
+/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where nothing is
+/// found, a third of the box from its near edge, as boxes hold more shadow than echo.
+pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
+    let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
+    let found = || {
+        let placed = reviewing.placed(one.id)?;
+        // Of a box that has just been moved the parts are those of a moment ago.
+        let parts = placed.target.parts?;
+        Some(
+            parts
+                .shadow_m
+                .map_or(parts.echo_m[1], |shadow_m| shadow_m[0]),
+        )
+    };
+    let border_m = one.extent.border_m().or_else(found);
+    let border_m = border_m.unwrap_or(near_m + (far_m - near_m) / 3.0);
+    border_m.clamp(near_m, far_m)
+}
+
+impl App {
+    /// Goes on to the next edge of the box that is edited; takes the tool for it first.
+    pub(in crate::app) fn next_edge(&mut self) {
+        if self.log.reviewing.tool != Tool::Edit {
+            self.take_tool(Tool::Edit);
+        }
+        let is_box = |one: &Reviewed| one.extent != ObjectExtent::Point;
+        let reviewing = &mut self.log.reviewing;
+        if reviewing.tool == Tool::Edit && reviewing.selected_box().is_some_and(is_box) {
+            reviewing.edge = reviewing.edge.next();
+        }
+    }
+
+    /// Takes the tool that marks points, or, with it in hand, marks one at the pointer or at the selected place.
+    pub(in crate::app) fn point_tool(&mut self) {
+        if self.log.reviewing.tool != Tool::Point {
+            return self.take_tool(Tool::Point);
+        }
+        let places = [self.hover, self.selection].into_iter().flatten();
+        match places.into_iter().find(|mark| mark.sample.is_some()) {
+            Some(mark) => self.mark_target(mark),
+            None => {
+                let text = "click the target in the waterfall, or point there and press T";
+                self.notify(text.to_owned(), true);
+            }
+        }
+    }
+
+    /// Marks a point where a sample lies.
+    pub(in crate::app) fn mark_target(&mut self, mark: Mark) {
+        let Some((side, sample)) = mark.side.zip(mark.sample) else {
+            let text = "nothing was recorded there; mark the target in the picture";
+            return self.notify(text.to_owned(), true);
+        };
+        let span = (self.log.survey.as_ref()).and_then(|survey| survey.span(mark.ping, side));
+        let Some(span) = span else {
+            return;
+        };
+        let range_m = span.range_m(f64::from(sample));
+        let class = self.log.reviewing.class();
+        let edit = Edit::AddPoint {
+            side,
+            ping: mark.ping,
+            range_m,
+            class,
+        };
+        self.edit(&edit, false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection;
+    use crate::detection::review::{BoxId, State};
+
+    fn reviewed(side: Side) -> Reviewed {
+        Reviewed {
+            id: BoxId(4),
+            mark: detection::Mark {
+                side,
+                pings: 10..20,
+                near_m: 4.0,
+                far_m: 7.0,
+            },
+            class: 0,
+            score: None,
+            state: State::Added,
+            edited: false,
+            note: String::new(),
+            name: String::new(),
+            confidence: None,
+            extent: ObjectExtent::Found,
+            model: None,
+        }
+    }
+
+    #[test]
+    fn arrows_move_one_edge_as_it_looks() {
+        let port = reviewed(Side::Port);
+        // To the right is to starboard: inward on the port side.
+        let Some(Edit::SetEdges { border_m, mark, .. }) = BoxEdge::Border.moved(&port, 5.0, 0, 10)
+        else {
+            panic!("the border moves")
+        };
+        assert!((border_m - 4.6).abs() < 1e-9 && mark == port.mark);
+        let Some(Edit::Reshape(_, mark)) = BoxEdge::Far.moved(&port, 5.0, 3, -10) else {
+            panic!("the far edge moves")
+        };
+        assert!((mark.far_m - 7.4).abs() < 1e-9);
+        assert_eq!((mark.near_m, mark.pings), (4.0, 10..20));
+        let starboard = reviewed(Side::Starboard);
+        let Some(Edit::Reshape(_, mark)) = BoxEdge::Near.moved(&starboard, 5.0, 0, 1000) else {
+            panic!("the near edge moves")
+        };
+        assert!(mark.near_m < mark.far_m);
+        let Some(Edit::Reshape(_, mark)) = BoxEdge::End.moved(&starboard, 5.0, -90, 0) else {
+            panic!("the last ping moves")
+        };
+        assert_eq!(mark.pings, 10..11);
+        assert_eq!(BoxEdge::Whole.moved(&port, 5.0, 1, 1), None);
+    }
+
+    #[test]
+    fn the_edges_come_in_turn() {
+        let mut edge = BoxEdge::Whole;
+        let mut seen = vec![edge];
+        while edge.next() != BoxEdge::Whole {
+            edge = edge.next();
+            seen.push(edge);
+        }
+        assert_eq!(seen.len(), 6);
+    }
+}

@@ -1,0 +1,43 @@
+//! A box enlarged in all views.
+
+use super::Reviewing;
+use crate::app::{App, CloseUp, LogBox};
+use crate::detection::review::{BoxId, Reviewed};
+use crate::survey::Side;
+
+/// Longer side that anything small and a point count with, metres: what lies around is to be seen too.
+const LEAST_M: f64 = 1.5;
+
+impl App {
+    /// Shows the log of a box, if it is another one, and has all views enlarge the box.
+    pub(in crate::app) fn fly_to(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        let Some(one) = self.log.reviewing.selected_box() else {
+            return;
+        };
+        let close_up = close_up(&self.log.reviewing, one, id.id);
+        if let Some(reveal) = &mut self.reveal {
+            reveal.close_up = Some(close_up);
+        }
+    }
+}
+
+fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId) -> CloseUp {
+    let mark = &one.mark;
+    let middle_m = 0.5 * (mark.near_m + mark.far_m);
+    let half_m = (0.5 * (mark.far_m - mark.near_m)).max(0.5 * LEAST_M);
+    let ends_m = [(middle_m - half_m).max(0.0), middle_m + half_m];
+    let across_m = match mark.side {
+        Side::Port => [-ends_m[1], -ends_m[0]],
+        Side::Starboard => ends_m,
+    };
+    let target = reviewing.placed(id).map(|placed| &placed.target);
+    let size_m = target.map_or(f64::NAN, |target| target.length_m.max(target.width_m));
+    CloseUp {
+        pings: [mark.pings.start, mark.pings.end],
+        across_m,
+        place_m: target.map(|target| [target.east_m, target.north_m, -target.depth_m]),
+        // NaN of a point gives the least.
+        size_m: size_m.max(LEAST_M),
+    }
+}

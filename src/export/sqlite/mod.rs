@@ -1,0 +1,95 @@
+//! A database file of SQLite 3, written at once: tables of rows, and the indexes that their keys ask for. What a GeoPackage needs, without
+//! the engine. The format is that of <https://www.sqlite.org/fileformat2.html>.
+//!
+//! `record` turns values into bytes, `tree` rows into pages.
+
+mod record;
+mod tree;
+
+pub use record::Value;
+
+use tree::{Cell, Pages};
+
+/// Bytes of a page.
+const PAGE: usize = 4096;
+/// Bytes of the header of the file, at the start of the first page.
+const HEADER: usize = 100;
+/// The version of SQLite that the file says to have been written by: 3.45.0.
+const WRITER: u32 = 3_045_000;
+
+/// A table with its rows.
+pub struct Table {
+    /// Its name.
+    pub name: &'static str,
+    /// The statement that makes it.
+    pub sql: &'static str,
+    /// Row numbers, growing, and the values of their columns. The column that is the number of its row has [`Value::Null`].
+    pub rows: Vec<(i64, Vec<Value>)>,
+    /// The columns of each index that SQLite makes by itself for a key of the statement, in the order in which the statement names them.
+    pub keys: &'static [&'static [usize]],
+}
+
+/// The bytes of a database with these tables; `None` of an index that does not fit into a page, which a table of rows must not ask for.
+/// `application` says what kind of file it is, `version` which version of that.
+pub fn database(application: u32, version: u32, tables: &[Table]) -> Option<Vec<u8>> {
+    let mut pages = Pages::new();
+    let mut schema: Vec<Vec<Value>> = Vec::new();
+    let mut entry = |kind: &str, name: String, table: &str, root: u32, sql: Option<&str>| {
+        schema.push(vec![
+            Value::Text(kind.to_owned()),
+            Value::Text(name),
+            Value::Text(table.to_owned()),
+            Value::Integer(i64::from(root)),
+            sql.map_or(Value::Null, |sql| Value::Text(sql.to_owned())),
+        ]);
+    };
+    for table in tables {
+        let cells = table.rows.iter().map(|(id, row)| Cell::of_row(*id, row));
+        let root = pages.add_table(cells);
+        entry(
+            "table",
+            table.name.to_owned(),
+            table.name,
+            root,
+            Some(table.sql),
+        );
+        for (number, columns) in (1..).zip(table.keys) {
+            let root = pages.add_index(&table.rows, columns)?;
+            let name = format!("sqlite_autoindex_{}_{number}", table.name);
+            entry("index", name, table.name, root, None);
+        }
+    }
+    let rows = (1..).zip(&schema).map(|(id, row)| Cell::of_row(id, row));
+    pages.set_schema(rows);
+    let mut file = pages.into_bytes();
+    let count = (file.len() / PAGE) as u32;
+    file[..HEADER].copy_from_slice(&header(application, version, count));
+    Some(file)
+}
+
+/// The header of the file.
+fn header(application: u32, version: u32, pages: u32) -> [u8; HEADER] {
+    let mut header = [0; HEADER];
+    header[..16].copy_from_slice(b"SQLite format 3\0");
+    header[16..18].copy_from_slice(&(PAGE as u16).to_be_bytes());
+    // No write-ahead log, no bytes reserved in a page, and the fractions of a page that the format fixes.
+    header[18..24].copy_from_slice(&[1, 1, 0, 64, 32, 32]);
+    let mut put = |at: usize, number: u32| {
+        header[at..at + 4].copy_from_slice(&number.to_be_bytes());
+    };
+    // The number of changes, which is said again where the number of pages is to be believed.
+    put(24, 1);
+    put(28, pages);
+    put(40, 1);
+    // Format of the schema; texts in UTF-8.
+    put(44, 4);
+    put(56, 1);
+    put(60, version);
+    put(68, application);
+    put(92, 1);
+    put(96, WRITER);
+    header
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,136 @@
+//! What is written about a box: its name, its class, a remark, and how sure the analyst is.
+
+use super::super::parts::name_cell;
+use crate::app::{App, Command, LogBox};
+use crate::detection::review::{Confidence, Edit, Reviewed};
+use crate::ui::ViewContext;
+use egui::{Button, TextEdit, Ui};
+
+/// A text of a box.
+#[derive(Clone, Copy)]
+enum Line {
+    Name,
+    Class,
+    Note,
+}
+
+impl Line {
+    const ALL: [Self; 3] = [Self::Name, Self::Class, Self::Note];
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Name => "Name of the box",
+            Self::Class => "Class of the box",
+            Self::Note => "Note on the box",
+        }
+    }
+
+    fn heading(self) -> &'static str {
+        match self {
+            Self::Name => "Name",
+            Self::Class => "Class",
+            Self::Note => "Remarks",
+        }
+    }
+
+    fn hint(self) -> &'static str {
+        match self {
+            Self::Name => "What you call it, in tables, maps and the report.",
+            Self::Class => "A class of your own: it joins the list of this log's classes.",
+            Self::Note => "Anything that is to be known about it.",
+        }
+    }
+
+    fn of(self, app: &App, id: LogBox) -> Option<String> {
+        let one = app.log_box(id)?;
+        Some(match self {
+            Self::Name => one.name.clone(),
+            Self::Class => {
+                let review = &app.open_log(id.log)?.reviewing.review;
+                review.class_name(one.class).to_owned()
+            }
+            Self::Note => one.note.clone(),
+        })
+    }
+
+    fn edit(self, id: LogBox, text: String) -> Command {
+        let edit = match self {
+            Self::Name => Edit::Rename(id.id, text),
+            Self::Class => Edit::Classify(id.id, text),
+            Self::Note => Edit::Note(id.id, text),
+        };
+        Command::EditIn(id.log, edit)
+    }
+}
+
+/// The texts that are being written about one box.
+#[derive(Default)]
+pub struct Lines {
+    written: Option<(LogBox, [String; 3])>,
+}
+
+impl Lines {
+    /// Draws the lines of the selected box.
+    pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
+        self.keep(context, context.app.selected_log_box());
+        let Some((id, texts)) = &mut self.written else {
+            return;
+        };
+        for (line, text) in Line::ALL.into_iter().zip(texts) {
+            let now = line.of(context.app, *id).unwrap_or_default();
+            let field = TextEdit::singleline(text)
+                .hint_text(line.heading())
+                .desired_width(f32::INFINITY);
+            let field = ui.horizontal(|ui| {
+                name_cell(ui, line.heading(), line.hint());
+                ui.add(field).accessible_name(line.label())
+            });
+            let field = field.inner;
+            if field.lost_focus() && *text != now {
+                context.push(line.edit(*id, text.clone()));
+            } else if !field.has_focus() {
+                // Undo, or another way to change it.
+                text.clone_from(&now);
+            }
+        }
+        confidence(ui, context, *id, one);
+    }
+
+    /// Starts on the texts of another box; what was written on the last one is kept, also where that is of another log.
+    pub fn keep(&mut self, context: &mut ViewContext<'_>, now: Option<LogBox>) {
+        if self.written.as_ref().map(|(id, _)| *id) == now {
+            return;
+        }
+        let app = context.app;
+        let before = self.written.take();
+        self.written = now.map(|id| {
+            let text = |line: Line| line.of(app, id).unwrap_or_default();
+            (id, Line::ALL.map(text))
+        });
+        let Some((id, texts)) = before else {
+            return;
+        };
+        for (line, text) in Line::ALL.into_iter().zip(texts) {
+            if line.of(app, id).is_some_and(|now| now != text) {
+                context.push(line.edit(id, text));
+            }
+        }
+    }
+}
+
+/// How sure the analyst is; the word that is chosen already is taken back by a click.
+fn confidence(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
+    let hint = "How sure you are, beside the score of the detector.";
+    ui.horizontal(|ui| {
+        name_cell(ui, "Sure", hint);
+        for word in Confidence::ALL {
+            let chosen = one.confidence == Some(word);
+            let button = ui.add(Button::selectable(chosen, word.name()));
+            let button = button.accessible_name(format!("Confidence {}", word.name()));
+            if button.clicked() {
+                let rated = (!chosen).then_some(word);
+                context.push(Command::EditIn(id.log, Edit::Rate(id.id, rated)));
+            }
+        }
+    });
+}
