@@ -5,7 +5,8 @@ use super::{ReportData, SeenObject};
 use crate::detection::ObjectExtent;
 use crate::detection::targets::Target;
 use crate::export::ObjectRow;
-use crate::presentation::text::{NONE, measure, plural, position};
+use crate::presentation::text::{NONE, plural, position};
+use crate::presentation::units::Units;
 use crate::printable::xml;
 use crate::progress::{Cancelled, Progress};
 use std::fmt::Write as _;
@@ -117,7 +118,7 @@ fn of_object(from: &ReportData<'_>, shown: &Shown<'_>) -> String {
     let mut facts = Facts::default();
     facts.add("Class", &class);
     facts.add("Position", &position(object.position));
-    facts.add("Within", &measure(object.sigma_m, 2, "m"));
+    facts.add("Within", &Units::default().measure(object.sigma_m, 2));
     if let Some(target) = &best.target {
         sizes(&mut facts, target, Some(object.height_m));
     }
@@ -139,7 +140,7 @@ fn of_proposal(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     facts.add("Class", &class);
     if let Some(target) = &row.target {
         facts.add("Position", &position(target.position));
-        facts.add("Within", &measure(target.sigma_m, 2, "m"));
+        facts.add("Within", &Units::default().measure(target.sigma_m, 2));
         sizes(&mut facts, target, None);
     }
     decided(&mut facts, &[row]);
@@ -168,9 +169,9 @@ fn sizes(facts: &mut Facts, target: &Target, mean_m: Option<f64>) {
     facts.add("Size", &format!("{size}{edges}"));
     facts.add("Height", &height(target));
     if let Some(mean_m) = mean_m.filter(|mean_m| (mean_m - target.height_m).abs() > 0.005) {
-        facts.add("Mean height", &measure(mean_m, 2, "m"));
+        facts.add("Mean height", &Units::default().measure(mean_m, 2));
     }
-    facts.add("Depth there", &measure(target.depth_m, 2, "m"));
+    facts.add("Depth there", &Units::default().measure(target.depth_m, 2));
 }
 
 /// `1.52 ± 0.12 m: altitude 8.01 m, shadow from 17.20 to 22.90 m slant range, H (r_e - r_t) / r_e`.

@@ -136,7 +136,7 @@ impl EchogramPart {
         let size = Size::of(rect.size(), options.orientation);
         let camera = camera.get_or_insert_with(|| Camera::start(&extent, size));
         camera.share_along(along, &extent, size);
-        gestures::apply(camera, ui, &response, &arrangement, &extent, true);
+        gestures::apply(camera, ui, &response, &arrangement, &extent, true, true);
         camera.settle_across(&extent, size);
         along.take_along(camera);
         let lens = Lens::arranged(*camera, rect, &arrangement);
@@ -223,10 +223,9 @@ impl Over<'_> {
         let options = &app.options;
         let ink = theme::picture_ink(options);
         let as_recorded = Reduction::default();
-        let range_lines = options
-            .waterfall
-            .range_lines
-            .then(|| RangeLines::in_view(lens, self.survey, as_recorded, self.far_m));
+        let range_lines = options.waterfall.range_lines.then(|| {
+            RangeLines::in_view(lens, self.survey, as_recorded, self.far_m, options.units)
+        });
         if let Some(lines) = &range_lines {
             lines.draw(painter, ink);
         }

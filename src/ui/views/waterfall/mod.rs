@@ -304,7 +304,15 @@ impl WaterfallView {
             }
         }
         let fits = context.app.measuring.tool.is_none();
-        gestures::apply(&mut camera, ui, response, arrangement, extent, drag_moves, fits);
+        gestures::apply(
+            &mut camera,
+            ui,
+            response,
+            arrangement,
+            extent,
+            drag_moves,
+            fits,
+        );
         camera.settle(extent, size);
         self.camera = Some(camera);
         self.size = Some(size);
