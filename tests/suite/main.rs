@@ -55,6 +55,7 @@ mod survey_run;
 mod targets;
 mod trusted_depths;
 mod truth;
+mod units_window;
 mod waterfall;
 mod waterfall_measure;
 mod window;

@@ -31,7 +31,7 @@ fn classes() -> Vec<String> {
 }
 
 /// Boxes along the open survey, both sides in turn, scores falling and rising again.
-fn detections(window: &Window, count: usize) -> Vec<Detection> {
+pub(crate) fn detections(window: &Window, count: usize) -> Vec<Detection> {
     let pings = identity(window).pings;
     let step = (pings - 40) / count;
     let one = |index: usize| Detection {
@@ -59,7 +59,7 @@ fn raster(window: &Window) -> Raster {
 }
 
 /// Gives the window a model's detections by way of a review file, and returns the file.
-fn propose(window: &mut Window, detections: &[Detection], folder: &Path) -> PathBuf {
+pub(crate) fn propose(window: &mut Window, detections: &[Detection], folder: &Path) -> PathBuf {
     let empty = Review::new(identity(window), classes());
     let review = empty.adopt("test model", &classes(), detections, &raster(window));
     let path = folder.join("demo.review.json");
