@@ -77,7 +77,7 @@ fn vs_main(@builtin(vertex_index) vertex: u32, quad: Quad) -> Corner {
 }
 
 // Altitude, scale, offset and stripe factor of a row of the tile.
-fn ping(pair: vec3u, row: f32) -> vec4f {
+fn ping_of(pair: vec3u, row: f32) -> vec4f {
     let index = 2u * (pair.x + min(u32(max(row, 0.0)), pair.y - 1u)) + pair.z;
     return textureLoad(pings, vec2u(index % PING_TEXELS, index / PING_TEXELS), 0);
 }
@@ -174,7 +174,7 @@ fn linear_from_gamma(colour: vec3f) -> vec3f {
 
 @fragment
 fn fs_main(corner: Corner) -> @location(0) vec4f {
-    let ping = ping(corner.pair, corner.texel.y);
+    let ping = ping_of(corner.pair, corner.texel.y);
     var texel = corner.texel;
     var footprint = corner.footprint;
     if look.geometry != 0u {

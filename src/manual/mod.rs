@@ -9,6 +9,8 @@ mod tables;
 pub enum Topic {
     /// The window and its panels
     Window,
+    /// Gain, levels, ranges and channels of the waterfall
+    Waterfall,
     /// Many logs in one survey
     Survey,
     /// The project file
@@ -39,8 +41,9 @@ pub enum Topic {
 
 impl Topic {
     /// All pages, in the order of the manual.
-    pub const ALL: [Topic; 14] = [
+    pub const ALL: [Topic; 15] = [
         Topic::Window,
+        Topic::Waterfall,
         Topic::Survey,
         Topic::Project,
         Topic::Map,
@@ -59,6 +62,7 @@ impl Topic {
     fn source(self) -> &'static str {
         match self {
             Topic::Window => include_str!("../../assets/manual/window.md"),
+            Topic::Waterfall => include_str!("../../assets/manual/waterfall.md"),
             Topic::Survey => include_str!("../../assets/manual/survey.md"),
             Topic::Project => include_str!("../../assets/manual/project.md"),
             Topic::Map => include_str!("../../assets/manual/map.md"),

@@ -4,6 +4,7 @@ mod levels;
 mod profile;
 mod read_out;
 mod synthetic;
+mod tone;
 
 use crate::support;
 use bathyscope::app::{Action, App, Command, Jobs, Mark, Orientation, View};

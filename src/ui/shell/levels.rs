@@ -3,7 +3,7 @@
 use crate::app::{Action, Command};
 use crate::picture::Histogram;
 use crate::pipeline::Settings;
-use crate::pipeline::settings::rows;
+use crate::pipeline::settings::{Kind, Row, rows};
 use crate::ui::panels::parts;
 use crate::ui::{ViewContext, theme};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
@@ -27,16 +27,16 @@ enum Level {
 /// Draws it all.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.set_width(WIDTH);
+    names(ui, context, &rows::PICTURE_GAIN);
     for row in [
-        &rows::PICTURE_GAIN,
         &rows::PICTURE_SPREADING,
         &rows::PICTURE_ABSORPTION,
         &rows::PICTURE_BALANCE,
-        &rows::PICTURE_STRIPES,
-        &rows::PICTURE_DESPECKLE,
     ] {
         parts::setting(ui, context, row);
     }
+    names(ui, context, &rows::PICTURE_STRIPES);
+    names(ui, context, &rows::PICTURE_DESPECKLE);
     ui.separator();
     histogram(ui, context);
     automatic(ui, context);
@@ -46,12 +46,38 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
     parts::setting(ui, context, &rows::PICTURE_GAMMA);
     ui.separator();
-    parts::setting(ui, context, &rows::PICTURE_FLIP);
-    parts::setting(ui, context, &rows::PICTURE_SWAP);
+    names(ui, context, &rows::PICTURE_FLIP);
+    names(ui, context, &rows::PICTURE_SWAP);
     let reset = ui.button("Reset").on_hover_text(Action::LevelsReset.hint());
     if reset.clicked() {
         context.push(Command::Do(Action::LevelsReset));
     }
+}
+
+/// A setting of few names, side by side: a list of its own would close the panel with it.
+fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
+    let Kind::Choice(choice) = &setting.kind else {
+        return;
+    };
+    let current = (choice.get)(&context.app.log.settings);
+    parts::row(ui, setting.label, setting.hint, |ui| {
+        let names = ui.horizontal(|ui| {
+            for name in choice.names {
+                let item = ui.selectable_label(name.value == current, name.label);
+                let hint = format!("{} {}", setting.hint, name.meaning);
+                if item.on_hover_text(hint).clicked() && name.value != current {
+                    let mut settings = Settings::clone(&context.app.log.settings);
+                    (choice.set)(&mut settings, name.value);
+                    context.push(Command::Change {
+                        settings: Box::new(settings),
+                        label: setting.name,
+                        live: false,
+                    });
+                }
+            }
+        });
+        names.response
+    });
 }
 
 /// Black and white as they are shown, levels.

@@ -10,6 +10,7 @@ mod records;
 mod refused;
 mod report_page;
 mod review;
+mod shown;
 
 use crate::support;
 use std::fs;
