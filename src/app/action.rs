@@ -136,7 +136,7 @@ actions! {
     RejectObject, "Reject object", Some("Shift+R"), "There is nothing: rejects all boxes that show the object, in all logs, and goes on to the next undecided box.";
     UndecideObject, "Take the decisions on the object back", Some("Shift+U"), "Makes all boxes that show the object undecided again, in all logs.";
     NextSighting, "Next sighting", Some("J"), "Shows the next box of the same object, in whichever log saw it.";
-    FlyToBox, "Fly to the box", Some("I"), "Enlarges the selected box in the waterfall, on the map and in 3D: it fills about a third of each.";
+    FlyToBox, "Fly to the box", Some("Shift+F"), "Enlarges the selected box in the waterfall, on the map and in 3D: it fills about a third of each.";
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
     EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges. A drag of an edge moves that edge: of the echo, between echo and shadow, or at the end of the shadow.";

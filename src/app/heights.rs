@@ -1,8 +1,8 @@
 //! Height differences between logs: found where their tracks meet, and taken off their depths when the analyst asks for it.
 
-use super::{App, LogId, Outcome, Task};
+use super::{App, LogId, OpenLog, Outcome, Task};
 use crate::bathymetry::height_offsets::{Datum, HeightOffsets, LogOffset};
-use crate::pipeline::joint::height_offsets;
+use crate::pipeline::joint::{contradictions, height_offsets};
 use crate::pipeline::{LogSettings, ProcessedLog};
 use std::sync::Arc;
 use toml::Value;
@@ -57,6 +57,16 @@ impl App {
     /// By how much the heights of the logs differ, once that was asked for.
     pub fn height_offsets(&self) -> Option<&FoundHeights> {
         self.heights.found.as_ref()
+    }
+
+    /// A warning for every two logs that no height offsets bring together.
+    pub fn height_contradictions(&self) -> Vec<String> {
+        let Some(found) = self.height_offsets() else {
+            return Vec::new();
+        };
+        let name = |id: &LogId| self.open_log(*id).map_or_else(String::new, OpenLog::name);
+        let names: Vec<String> = found.ids.iter().map(name).collect();
+        contradictions(&found.offsets.pairs, &names).collect()
     }
 
     /// Starts to compare the heights of the visible logs.

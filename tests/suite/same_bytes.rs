@@ -290,6 +290,8 @@ fn the_plane_stays_whatever_log_comes_first_or_is_hidden() {
     }
     // Opened again, the window has the same plane.
     let origin = app.shown_logs()[0].log.survey.track.frame.origin();
+    // Its own window keeps the project until then.
+    drop(app);
     let mut again = App::new(Jobs::Threads(Arc::new(|| ())));
     again.apply(Command::Open(folder.join("survey.bathyscope")));
     settle(&mut again);

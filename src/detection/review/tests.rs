@@ -511,7 +511,8 @@ fn a_point_is_a_place_without_size() {
     assert_eq!(tiles.len(), 1);
     assert_eq!(
         (tiles[0].boxes.labels.len(), tiles[0].boxes.ignored.len()),
-        (1, 1)
+        (1, 2),
+        "the point and the proposal beside it are no background"
     );
 }
 

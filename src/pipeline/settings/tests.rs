@@ -126,7 +126,10 @@ fn help_and_manual_hold_every_key() {
     let radius = help
         .lines()
         .find(|line| line.starts_with("outliers.radius_m "));
-    assert_eq!(radius, Some("outliers.radius_m = 0.01 to 100 m, default 1"));
+    assert_eq!(
+        radius,
+        Some("outliers.radius_m = 0.01 to 100 m, default 3.011")
+    );
     assert!(help.contains("\ncloud.geometry = slope | "));
     assert!(help.contains("\n      nadir: z = r, y = 0"), "{help}");
     let line = page.lines().find(|line| line.contains("`projection`"));

@@ -2,7 +2,6 @@
 
 use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, App, Command, LogId, OpenLog};
-use crate::pipeline::joint::contradictions;
 use crate::presentation::units::Units;
 use crate::ui::{ViewContext, left_out_words, text, theme};
 use egui::{Button, Color32, RichText, Sense, Ui};
@@ -215,8 +214,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ),
         );
     }
-    let names: Vec<String> = found.logs().map(|(id, _)| name_of(app, id)).collect();
-    for text in contradictions(&found.offsets().pairs, &names) {
+    for text in app.height_contradictions() {
         warning(ui, context, &text);
     }
 }
