@@ -215,7 +215,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
         );
     }
     for text in app.height_contradictions() {
-        warning(ui, context, &text);
+        warning(ui, context, &app.options.units.sentence(&text));
     }
 }
 

@@ -6,6 +6,7 @@ use crate::app::{
     App, Command, LogBox, ObjectColumn, ObjectFilter, ObjectState, ObjectTable, SurveyObject,
 };
 use crate::detection::review::{Confidence, State};
+use crate::presentation::units::Units;
 use crate::ui::{ViewContext, text, theme};
 use egui::{
     Align2, Button, Color32, ComboBox, Key, Painter, Pos2, Rect, Response, RichText, Role,
@@ -118,25 +119,32 @@ fn is_number(column: ObjectColumn) -> bool {
 }
 
 /// What a heading means.
-fn meaning(column: ObjectColumn) -> &'static str {
-    match column {
+fn meaning(column: ObjectColumn, units: Units) -> String {
+    let what = match column {
         ObjectColumn::Number => "Number of the object.",
         ObjectColumn::Name => "What you call it.",
         ObjectColumn::Class => "What most of its boxes take it for.",
         ObjectColumn::State => "How far the decisions about it are.",
         ObjectColumn::Sure => "How sure you are, and the highest score of the detector.",
-        ObjectColumn::Length => "Metres along the track.",
-        ObjectColumn::Width => "Metres across the track.",
-        ObjectColumn::Height => "Metres above the bottom, from the shadow.",
-        ObjectColumn::Depth => "Metres of the bottom where it lies.",
+        ObjectColumn::Length => "Along the track",
+        ObjectColumn::Width => "Across the track",
+        ObjectColumn::Height => "Above the bottom, from the shadow",
+        ObjectColumn::Depth => "Of the bottom where it lies",
         ObjectColumn::Seen => "Boxes that show it.",
         ObjectColumn::Logs => "Logs that saw it.",
+    };
+    match column {
+        ObjectColumn::Length | ObjectColumn::Width | ObjectColumn::Height | ObjectColumn::Depth => {
+            format!("{what}, {}.", units.length.name())
+        }
+        _ => what.to_owned(),
     }
 }
 
 /// The headings: a click sorts by the column, another one the other way around.
 fn header(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let mut table = context.app.options.objects.clone();
+    let units = context.app.options.units;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         for column in ObjectColumn::ALL {
@@ -161,7 +169,7 @@ fn header(ui: &mut Ui, context: &mut ViewContext<'_>) {
             };
             let name = format!("Sort objects by {}{order}", column.name());
             button.widget_info(|| WidgetInfo::selected(Role::Button, true, is_sorted, &name));
-            if button.on_hover_text(meaning(column)).clicked() {
+            if button.on_hover_text(meaning(column, units)).clicked() {
                 table.sort_by(column);
             }
         }
@@ -312,7 +320,7 @@ fn object_row(
             ui,
             cell,
             column,
-            &cell_text(object, column),
+            &cell_text(object, column, app.options.units),
             colour,
         );
     }
@@ -340,10 +348,10 @@ fn state_words(object: &SurveyObject) -> (String, State) {
     }
 }
 
-fn cell_text(object: &SurveyObject, column: ObjectColumn) -> String {
+fn cell_text(object: &SurveyObject, column: ObjectColumn, units: Units) -> String {
     let summary = &object.summary;
-    let metres = |value: f64| match value.is_finite() {
-        true => format!("{value:.2}"),
+    let length = |value_m: f64| match value_m.is_finite() {
+        true => units.number(value_m, 2),
         false => String::new(),
     };
     match column {
@@ -359,10 +367,10 @@ fn cell_text(object: &SurveyObject, column: ObjectColumn) -> String {
             let both: Vec<String> = word.into_iter().chain(score).collect();
             both.join(" ")
         }
-        ObjectColumn::Length => metres(summary.length_m),
-        ObjectColumn::Width => metres(summary.width_m),
-        ObjectColumn::Height => metres(object.joint.height_m),
-        ObjectColumn::Depth => metres(summary.depth_m),
+        ObjectColumn::Length => length(summary.length_m),
+        ObjectColumn::Width => length(summary.width_m),
+        ObjectColumn::Height => length(object.joint.height_m),
+        ObjectColumn::Depth => length(summary.depth_m),
         ObjectColumn::Seen => object.boxes.len().to_string(),
         ObjectColumn::Logs => object.logs().len().to_string(),
     }

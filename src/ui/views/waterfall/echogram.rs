@@ -311,10 +311,11 @@ fn point(
             context.push(Command::Select(Some(mark)));
         }
     }
+    let units = context.app.options.units;
     let mut words = format!(
-        "ping {ping}  {}\n{:.2} m below the transducer",
+        "ping {ping}  {}\n{} below the transducer",
         text::clock(survey.start_unix_s, recorded.time_s),
-        place.across_m.abs()
+        units.measure(place.across_m.abs(), 2)
     );
     if let (Some(span), Some(samples)) = (
         survey.span(ping, Side::Starboard),
@@ -327,7 +328,8 @@ fn point(
         }
     }
     if recorded.depth_m.is_finite() {
-        words += &format!("\nrecorded depth {:.2} m", recorded.depth_m);
+        let depth = units.measure(f64::from(recorded.depth_m), 2);
+        words += &format!("\nrecorded depth {depth}");
     }
     Some(words)
 }

@@ -217,7 +217,7 @@ pub(super) fn describe(app: &App, survey: &Survey, lens: &Lens, at: Place) -> Op
         lines += &format!("\n{} as recorded", units.measure(at.across_m.abs(), 2));
     }
     if let Some(ground_m) = lens.ground_m(at) {
-        lines += &format!("\n{ground_m:.2} m on the ground");
+        lines += &format!("\n{} on the ground", units.measure(ground_m, 2));
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)
         && let Some(samples) = survey.samples(mark.ping, side)
