@@ -80,12 +80,18 @@ impl LengthUnit {
         }
     }
 
-    /// Decimals that say as much as so many do of metres: a foot is nearly a power of ten less, a fathom about two metres.
+    /// Decimals that say about as much as so many do of metres: hundredths of a metre are tenths of a foot, but whole feet are too coarse
+    /// for what is known to a tenth of a metre; a fathom is about two metres.
     fn decimals(self, of_metres: usize) -> usize {
-        match self {
-            Self::Metres | Self::Fathoms => of_metres,
-            Self::Feet => of_metres.saturating_sub(1),
+        match (self, of_metres) {
+            (Self::Feet, 2..) => of_metres - 1,
+            _ => of_metres,
         }
+    }
+
+    /// [`LengthUnit::decimals`] of what is small: two at least where metres have so many.
+    fn fine_decimals(self, of_metres: usize) -> usize {
+        self.decimals(of_metres).max(of_metres.min(2))
     }
 }
 
@@ -149,10 +155,24 @@ impl Units {
         }
     }
 
-    /// [`Units::measure`] with its sign also above 0.
+    /// A small length with its sign also above 0.
     pub fn signed(self, value_m: f64, decimals_of_metres: usize) -> String {
-        let decimals = self.length.decimals(decimals_of_metres);
+        let decimals = self.length.fine_decimals(decimals_of_metres);
         format!("{:+.decimals$} {}", self.from_m(value_m), self.symbol())
+    }
+
+    /// How far such a length may be off, without its unit.
+    pub fn spread(self, value_m: f64, decimals_of_metres: usize) -> String {
+        let decimals = self.length.fine_decimals(decimals_of_metres);
+        text::decimal(self.from_m(value_m), decimals)
+    }
+
+    /// A small length and how far it may be off: `+0.12 ±0.05 m`.
+    pub fn signed_within(self, value_m: f64, spread_m: f64, decimals_of_metres: usize) -> String {
+        let decimals = self.length.fine_decimals(decimals_of_metres);
+        let spread = self.spread(spread_m, decimals_of_metres);
+        let value = self.from_m(value_m);
+        format!("{value:+.decimals$} ±{spread} {}", self.symbol())
     }
 
     /// Two lengths with one unit: `1.2 to 3.4 m`.
@@ -306,9 +326,14 @@ mod tests {
         assert_eq!(Units::default().measure(3.048, 2), "3.05 m");
         assert_eq!(FEET.measure(3.048, 2), "10.0 ft");
         assert_eq!(FATHOMS.measure(3.6576, 2), "2.00 fm");
-        assert_eq!(FEET.span([1.524, 3.048], 1), "5 to 10 ft");
+        assert_eq!(FEET.span([1.524, 3.048], 1), "5.0 to 10.0 ft");
         assert_eq!(FEET.measure(f64::NAN, 2), NONE);
-        assert_eq!(FEET.signed(-0.3048, 2), "-1.0 ft");
+        assert_eq!(FEET.signed(-0.3048, 2), "-1.00 ft");
+        assert_eq!(
+            [2, 3].map(|of_metres| FEET.spread(0.06, of_metres)),
+            ["0.20"; 2]
+        );
+        assert_eq!(FEET.signed_within(0.3048, 0.03048, 2), "+1.00 ±0.10 ft");
     }
 
     #[test]

@@ -133,6 +133,30 @@ fn nothing_in_the_window_is_left_in_metres() {
             look_at(&mut window, &mut seen, at);
         }
     }
+    // Over the ground, then with the channels that look down beside it.
+    for action in [
+        Action::GroundRange,
+        Action::GroundRange,
+        Action::NextChannel,
+    ] {
+        window.state_mut().app.apply(Command::Do(action));
+        settle(&mut window);
+        for name in ["Waterfall, pings", "Echogram, "] {
+            let rect = window
+                .query_all_by_label_contains(name)
+                .next()
+                .map(|node| node.rect());
+            if let Some(rect) = rect {
+                look_at(&mut window, &mut seen, rect.lerp_inside(vec2(0.4, 0.7)));
+            }
+        }
+    }
+    while window.query_by_label_contains("Echogram, ").is_some() {
+        let next = Command::Do(Action::NextChannel);
+        window.state_mut().app.apply(next);
+        settle(&mut window);
+        seen.look(&window);
+    }
     // Lists that are folded at the start.
     for list in ["flat stretch", "warning"] {
         let folded = window.query_all_by_label_contains(list).next();
@@ -195,6 +219,7 @@ fn nothing_in_the_window_is_left_in_metres() {
         &["Picture of box", " ft high"],
         &["Height from shadow: ", " ft"],
         &["E ", " ft  N "],
+        &["range ", " ft\n", " on the ground"],
         &[" kn"],
         &["sound speed ", " ft/s"],
     ] {
@@ -294,7 +319,9 @@ fn the_window_in_feet_looks_as_it_did() {
     window.state_mut().app.apply(Command::OpenDemo);
     let options = &mut window.state_mut().app.options;
     options.units = FEET;
-    options.map.layers.toggle(MapLayer::Isobaths);
+    if !options.map.layers.is_visible(MapLayer::Isobaths) {
+        options.map.layers.toggle(MapLayer::Isobaths);
+    }
     window.run();
     let select = Command::Reveal(Mark::ping(400));
     window.state_mut().app.apply(select);

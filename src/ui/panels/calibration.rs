@@ -67,9 +67,8 @@ fn scales(ui: &mut Ui, calibration: &Calibration, units: Units) {
     let measured = calibration.measured_offset.map_or(String::new(), |found| {
         let added_m = -found.offset_m;
         format!(
-            " This log asks for {} ±{}.",
-            units.signed(added_m, 2),
-            units.measure(found.uncertainty_m, 2)
+            " This log asks for {}.",
+            units.signed_within(added_m, found.uncertainty_m, 2)
         )
     });
     fact(
@@ -86,8 +85,8 @@ fn scales(ui: &mut Ui, calibration: &Calibration, units: Units) {
     let fit = calibration.fit.map_or_else(
         || text::NONE.to_owned(),
         |fit| {
-            let [b, spread] = [units.signed(fit.b_m, 2), units.measure(fit.spread_m, 2)];
-            format!("k {:.3} b {b} ±{spread}", fit.k)
+            let b = units.signed_within(fit.b_m, fit.spread_m, 2);
+            format!("k {:.3} b {b}", fit.k)
         },
     );
     fact(

@@ -196,7 +196,7 @@ fn heights(ui: &mut Ui, context: &mut ViewContext<'_>) {
                     0 => (text::NONE.to_owned(), text::NONE.to_owned()),
                     _ => (
                         app.options.units.signed(offset.offset_m, 3),
-                        app.options.units.number(offset.standard_error_m, 3),
+                        app.options.units.spread(offset.standard_error_m, 3),
                     ),
                 };
                 ui.label(RichText::new(value).small());
