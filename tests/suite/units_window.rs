@@ -151,7 +151,12 @@ fn nothing_in_the_window_is_left_in_metres() {
             }
         }
     }
-    while window.query_by_label_contains("Echogram, ").is_some() {
+    // On to the side-scan alone again.
+    for _ in 0..8 {
+        let echograms = window.query_all_by_label_contains("Echogram, ");
+        if echograms.count() == 0 {
+            break;
+        }
         let next = Command::Do(Action::NextChannel);
         window.state_mut().app.apply(next);
         settle(&mut window);
