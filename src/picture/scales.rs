@@ -84,37 +84,38 @@ pub struct Extremes {
 }
 
 impl Extremes {
+    /// Every combination of least and greatest: what is monotonic in each is least and greatest at one of them.
+    fn corners(&self) -> impl Iterator<Item = PingScale> {
+        let Self { least, most } = *self;
+        (0..8).map(move |corner| {
+            let of = |bit: u32| if corner & bit == 0 { least } else { most };
+            PingScale {
+                altitude_m: of(1).altitude_m,
+                scale: of(2).scale,
+                offset_m: of(4).offset_m,
+            }
+        })
+    }
+
     /// Where recorded ranges from `near_m` to `far_m` can lie across the track, at whichever ping: nearest and farthest.
     pub fn across_m(&self, geometry: Geometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
-        let Self { least, most } = self;
-        let nearest = PingScale {
-            altitude_m: most.altitude_m,
-            ..*least
-        };
-        let farthest = PingScale {
-            altitude_m: least.altitude_m,
-            ..*most
-        };
+        let nearest = self.corners().map(|one| one.across_m(geometry, near_m));
+        let farthest = self.corners().map(|one| one.across_m(geometry, far_m));
         [
-            nearest.across_m(geometry, near_m),
-            farthest.across_m(geometry, far_m),
+            nearest.fold(f64::MAX, f64::min),
+            farthest.fold(0.0, f64::max),
         ]
     }
 
     /// Which recorded ranges can be shown between two distances from the middle, at whichever ping: nearest and farthest.
     pub fn recorded_m(&self, geometry: Geometry, [near_m, far_m]: [f64; 2]) -> [f64; 2] {
-        let Self { least, most } = self;
-        let nearest = PingScale {
-            altitude_m: least.altitude_m,
-            ..*most
-        };
-        let farthest = PingScale {
-            altitude_m: most.altitude_m,
-            ..*least
-        };
+        let nearest = self
+            .corners()
+            .map(|one| one.recorded_at_m(geometry, near_m));
+        let farthest = self.corners().map(|one| one.recorded_at_m(geometry, far_m));
         [
-            nearest.recorded_at_m(geometry, near_m),
-            farthest.recorded_at_m(geometry, far_m),
+            nearest.fold(f64::MAX, f64::min),
+            farthest.fold(f64::MIN, f64::max),
         ]
     }
 }

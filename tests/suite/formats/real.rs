@@ -241,3 +241,51 @@ fn xtf() {
     assert_eq!((span.order, span.count), (Order::FarToNear, 512));
     assert!((span.far_m - 36.7425).abs() < 0.001);
 }
+
+/// Mean echo of the starboard side of a ping between two ranges.
+fn mean_between(survey: &Survey, ping: usize, near_m: f64, far_m: f64) -> Option<f64> {
+    let span = survey.span(ping, Side::Starboard)?;
+    let samples = survey.samples(ping, Side::Starboard)?;
+    let [from, to] = [near_m, far_m].map(|range_m| span.sample_at(range_m).max(0.0) as usize);
+    let (from, to) = (from.min(samples.len()), to.min(samples.len()));
+    let sum: f64 = (from..to)
+        .map(|sample| f64::from(samples.get(sample)))
+        .sum();
+    (to > from + 4).then(|| sum / (to - from) as f64)
+}
+
+#[test]
+fn what_looks_down_has_its_bottom_at_the_recorded_depth() {
+    for name in [
+        "humminbird-glen-canyon/Rec00001.DAT",
+        "lowrance/glencanyon-transcoded.sl2",
+        "lowrance/river-downscan-only.sl2",
+    ] {
+        let Some(survey) = open(name) else { continue };
+        for echogram in &survey.echograms {
+            let down = survey.looking_down(echogram.kind).expect("a channel");
+            let counted = survey.channels.iter().find(|one| one.kind == echogram.kind);
+            let counted = counted.expect("a counted channel").ping_count;
+            assert!(echogram.pings.len() <= counted);
+            let pings: Vec<usize> = (0..down.side_scan.len()).collect();
+            let compared: Vec<bool> = pings
+                .iter()
+                .filter_map(|&ping| {
+                    let depth_m = f64::from(down.locked_depth_m(ping));
+                    let above = mean_between(&down, ping, 0.55 * depth_m, 0.85 * depth_m)?;
+                    let below = mean_between(&down, ping, depth_m, 1.15 * depth_m)?;
+                    Some(below > 1.5 * above)
+                })
+                .collect();
+            let share =
+                compared.iter().filter(|is| **is).count() as f64 / compared.len().max(1) as f64;
+            eprintln!(
+                "{name} {:?}: {} of {counted} pings kept, bottom where it was recorded in {:.0} % of {}",
+                echogram.kind,
+                echogram.pings.len(),
+                100.0 * share,
+                compared.len()
+            );
+        }
+    }
+}

@@ -7,7 +7,7 @@ use super::lens::{Arrangement, Lens};
 use super::lines::{self, Pen};
 use super::picture::PictureCallback;
 use super::scales::{self, RangeLines};
-use super::{Gpu, gestures, tone};
+use super::{Gpu, gestures, marks, tone};
 use crate::app::{App, Command, EchogramChannel, Mark, Orientation};
 use crate::cloud::Reduction;
 use crate::survey::{Side, Survey};
@@ -71,8 +71,16 @@ impl EchogramPart {
 
     /// Starts over with another log or channel.
     fn follow(&mut self, ctx: &egui::Context, app: &App) {
-        let channel = app.options.waterfall.echogram;
-        let (Some(kind), Some(survey)) = (channel.kind(), &app.log.survey) else {
+        let chosen = app
+            .log
+            .survey
+            .as_ref()
+            .map(|survey| channel_of(app, survey));
+        let (Some(channel), Some(survey)) = (chosen, &app.log.survey) else {
+            self.shown = None;
+            return;
+        };
+        let Some(kind) = channel.kind() else {
             self.shown = None;
             return;
         };
@@ -176,6 +184,20 @@ impl EchogramPart {
     }
 }
 
+/// The channel that was chosen; in a log without side-scan one that there is.
+fn channel_of(app: &App, survey: &Survey) -> EchogramChannel {
+    let chosen = app.options.waterfall.echogram;
+    if chosen != EchogramChannel::None || !survey.side_scan.is_empty() {
+        return chosen;
+    }
+    let has = |channel: &EchogramChannel| {
+        let kind = channel.kind();
+        kind.is_some_and(|kind| survey.has_echogram(kind))
+    };
+    let there = EchogramChannel::ALL.into_iter().find(has);
+    there.unwrap_or(EchogramChannel::None)
+}
+
 /// Draws the echoes; returns whether all of them are there.
 fn draw_picture(
     gpu: &mut Gpu,
@@ -246,6 +268,10 @@ impl Over<'_> {
         };
         painter.line_segment(edge, Stroke::new(1.0, ink));
         let mut labels = Labels::new(painter);
+        let log = app.log.survey.as_ref();
+        if let Some(text) = log.and_then(|log| marks::warning(log, options.units)) {
+            labels.keep_clear(marks::banner(painter, lens.rect, &text));
+        }
         labels.write(
             lens.rect.shrink(6.0).right_bottom(),
             Align2::RIGHT_BOTTOM,
