@@ -173,6 +173,10 @@ impl App {
             Orientation::Horizontal => (nudge.right, nudge.down),
             Orientation::Vertical => (nudge.down, nudge.right),
         };
+        // On the screen it moves as the arrow points, however the picture is turned.
+        let picture = &self.log.settings.picture;
+        let along = if picture.flip { -along } else { along };
+        let across = if picture.swap_sides { -across } else { across };
         let reviewing = &self.log.reviewing;
         let edit = match reviewing.edge {
             edge if nudge.resize || edge == BoxEdge::Whole => {

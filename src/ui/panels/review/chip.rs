@@ -26,6 +26,10 @@ pub struct Key {
     pub mark: Mark,
     pub map: ColourMap,
     pub orientation: Orientation,
+    /// Later pings to the left, or above.
+    pub flip: bool,
+    /// Starboard first.
+    pub swap_sides: bool,
 }
 
 impl Key {
@@ -37,13 +41,16 @@ impl Key {
             mark: mark.clone(),
             map: shown.colour_map,
             orientation: shown.orientation,
+            flip: log.settings.picture.flip,
+            swap_sides: log.settings.picture.swap_sides,
         })
     }
 
     fn turned(&self) -> Turned {
         Turned {
             orientation: self.orientation,
-            side: self.mark.side,
+            flip: self.flip,
+            is_first: (self.mark.side == Side::Port) != self.swap_sides,
         }
     }
 }
@@ -52,16 +59,17 @@ impl Key {
 #[derive(Clone, Copy)]
 struct Turned {
     orientation: Orientation,
-    side: Side,
+    /// Later pings to the left, or above.
+    flip: bool,
+    /// The side is the upper or left one: range grows upward or to the left.
+    is_first: bool,
 }
 
 impl Turned {
     /// Where a place of the raster's picture comes to lie; both as shares of the picture.
     fn share(self, range: f32, time: f32) -> Pos2 {
-        let across = match self.side {
-            Side::Port => 1.0 - range,
-            Side::Starboard => range,
-        };
+        let across = if self.is_first { 1.0 - range } else { range };
+        let time = if self.flip { 1.0 - time } else { time };
         match self.orientation {
             Orientation::Horizontal => pos2(time, across),
             Orientation::Vertical => pos2(across, time),
@@ -76,13 +84,20 @@ impl Turned {
     }
 
     /// Which way range grows and time runs.
-    fn words(self) -> &'static str {
-        match (self.orientation, self.side) {
-            (Orientation::Vertical, Side::Starboard) => "range to the right, time down",
-            (Orientation::Vertical, Side::Port) => "range to the left, time down",
-            (Orientation::Horizontal, Side::Starboard) => "range down, time to the right",
-            (Orientation::Horizontal, Side::Port) => "range up, time to the right",
-        }
+    fn words(self) -> String {
+        let sideways = |to_left: bool| {
+            if to_left {
+                "to the left"
+            } else {
+                "to the right"
+            }
+        };
+        let upright = |up: bool| if up { "up" } else { "down" };
+        let (range, time) = match self.orientation {
+            Orientation::Horizontal => (upright(self.is_first), sideways(self.flip)),
+            Orientation::Vertical => (sideways(self.is_first), upright(self.flip)),
+        };
+        format!("range {range}, time {time}")
     }
 }
 
@@ -219,15 +234,19 @@ fn image(pixels: &[u8], window: &Window, of: &Key) -> ColorImage {
     let colours = palette(of.map);
     let size = Turned::size([window.columns, window.rows], of.orientation);
     let [width, height] = size;
-    let is_port = of.mark.side == Side::Port;
+    let turned = of.turned();
     let colour = |x: usize, y: usize| {
         let (across, row) = match of.orientation {
             Orientation::Horizontal => (y, x),
             Orientation::Vertical => (x, y),
         };
-        let column = match is_port {
+        let column = match turned.is_first {
             true => window.columns - 1 - across,
             false => across,
+        };
+        let row = match turned.flip {
+            true => window.rows - 1 - row,
+            false => row,
         };
         let level = pixels[row * TILE_PX + column];
         let [r, g, b] = colours[usize::from(level)];
@@ -243,12 +262,27 @@ mod tests {
 
     #[test]
     fn a_picture_is_turned_as_the_waterfall_is() {
-        let share = |orientation, side| Turned { orientation, side }.share(0.25, 0.1);
+        let turned = |orientation, flip, is_first| Turned {
+            orientation,
+            flip,
+            is_first,
+        };
+        let share =
+            |orientation, flip, is_first| turned(orientation, flip, is_first).share(0.25, 0.1);
         let [h, v] = [Orientation::Horizontal, Orientation::Vertical];
-        assert_eq!(share(v, Side::Starboard), pos2(0.25, 0.1));
-        assert_eq!(share(v, Side::Port), pos2(0.75, 0.1));
-        assert_eq!(share(h, Side::Starboard), pos2(0.1, 0.25));
-        assert_eq!(share(h, Side::Port), pos2(0.1, 0.75));
+        assert_eq!(share(v, false, false), pos2(0.25, 0.1));
+        assert_eq!(share(v, false, true), pos2(0.75, 0.1));
+        assert_eq!(share(h, false, false), pos2(0.1, 0.25));
+        assert_eq!(share(h, false, true), pos2(0.1, 0.75));
+        assert_eq!(share(h, true, true), pos2(0.9, 0.75));
+        assert_eq!(
+            turned(h, false, true).words(),
+            "range up, time to the right"
+        );
+        assert_eq!(
+            turned(v, true, false).words(),
+            "range to the right, time up"
+        );
     }
 
     #[test]

@@ -4,8 +4,10 @@ use super::super::parts::{fact, remark};
 use super::chip::Chip;
 use super::{ReviewPanel, button, chip, size};
 use crate::app::{Action, Command, Tool};
+use crate::detection::ObjectExtent;
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
+use crate::presentation::units::Units;
 use crate::ui::{ViewContext, place, theme};
 use egui::{Button, RichText, Ui};
 
@@ -184,16 +186,10 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
         "Standard deviation of the place, without the receiver's own error.",
         units.measure(target.sigma_m, 2),
     );
-    fact(
-        ui,
-        "Object",
-        "Length along the track, width across it, and height from the shadow where it ends within the range.",
-        format!(
-            "{}, height {}",
-            size([target.length_m, target.width_m], units),
-            units.measure(target.height_m, 2)
-        ),
-    );
+    let hint = "Length along the track, width across it, and height from the shadow where it ends within the range.";
+    fact(ui, "Object", hint, extent(target, units));
+    let hint = "The height is H (end - start) / end, with the altitude H and the slant ranges of the shadow.";
+    fact(ui, "Shadow", hint, shadow(target, units));
     fact(
         ui,
         "Depth",
@@ -203,4 +199,36 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
         ),
         units.measure(target.depth_m, 2),
     );
+}
+
+/// Length, width and height, and whether they are of edges drawn by hand.
+fn extent(target: &Target, units: Units) -> String {
+    let edges = match target.extent {
+        ObjectExtent::Point => return "a point, of no known size".to_owned(),
+        ObjectExtent::Drawn { .. } => ", edges drawn",
+        ObjectExtent::Found => "",
+    };
+    let height = match target.height_m.is_finite() {
+        true => {
+            let sigma = units.measure(target.height_sigma_m, 2);
+            format!("{} ± {sigma}", units.number(target.height_m, 2))
+        }
+        false => units.measure(target.height_m, 2),
+    };
+    let size = size([target.length_m, target.width_m], units);
+    format!("{size}, height {height}{edges}")
+}
+
+/// What the height is computed from.
+fn shadow(target: &Target, units: Units) -> String {
+    let [start_m, end_m] = target.shadow_m;
+    let altitude = units.measure(target.altitude_m, 2);
+    match (start_m.is_finite(), end_m.is_finite()) {
+        (true, true) => format!("{}, altitude {altitude}", units.span([start_m, end_m], 2)),
+        (true, false) => {
+            let start = units.measure(start_m, 2);
+            format!("from {start} off the range, altitude {altitude}")
+        }
+        (false, _) => format!("none, altitude {altitude}"),
+    }
 }

@@ -33,7 +33,7 @@ use camera::{Camera, Extent, Size};
 use drawing::Drawing;
 use eframe::egui_wgpu::RenderState;
 use egui::{Sense, emath::GuiRounding as _};
-use lens::{Arrangement, Lens};
+use lens::{Arrangement, Lens, Place};
 use picture::PictureCallback;
 use std::ops::Range;
 use std::sync::Arc;
@@ -294,11 +294,13 @@ impl WaterfallView {
             match reveal.close_up {
                 Some(close_up) => {
                     let pings = close_up.pings.map(|ping| ping as f64);
+                    let lens = Lens::arranged(camera, rect, arrangement);
+                    let shown_m = shown_m(&lens, &pings, close_up.across_m);
                     let survey = context.app.log.survey.as_deref();
                     let metres = survey.and_then(|survey| {
                         pointer::metres_per_ping(context.app, survey, reveal.mark.ping)
                     });
-                    camera.close_up(pings, close_up.across_m, metres, size);
+                    camera.close_up(pings, shown_m, metres, size);
                 }
                 None => camera.reveal(reveal.mark.ping as f64 + 0.5, size),
             }
@@ -391,6 +393,16 @@ impl Gpu {
             self.picture.set_palette(&render_state.queue, &palette(map));
         }
     }
+}
+
+/// Where slant ranges in the middle of some pings are shown across, metres, the smaller first.
+fn shown_m(lens: &Lens, pings: &[f64; 2], across_m: [f64; 2]) -> [f64; 2] {
+    let ping = 0.5 * (pings[0] + pings[1]);
+    let [a, b] = across_m.map(|across_m| {
+        let side = Place { ping, across_m }.side();
+        lens.signed_m(side, lens.distance_m(side, ping, across_m.abs()))
+    });
+    [a.min(b), a.max(b)]
 }
 
 /// The colours of echo strength.

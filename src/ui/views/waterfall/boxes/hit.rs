@@ -8,6 +8,8 @@ use egui::CursorIcon;
 
 /// How near an edge the pointer must come, points.
 const REACH: f64 = 6.0;
+/// The same of the border in a box so small that the rest of it is to be grabbed as well.
+const LEAST_REACH: f64 = 2.0;
 
 /// The edges that move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,17 +55,21 @@ impl Edges {
         Some(if is_inside { Self::ALL } else { edges })
     }
 
-    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it.
+    /// Whether the border between echo and shadow is under the pointer, nearer than an edge along it. It leaves most of echo and shadow
+    /// to drag the whole box by.
     pub fn is_border(lens: &Lens, mark: &Mark, border_m: f64, at: Place) -> bool {
         let range_m = outward_m(mark.side, at);
-        let off = |edge_m: f64| (range_m - edge_m).abs() / lens.metres_per_point();
+        let points = |from_m: f64, to_m: f64| (to_m - from_m).abs() / lens.metres_per_point();
+        let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
+        let reach = (0.25 * echo.min(shadow)).clamp(LEAST_REACH, REACH);
+        let off = points(range_m, border_m);
+        let is_nearest = off <= points(range_m, mark.near_m).min(points(range_m, mark.far_m));
         let along = lens.pings_per_point();
         let inside = [
             (at.ping - mark.pings.start as f64) / along,
             (mark.pings.end as f64 - at.ping) / along,
         ];
-        let is_nearest = off(border_m) <= off(mark.near_m).min(off(mark.far_m));
-        off(border_m) < REACH && is_nearest && inside.iter().all(|inside| *inside > -REACH)
+        off < reach && is_nearest && inside.iter().all(|inside| *inside > -REACH)
     }
 
     /// The cursor that says so.
