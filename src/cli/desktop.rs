@@ -1,92 +1,87 @@
-//! `bathyscope desktop`: projects and logs open by double click, for this user.
+//! `bathyscope desktop`: projects and logs open by double click, with manual pages and completions of the shell, for this user.
 //!
-//! A package for all users puts the two files of `assets/desktop` into `/usr/share/applications` and `/usr/share/mime/packages`.
+//! What a package puts into `/usr/share` for all users is written by the same command, `bathyscope desktop --into DIR`.
+
+mod share;
 
 use super::output;
 use crate::export::write_aside;
+use share::{APPLICATIONS, MIME, ShareFile};
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const ENTRY: &str = include_str!("../../assets/desktop/bathyscope.desktop");
-const TYPES: &str = include_str!("../../assets/desktop/bathyscope.xml");
-/// The line of the entry that names the program, which lies anywhere when it was not installed by a package.
-const PROGRAM: &str = "Exec=bathyscope ";
-
-/// `bathyscope desktop [--remove]`.
+/// `bathyscope desktop [--remove] [--into DIR]`.
 #[derive(Debug, clap::Args)]
 pub struct DesktopArgs {
-    /// Take the entry and the file types away again
+    /// Take away again what was written
     #[arg(long)]
     remove: bool,
+    /// For packages: write into this folder in place of the user's, with an entry that starts `bathyscope` from the path
+    #[arg(long, value_name = "DIR")]
+    into: Option<PathBuf>,
 }
 
-/// Writes or removes the desktop entry and the file types.
+/// Writes or removes desktop entry, file types, icon, manual pages and completions.
 pub fn run(args: &DesktopArgs) -> Result<(), String> {
-    let data = data_folder().ok_or(
-        "there is no folder for desktop entries here: neither XDG_DATA_HOME nor HOME is set",
-    )?;
-    let files = [
-        (data.join("applications/bathyscope.desktop"), entry()?),
-        (data.join("mime/packages/bathyscope.xml"), TYPES.to_owned()),
-    ];
-    for (path, text) in &files {
+    let (folder, program) = match &args.into {
+        Some(folder) => (folder.clone(), None),
+        None => (data_folder()?, Some(program()?)),
+    };
+    let files = share::files(program.as_deref(), super::program());
+    for ShareFile { path, content } in &files {
+        let path = folder.join(path);
         match args.remove {
-            true => remove(path)?,
-            false => write(path, text)?,
+            true => remove(&path)?,
+            false => write(&path, content)?,
         }
     }
-    // Without these programs the desktop takes the files up at the next login.
-    refresh("update-mime-database", &data.join("mime"));
-    refresh("update-desktop-database", &data.join("applications"));
+    // A package has this done when it is installed. Without these programs the desktop takes the files up at the next login.
+    if args.into.is_none() {
+        refresh("update-mime-database", &folder.join(MIME));
+        refresh("update-desktop-database", &folder.join(APPLICATIONS));
+    }
     let did = if args.remove { "removed" } else { "wrote" };
+    let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
     output::results(format_args!(
-        "{did} {} and {}",
-        files[0].0.display(),
-        files[1].0.display()
+        "{did} in {}: {}",
+        folder.display(),
+        paths.join(", ")
     ))
 }
 
 /// Where a user's desktop entries lie, by the XDG base directory specification.
-fn data_folder() -> Option<PathBuf> {
+fn data_folder() -> Result<PathBuf, String> {
     let set = |name: &str| {
         let value = std::env::var_os(name).map(PathBuf::from);
         value.filter(|path| path.is_absolute())
     };
-    set("XDG_DATA_HOME").or_else(|| Some(set("HOME")?.join(".local/share")))
+    let folder = set("XDG_DATA_HOME").or_else(|| Some(set("HOME")?.join(".local/share")));
+    folder.ok_or_else(|| {
+        "there is no folder for desktop entries here: neither XDG_DATA_HOME nor HOME is set"
+            .to_owned()
+    })
 }
 
-/// The entry that starts this program from where it lies.
-fn entry() -> Result<String, String> {
+/// Where this program lies.
+fn program() -> Result<String, String> {
     let cannot = |why: String| format!("cannot tell where this program lies: {why}");
     let program = std::env::current_exe().map_err(|error| cannot(error.to_string()))?;
-    let program = program
-        .to_str()
-        .ok_or_else(|| cannot(format!("its path is no text: {}", program.display())))?;
-    Ok(ENTRY.replace(PROGRAM, &format!("Exec={} ", quoted(program))))
-}
-
-/// A path as an argument of an `Exec` line: quoted, and escaped once for the quotes and once for the file.
-fn quoted(path: &str) -> String {
-    let mut text = String::from("\"");
-    for letter in path.chars() {
-        match letter {
-            '%' => text.push_str("%%"),
-            '"' | '`' | '$' => text.extend(["\\\\", &letter.to_string()]),
-            '\\' => text.push_str("\\\\\\\\"),
-            letter => text.push(letter),
-        }
+    match program.to_str() {
+        Some(path) => Ok(path.to_owned()),
+        None => Err(cannot(format!(
+            "its path is no text: {}",
+            program.display()
+        ))),
     }
-    text.push('"');
-    text
 }
 
-fn write(path: &Path, text: &str) -> Result<(), String> {
+fn write(path: &Path, content: &[u8]) -> Result<(), String> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)
         .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?;
-    write_aside(path, |mut file| file.write_all(text.as_bytes())).map_err(|error| error.to_string())
+    write_aside(path, |mut file| file.write_all(content)).map_err(|error| error.to_string())
 }
 
 fn remove(path: &Path) -> Result<(), String> {
@@ -106,20 +101,4 @@ fn refresh(program: &str, folder: &Path) {
         .stdout(Stdio::null())
         .stderr(Stdio::null());
     quiet.status().ok();
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn any_path_is_one_argument() {
-        assert_eq!(
-            quoted("/opt/sonar tools/bathyscope"),
-            "\"/opt/sonar tools/bathyscope\""
-        );
-        assert_eq!(quoted("/a$b`c\"d"), "\"/a\\\\$b\\\\`c\\\\\"d\"");
-        assert_eq!(quoted("/50%\\x"), "\"/50%%\\\\\\\\x\"");
-        assert!(ENTRY.contains(PROGRAM));
-    }
 }

@@ -95,8 +95,13 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Print the manual, or one page of it, as Markdown
     Manual(manual::ManualArgs),
-    /// Open projects and logs by double click: writes a desktop entry and file types for this user
+    /// Open projects and logs by double click: writes a desktop entry, file types, manual pages and completions for this user
     Desktop(desktop::DesktopArgs),
+}
+
+/// All that can be typed.
+fn program() -> clap::Command {
+    <Cli as clap::CommandFactory>::command()
 }
 
 /// Runs the program with the process's own arguments.

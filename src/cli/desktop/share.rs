@@ -1,0 +1,128 @@
+//! The files that a desktop, `man` and the shells look for in a `share` folder, a user's or that of a package.
+
+use clap_complete::{Shell, generate};
+use clap_mangen::Man;
+
+const ENTRY: &str = include_str!("../../../assets/desktop/bathyscope.desktop");
+const TYPES: &str = include_str!("../../../assets/desktop/bathyscope.xml");
+const ICON: &str = include_str!("../../../assets/desktop/bathyscope.svg");
+/// The line of the entry that names the program, which lies anywhere when it was not installed by a package.
+const PROGRAM: &str = "Exec=bathyscope ";
+/// What the program is called in a shell.
+const NAME: &str = "bathyscope";
+/// Where each shell looks for completions.
+const COMPLETIONS: [(Shell, &str); 3] = [
+    (Shell::Bash, "bash-completion/completions/bathyscope"),
+    (Shell::Fish, "fish/vendor_completions.d/bathyscope.fish"),
+    (Shell::Zsh, "zsh/site-functions/_bathyscope"),
+];
+/// The folder of desktop entries.
+pub(super) const APPLICATIONS: &str = "applications";
+/// The folder of file types.
+pub(super) const MIME: &str = "mime";
+
+/// A file and its place within the folder.
+pub(super) struct ShareFile {
+    /// Names with `/` between them.
+    pub path: String,
+    /// What it holds.
+    pub content: Vec<u8>,
+}
+
+impl ShareFile {
+    fn new(path: impl Into<String>, content: impl Into<Vec<u8>>) -> Self {
+        let (path, content) = (path.into(), content.into());
+        Self { path, content }
+    }
+}
+
+/// Desktop entry, file types, icon, manual pages and completions of a command; the entry starts the program at a path, or by its name.
+pub(super) fn files(program: Option<&str>, command: clap::Command) -> Vec<ShareFile> {
+    let entry = match program {
+        Some(path) => ENTRY.replace(PROGRAM, &format!("Exec={} ", quoted(path))),
+        None => ENTRY.to_owned(),
+    };
+    let mut files = vec![
+        ShareFile::new(format!("{APPLICATIONS}/bathyscope.desktop"), entry),
+        ShareFile::new(format!("{MIME}/packages/bathyscope.xml"), TYPES),
+        ShareFile::new("icons/hicolor/scalable/apps/bathyscope.svg", ICON),
+    ];
+    files.extend(COMPLETIONS.map(|(shell, path)| {
+        let mut text = Vec::new();
+        generate(shell, &mut command.clone(), NAME, &mut text);
+        ShareFile::new(path, text)
+    }));
+    files.extend(manual_pages(command));
+    files
+}
+
+/// A page of the program, and one of each of its commands: `bathyscope-process.1`.
+fn manual_pages(command: clap::Command) -> Vec<ShareFile> {
+    let mut command = command.disable_help_subcommand(true);
+    command.build();
+    let commands = command.get_subcommands().filter(|one| !one.is_hide_set());
+    let all = commands.cloned().chain([command.clone()]);
+    let page = |one: clap::Command| {
+        let page = Man::new(one).manual("Bathyscope");
+        let mut text = Vec::new();
+        // Writing into memory cannot fail.
+        page.render(&mut text).ok();
+        ShareFile::new(format!("man/man1/{}", page.get_filename()), text)
+    };
+    all.map(page).collect()
+}
+
+/// A path as an argument of an `Exec` line: quoted, and escaped once for the quotes and once for the file.
+fn quoted(path: &str) -> String {
+    let mut text = String::from("\"");
+    for letter in path.chars() {
+        match letter {
+            '%' => text.push_str("%%"),
+            '"' | '`' | '$' => text.extend(["\\\\", &letter.to_string()]),
+            '\\' => text.push_str("\\\\\\\\"),
+            letter => text.push(letter),
+        }
+    }
+    text.push('"');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_path_is_one_argument() {
+        assert_eq!(
+            quoted("/opt/sonar tools/bathyscope"),
+            "\"/opt/sonar tools/bathyscope\""
+        );
+        assert_eq!(quoted("/a$b`c\"d"), "\"/a\\\\$b\\\\`c\\\\\"d\"");
+        assert_eq!(quoted("/50%\\x"), "\"/50%%\\\\\\\\x\"");
+        assert!(ENTRY.contains(PROGRAM));
+    }
+
+    #[test]
+    fn every_command_has_a_page_and_is_completed() {
+        let command = crate::cli::program();
+        let files = files(None, command.clone());
+        let text = |path: &str| {
+            let file = files.iter().find(|file| file.path == path);
+            let file = file.unwrap_or_else(|| panic!("{path} is missing"));
+            String::from_utf8(file.content.clone()).unwrap()
+        };
+        let of_program = text("man/man1/bathyscope.1");
+        assert!(of_program.contains("bathyscope\\-process(1)"));
+        let process = text("man/man1/bathyscope-process.1");
+        assert!(process.contains("outliers.radius_m"), "its settings");
+        let completions = COMPLETIONS.map(|(_, path)| text(path));
+        for one in command.get_subcommands() {
+            let name = one.get_name();
+            text(&format!("man/man1/bathyscope-{name}.1"));
+            assert!(completions.iter().all(|text| text.contains(name)), "{name}");
+        }
+        assert!(text("applications/bathyscope.desktop").contains("\nExec=bathyscope %F\n"));
+        let beside = text("icons/hicolor/scalable/apps/bathyscope.svg");
+        assert!(beside.starts_with("<svg "));
+    }
+}
