@@ -25,7 +25,7 @@ pub struct DetectArgs {
     /// Logs, folders of logs, or pictures (PNG, JPEG); of several, each is written into a folder of its own
     #[arg(required = true, value_name = "SURVEY|PICTURE")]
     inputs: Vec<PathBuf>,
-    /// Folder for detections.csv, detections.geojson and the chips; made when missing
+    /// Folder whose subfolder `objects` gets detections.csv, detections.geojson and the chips; made when missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Another YOLO model than the one that comes with the program; MODEL.json beside it is read too; the same as the
@@ -105,7 +105,7 @@ fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Resul
     };
     output::results(format_args!(
         "found {found}; wrote the tables and chips into {}",
-        folder.display()
+        folder.join("objects").display()
     ))
 }
 

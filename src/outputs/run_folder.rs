@@ -101,15 +101,20 @@ impl RunFolder {
         &self.folder
     }
 
-    /// The files written so far, by name.
+    /// The files written so far, by name; those that are `known` are not read again.
     ///
     /// # Errors
     /// A sentence when one cannot be read, or the work was cancelled.
-    pub fn files(&self, progress: &Progress) -> Result<Vec<Fingerprint>, OutputError> {
+    pub fn files(
+        &self,
+        known: &[Fingerprint],
+        progress: &Progress,
+    ) -> Result<Vec<Fingerprint>, OutputError> {
         let new = self.path();
-        let read = |file: String| {
-            Fingerprint::of(&new, &file, progress)
-                .map_err(|error| OutputError::from(format!("{error}: {file}")))
+        let read = |file: String| match known.iter().find(|one| one.file == file) {
+            Some(known) => Ok(known.clone()),
+            None => Fingerprint::of(&new, &file, progress)
+                .map_err(|error| OutputError::from(format!("{error}: {file}"))),
         };
         let names = names_in(&new)?;
         names.into_iter().map(read).collect()

@@ -12,7 +12,7 @@ use crate::detection::Model;
 use crate::detection::review::Review;
 use crate::outputs::OutputError;
 use crate::pipeline::joint::joint_report;
-use crate::pipeline::{Derived, ProcessedLog, Reference, Report};
+use crate::pipeline::{Derived, Fingerprint, ProcessedLog, Reference, Report};
 use crate::progress::{Cancelled, Progress};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -96,6 +96,8 @@ pub(super) struct Run<'a> {
     pub report: Report,
     /// Made of the results so far.
     made: Vec<(&'static OutputFile, FileContent)>,
+    /// What was made of the results, by its hashes.
+    hashed: Vec<Fingerprint>,
     folder: &'a RunFolder,
 }
 
@@ -132,6 +134,7 @@ pub fn write(
         report: report(&results)?,
         results,
         made: Vec::new(),
+        hashed: Vec::new(),
         folder: &folder,
     };
     let asked = |when| order.asks_for(when);
@@ -139,7 +142,8 @@ pub fn write(
     run.report.warnings.extend(made.warnings);
     run.made = made.files;
     on_step("hashes");
-    run.report.name_run(&folder.files(progress)?)?;
+    run.hashed = folder.files(&[], progress)?;
+    run.report.name_run(&run.hashed)?;
     if asked(When::Chosen(Product::Report)) {
         on_step("report");
     }
@@ -268,7 +272,7 @@ pub(super) fn report_json(run: &mut Run<'_>, path: &Path) -> Result<(), OutputEr
 
 /// Writes `manifest.json`, which names every other file of the run.
 pub(super) fn manifest(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
-    let files = run.folder.files(run.results.progress)?;
+    let files = (run.folder).files(&run.hashed, run.results.progress)?;
     let compared = run
         .made
         .iter()

@@ -15,7 +15,7 @@ fn write(run: &RunFolder, files: &[&str], content: &str) {
         fs::create_dir_all(new.join(file).parent().unwrap()).unwrap();
         fs::write(new.join(file), content).unwrap();
     }
-    let files = run.files(&Progress::new()).unwrap();
+    let files = run.files(&[], &Progress::new()).unwrap();
     let manifest = serde_json::json!({ "program": "bathyscope 1", "run": content, "files": files });
     fs::write(new.join("manifest.json"), manifest.to_string()).unwrap();
 }
