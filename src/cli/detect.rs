@@ -7,7 +7,7 @@ use super::{found, many, output};
 use crate::catch_panic::catch_panic;
 use crate::detection::model::shipped;
 use crate::detection::{DetectorSettings, Model, Picture};
-use crate::outputs::{self, RunFolder};
+use crate::outputs::{self, Replaced, RunFolder};
 use crate::pipeline::ProcessedLog;
 use crate::progress::Progress;
 use image::{ColorType, DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
@@ -98,14 +98,15 @@ fn each(inputs: &[PathBuf], model: &Model, logs: &Logs, output: &Path) -> Result
 fn detect_into(input: &Path, model: &Model, logs: &Logs, folder: &Path) -> Result<(), String> {
     // Before the work: a folder that cannot be written into should not cost minutes first.
     let run = RunFolder::begin(folder).map_err(|error| error.to_string())?;
-    let found = if is_picture(input) {
+    let (found, replaced) = if is_picture(input) {
         search_picture(input, model, &logs.settings.detector, run)?
     } else {
         search_survey(input, model, logs, run)?
     };
     output::results(format_args!(
-        "found {found}; wrote the tables and chips into {}",
-        folder.join("objects").display()
+        "found {found}; wrote the tables and chips into {}{}",
+        folder.join("objects").display(),
+        replaced.in_words()
     ))
 }
 
@@ -120,7 +121,7 @@ fn search_survey(
     model: &Model,
     logs: &Logs,
     run: RunFolder,
-) -> Result<String, String> {
+) -> Result<(String, Replaced), String> {
     let progress = Progress::new();
     let survey = logs.open(input, &progress)?;
     let status = StatusLine::new(&progress);
@@ -130,9 +131,9 @@ fn search_survey(
         products,
     };
     status.step("detecting");
-    let found = outputs::write_detected(&log, model, run, &progress)
+    let (found, replaced) = outputs::write_detected(&log, model, run, &progress)
         .map_err(|error| format!("{error}: {}", input.display()))?;
-    Ok(found::proposed(&found, model.names()))
+    Ok((found::proposed(&found, model.names()), replaced))
 }
 
 /// Searches a picture and reports what was found.
@@ -141,18 +142,18 @@ fn search_picture(
     model: &Model,
     settings: &DetectorSettings,
     run: RunFolder,
-) -> Result<String, String> {
+) -> Result<(String, Replaced), String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("detecting");
     let picture = read_picture(input)
         .map_err(|error| format!("cannot read the picture: {error}: {}", input.display()))?;
     let name = input.file_name().unwrap_or_default().to_string_lossy();
-    let found =
+    let (found, replaced) =
         outputs::write_detected_in_picture(&name, &picture, model, settings, run, &progress)
             .map_err(|error| format!("{error}: {}", input.display()))?;
     let names = found.iter().map(|one| model.names()[one.class].as_str());
-    Ok(found::boxes(names))
+    Ok((found::boxes(names), replaced))
 }
 
 /// The pixels of a file; the error is a sentence without the path.

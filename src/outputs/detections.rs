@@ -4,7 +4,7 @@ use super::manifest::{Coordinates, FileContent};
 use super::objects::ObjectRows;
 use super::registry::{When, row_of, row_of_beside};
 use super::results::Results;
-use super::run_folder::RunFolder;
+use super::run_folder::{Replaced, RunFolder};
 use super::write::{Order, write_rows};
 use crate::detection::{
     Detection, DetectorSettings, Model, Picture, Raster, Scored, find_in_picture,
@@ -40,7 +40,7 @@ impl Proposed {
     }
 }
 
-/// Searches a survey and writes what is found, without records.
+/// Searches a survey and writes what is found, in the place of what an earlier search wrote there; gives back what became of that, too.
 ///
 /// # Errors
 /// A sentence that names the file, or says that the work was cancelled; the folder is then as it was.
@@ -49,7 +49,7 @@ pub fn write_detected(
     model: &Model,
     run: RunFolder,
     progress: &Progress,
-) -> Result<Proposed, OutputError> {
+) -> Result<(Proposed, Replaced), OutputError> {
     let order = Order {
         logs: std::slice::from_ref(log),
         derived: &Derived::default(),
@@ -62,8 +62,8 @@ pub fn write_detected(
     let searched = |when| when == When::Searched;
     write_rows(&mut results, &run.path(), searched, &mut |_| ())?;
     let found = Proposed::of(&results)?;
-    run.commit_group(is_of_search)?;
-    found.ok_or_else(|| "nothing searched for objects".into())
+    let found = found.ok_or("nothing searched for objects")?;
+    Ok((found, run.commit_group(is_of_search)?))
 }
 
 /// The same for a picture of another program, by its name in the table.
@@ -77,7 +77,7 @@ pub fn write_detected_in_picture(
     settings: &DetectorSettings,
     run: RunFolder,
     progress: &Progress,
-) -> Result<Vec<Scored>, OutputError> {
+) -> Result<(Vec<Scored>, Replaced), OutputError> {
     let found = find_in_picture(picture, model, settings, progress)?;
     let folder = run.path().join("objects");
     // The chips come first, and make the folder.
@@ -85,8 +85,7 @@ pub fn write_detected_in_picture(
         let table = folder.join("detections.csv");
         export::picture_boxes_csv(&table, name, model.names(), &found)
     })?;
-    run.commit_group(is_of_search)?;
-    Ok(found)
+    Ok((found, run.commit_group(is_of_search)?))
 }
 
 /// Whether a file is of a search, in whatever version's layout.

@@ -44,6 +44,19 @@ pub struct Replaced {
     pub kept: Vec<String>,
 }
 
+impl Replaced {
+    /// What became of them, to be added to a sentence about what was written; nothing where there are none.
+    pub fn in_words(&self) -> String {
+        let parts = [
+            ("removed of an earlier run", &self.removed),
+            ("left from before, not of this run", &self.kept),
+        ];
+        let there = parts.iter().filter(|(_, names)| !names.is_empty());
+        let part = |(what, names): &(&str, &Vec<String>)| format!("; {what}: {}", names.join(", "));
+        there.map(part).collect()
+    }
+}
+
 /// A folder that a run writes into. Dropped before [`RunFolder::commit`], it leaves the folder as it was.
 #[derive(Debug)]
 pub struct RunFolder {

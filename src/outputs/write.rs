@@ -72,21 +72,12 @@ impl Written {
     /// What was written and removed, in a sentence or two.
     pub fn summary(&self, folder: &Path) -> String {
         // Where comes first: the list of files is long, and the window shows a few lines of it.
-        let mut text = format!(
-            "wrote into {}: {}",
+        format!(
+            "wrote into {}: {}{}",
             folder.display(),
-            files_in_words(self.files.iter().copied())
-        );
-        let Replaced { removed, kept } = &self.replaced;
-        for (what, names) in [
-            ("removed of an earlier run", removed),
-            ("left from before, not of this run", kept),
-        ] {
-            if !names.is_empty() {
-                text += &format!("; {what}: {}", names.join(", "));
-            }
-        }
-        text
+            files_in_words(self.files.iter().copied()),
+            self.replaced.in_words()
+        )
     }
 }
 

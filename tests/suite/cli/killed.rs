@@ -219,6 +219,14 @@ fn files_of_a_version_without_subfolders_are_removed_or_named() {
     fs::write(out.join("track.gpx"), "mine").expect("a file");
     fs::write(out.join("detections.csv"), "mine").expect("a file");
     fs::write(out.join(NOTES), "mine").expect("a file");
+    // A search takes the place of its own files only, and says which of a version without subfolders stay.
+    let args = "detect pond.sl2 -o out --score 0.9";
+    let text = run(folder, &args.split(' ').collect::<Vec<_>>());
+    let said = "; left from before, not of this run: detections.csv\n";
+    assert!(text.ends_with(said), "{text}");
+    assert!(out.join("objects/detections.csv").is_file() && out.join("depth.tif").is_file());
+    fs::remove_dir_all(out.join("objects")).expect("the files of the search");
+
     let args = "process pond.sl2 -o out --no-objects --products depth";
     let text = run(folder, &args.split(' ').collect::<Vec<_>>());
     let said = "removed of an earlier run: cloud.csv, depth.qml, depth.tif; \
