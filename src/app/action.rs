@@ -140,7 +140,7 @@ actions! {
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
     EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges. A drag of an edge moves that edge: of the echo, between echo and shadow, or at the end of the shadow.";
-    NextEdge, "Next edge of the box", Some("G"), "Has the arrow keys move one edge of the selected box: near edge, border of echo and shadow, end of the shadow, first ping, last ping, and then the box again.";
+    NextEdge, "Next edge of the box", Some("Shift+E"), "Has the arrow keys move one edge of the selected box: near edge, border of echo and shadow, end of the shadow, first ping, last ping, and then the box again.";
     FindEdges, "Find the edges of the box", None, "Leaves the edges of echo and shadow that were drawn by hand, and has them found in the box again.";
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
     MarkTarget, "Mark target", Some("T"), "The next click in the waterfall marks a point: a place without size. T once more marks it at the pointer, or at the selected place.";

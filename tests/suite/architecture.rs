@@ -12,7 +12,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("base_map", &["geo", "formats"]),
     ("simulation", &["survey", "geo", "formats"]),
     ("first_return", &["survey"]),
-    ("waterfall", &["survey", "first_return"]),
+    ("waterfall", &["survey", "geo", "first_return"]),
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey", "cloud", "presentation"]),

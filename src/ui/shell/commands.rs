@@ -80,7 +80,7 @@ impl Shell {
             Action::OpenBaseMap => self.dialogs.ask(Purpose::OpenBaseMap, self.app.jobs()),
             Action::OpenWaterLevels => self.dialogs.ask(Purpose::OpenWaterLevels, self.app.jobs()),
             Action::OpenTrack => self.dialogs.ask(Purpose::OpenTrack, self.app.jobs()),
-            Action::SetCorner => match self.layout.target() {
+            Action::SetCorner => match self.target() {
                 View::Waterfall => self.views.waterfall.set_corner(),
                 View::Map | View::Cloud => self.views.map.set_corner(),
             },

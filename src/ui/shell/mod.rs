@@ -252,6 +252,14 @@ impl Shell {
         }
     }
 
+    /// The view that keys are about.
+    fn target(&self) -> View {
+        match self.alone {
+            Some(Alone::View(view)) => view,
+            Some(Alone::Profile) | None => self.layout.target(),
+        }
+    }
+
     /// Whether a view is to be printed, and its file to be named.
     fn draw(
         &mut self,
@@ -262,7 +270,7 @@ impl Shell {
         let mut context = ViewContext {
             app: &self.app,
             render_state,
-            target: self.layout.target(),
+            target: self.target(),
             commands,
         };
         if let Some(alone) = self.alone {

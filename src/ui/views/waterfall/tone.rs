@@ -93,7 +93,7 @@ pub(super) fn look(app: &App, lens: &Lens, picture: Option<&LogPicture>, first: 
         port,
         starboard,
         curve_far_m: gain.map_or(1.0, |gain| gain.far_m() as f32),
-        curve_factor: gain.map_or(1.0, crate::mosaic::GainTable::brightness),
+        curve_factor: gain.map_or(1.0, |gain| gain.brightness()),
         padding: 0.0,
     }
 }
