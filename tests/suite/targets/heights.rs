@@ -1,6 +1,6 @@
 //! Heights of many objects, by the edges of the shadows that the program finds.
 
-use super::{edit, level_scene, opened, target, written};
+use super::{edit, level_scene, opened, see_far, target, written};
 use crate::support::Moments;
 use bathyscope::detection::Mark;
 use bathyscope::detection::review::Edit;
@@ -41,8 +41,7 @@ fn scene() -> Scene {
     });
     let objects = objects.collect();
     let mut scene = level_scene(DEPTH_M, line_m, objects);
-    scene.recorder.range_m = 30.0;
-    scene.recorder.samples_per_side = 2000;
+    see_far(&mut scene, 30.0);
     scene
 }
 
