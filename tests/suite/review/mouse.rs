@@ -169,14 +169,14 @@ fn the_border_of_echo_and_shadow_has_a_handle_of_its_own() {
     assert_eq!(app(&window).undo_label(), Some(&*label));
 
     // By keys: the border is the second edge. To port, up on the screen is outward.
-    press(&mut window, Modifiers::NONE, Key::G);
-    press(&mut window, Modifiers::NONE, Key::G);
+    press(&mut window, Modifiers::SHIFT, Key::E);
+    press(&mut window, Modifiers::SHIFT, Key::E);
     assert_eq!(app(&window).log.reviewing.edge, BoxEdge::Border);
     window.get_by_label_contains("editing its border of echo and shadow");
     press(&mut window, Modifiers::NONE, Key::ArrowUp);
     let nudged_m = one(&window).extent.border_m().expect("a border");
     assert!((nudged_m - moved_m - 0.04).abs() < 1e-9, "{nudged_m}");
-    press(&mut window, Modifiers::NONE, Key::G);
+    press(&mut window, Modifiers::SHIFT, Key::E);
     press(&mut window, Modifiers::SHIFT, Key::ArrowUp);
     let longer = one(&window);
     assert!((longer.mark.far_m - drawn.mark.far_m - 0.4).abs() < 1e-9);
@@ -202,7 +202,9 @@ fn a_target_is_marked_by_a_click_or_at_the_pointer() {
     press(&mut window, Modifiers::NONE, Key::T);
     assert_eq!(app(&window).log.reviewing.tool, Tool::Point);
     let place = at(&window, 300.0, -6.0);
-    drag(&mut window, place, place);
+    window.drag_at(place);
+    window.drop_at(place);
+    window.run();
     let points = |window: &Window| -> Vec<Mark> {
         let is_point = |one: &Reviewed| one.extent == ObjectExtent::Point;
         assert!(review_of(window).boxes().all(is_point));

@@ -63,7 +63,8 @@ impl Edges {
         let (echo, shadow) = (points(mark.near_m, border_m), points(border_m, mark.far_m));
         let reach = (0.25 * echo.min(shadow)).clamp(LEAST_REACH, REACH);
         let off = points(range_m, border_m);
-        let is_nearest = off <= points(range_m, mark.near_m).min(points(range_m, mark.far_m));
+        // A border on an edge leaves the edge to be grabbed: drawn away, it leaves the border behind.
+        let is_nearest = off < points(range_m, mark.near_m).min(points(range_m, mark.far_m));
         let along = lens.pings_per_point();
         let inside = [
             (at.ping - mark.pings.start as f64) / along,
