@@ -76,8 +76,8 @@ pub fn files_in_words<'a>(rows: impl Iterator<Item = &'a OutputFile>) -> String 
         };
         stem_before = stem;
     }
-    if words.contains(STYLE) {
-        words += " (colours for QGIS)";
+    if let Some(at) = words.rfind(STYLE) {
+        words.insert_str(at + STYLE.len(), " (colours for QGIS)");
     }
     words
 }

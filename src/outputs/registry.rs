@@ -496,7 +496,7 @@ pub const OUTPUT_FILES: [OutputFile; 31] = [
         )
     },
     OutputFile {
-        brief: "this page",
+        brief: "the report to read and to print",
         ..row(
             "report.html",
             When::Chosen(Product::Report),
@@ -504,7 +504,7 @@ pub const OUTPUT_FILES: [OutputFile; 31] = [
         )
     },
     OutputFile {
-        brief: "this report for programs: inputs, settings, counts, statistics",
+        brief: "the report for programs: inputs, settings, counts, statistics",
         ..row(
             "report.json",
             When::Always,

@@ -195,7 +195,7 @@ impl RunFolder {
         self.is_ours = false;
         self.clear();
         let mut removed = journal.remove;
-        let all = removed.clone();
+        let all: Vec<String> = removed.iter().chain(&kept).cloned().collect();
         // What belongs to a file goes with it unsaid: its record in versions that had such, and the pictures of a folder.
         let is_record = |name: &str| {
             name.strip_suffix(".json")
