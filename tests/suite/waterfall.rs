@@ -428,8 +428,13 @@ fn the_real_river_is_drawn_whole() {
     let progress = Progress::new();
     let survey = bathyscope::formats::open(&path, &progress).expect("the river opens");
     let mut window = window(app_with(survey), [1200.0, 500.0]);
+    window.state_mut().waterfall.show_pings(0..3453);
     settle(&mut window);
-    assert!(name(&window).starts_with("Waterfall, pings 0 to 3452 of 3453"));
+    let name = name(&window);
+    assert!(
+        name.starts_with("Waterfall, pings 0 to 3452 of 3453"),
+        "{name}"
+    );
     let picture = window.render().expect("a picture");
     // Copper everywhere but in the labels: the far third of both sides is drawn, not left as canvas.
     let drawn = |y: u32| {

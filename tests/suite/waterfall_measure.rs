@@ -111,11 +111,13 @@ fn a_drag_along_a_shadow_gives_the_height_of_a_known_block() {
     );
     let refused = app(&window).measured_height().expect("results");
     assert!(refused.is_err(), "{refused:?}");
-    window.get_by_label_contains("the shadow ends in the water column");
+    // On the picture and in the panel.
+    let said = window.query_all_by_label_contains("the shadow ends in the water column");
+    assert!(said.count() > 0);
 }
 
 #[test]
-fn the_same_block_on_two_passes_is_no_distance_apart() {
+fn a_block_on_two_passes_is_no_farther_apart_than_it_is_large() {
     let mut window = demo_window();
     press(&mut window, Modifiers::NONE, Key::F);
     let seen = sightings("0");
@@ -128,7 +130,8 @@ fn the_same_block_on_two_passes_is_no_distance_apart() {
     let apart_m = figure.measurement.length_m();
     println!("one block on two passes: {apart_m:.2} m apart");
     assert_eq!(figure.measurement.picks.len(), 2);
-    assert!(apart_m < 1.0, "{apart_m}");
+    // What is clicked are the near edges of a block of 1 m by 0.7 m, which are others from other lines.
+    assert!(apart_m < 1.5, "{apart_m}");
     // On the slant range it would be more than that from the water column to the bottom.
     press(&mut window, Modifiers::NONE, Key::Escape);
     press(&mut window, Modifiers::NONE, Key::D);
