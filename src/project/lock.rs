@@ -8,7 +8,7 @@ use std::fmt;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 /// The program that has a project open.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,11 +74,26 @@ pub enum Locked {
     Unknown,
 }
 
-/// Asks for the lock of an open file, without waiting.
+/// How often, and how long apart, a lock is asked for that another has: a program that this one starts holds a copy of each of its open
+/// files, and with it of a lock that was just given up, until it runs its own code.
+const ATTEMPTS: u32 = 6;
+const APART: Duration = Duration::from_millis(20);
+
+/// Asks for the lock of an open file; where another has it, for a tenth of a second.
 ///
 /// # Errors
 /// What the system said.
 pub fn lock(file: &File) -> io::Result<Locked> {
+    for _ in 1..ATTEMPTS {
+        match try_lock(file)? {
+            Locked::Taken => std::thread::sleep(APART),
+            locked => return Ok(locked),
+        }
+    }
+    try_lock(file)
+}
+
+fn try_lock(file: &File) -> io::Result<Locked> {
     match file.try_lock() {
         Ok(()) => Ok(Locked::Ours),
         Err(TryLockError::WouldBlock) => Ok(Locked::Taken),
