@@ -86,19 +86,14 @@ impl BoxEdge {
     }
 }
 
-/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where nothing is
-/// found, a third of the box from its near edge, as boxes hold more shadow than echo.
+/// Slant range of the border between the echo and the shadow of a box, metres: as it was set, as it is found, or, where no shadow is
+/// found, a third of the box from its near edge: boxes hold more shadow than echo, and a border on the far edge could not be grabbed.
 pub fn border_m(reviewing: &Reviewing, one: &Reviewed) -> f64 {
     let (near_m, far_m) = (one.mark.near_m, one.mark.far_m);
     let found = || {
         let placed = reviewing.placed(one.id)?;
         // Of a box that has just been moved the parts are those of a moment ago.
-        let parts = placed.target.parts?;
-        Some(
-            parts
-                .shadow_m
-                .map_or(parts.echo_m[1], |shadow_m| shadow_m[0]),
-        )
+        Some(placed.target.parts?.shadow_m?[0])
     };
     let border_m = one.extent.border_m().or_else(found);
     let border_m = border_m.unwrap_or(near_m + (far_m - near_m) / 3.0);
