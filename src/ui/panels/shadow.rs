@@ -69,8 +69,11 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
         );
     }
     ui.horizontal(|ui| {
-        for action in [Action::SaveFigure, Action::RemoveFigure] {
-            let button = ui.button(action.label());
+        for (action, label) in [
+            (Action::SaveFigure, "Save…"),
+            (Action::RemoveFigure, "Remove"),
+        ] {
+            let button = ui.button(label);
             if button.on_hover_text(action.hint()).clicked() {
                 context.push(Command::Do(action));
             }
