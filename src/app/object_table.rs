@@ -306,18 +306,11 @@ mod tests {
     }
 
     fn reviewed(state: State, score: f32) -> Reviewed {
+        let mark = crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0);
         Reviewed {
-            id: BoxId(1),
-            mark: crate::detection::Mark::point(crate::survey::Side::Port, 5, 6.0),
-            class: 0,
             score: Some(score),
             state,
-            edited: false,
-            note: String::new(),
-            name: String::new(),
-            confidence: None,
-            extent: ObjectExtent::Found,
-            model: None,
+            ..Reviewed::drawn(BoxId(1), mark, 0)
         }
     }
 

@@ -2,10 +2,10 @@
 
 use crate::calibration::Calibration;
 use crate::cloud::Correction;
-use crate::detection::targets::{Placer, ShadowError, ShadowHeight, Target};
+use crate::detection::targets::{Placer, Target};
 use crate::detection::{Mark, ObjectExtent};
 use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, Side, Survey};
+use crate::survey::{Navigation, Survey};
 
 /// Places boxes of one survey.
 pub struct Placing<'a> {
@@ -47,21 +47,8 @@ impl<'a> Placing<'a> {
         })
     }
 
-    /// The height of what casts a shadow on a ping: see [`Placer::shadow_height`].
-    ///
-    /// # Errors
-    /// Where no height follows.
-    pub fn shadow_height(
-        &self,
-        side: Side,
-        ping: usize,
-        recorded_m: [f64; 2],
-    ) -> Result<ShadowHeight, ShadowError> {
-        self.placer.shadow_height(side, ping, recorded_m)
-    }
-
-    /// Where a place of the side-scan lies on a level bottom: see [`Placer::ground`].
-    pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
-        self.placer.ground(side, ping, recorded_m)
+    /// What measures and places on a level bottom, as the cloud's points are, without the correction of depths.
+    pub fn placer(&self) -> &Placer<'a> {
+        &self.placer
     }
 }

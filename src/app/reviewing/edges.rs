@@ -154,27 +154,16 @@ impl App {
 mod tests {
     use super::*;
     use crate::detection;
-    use crate::detection::review::{BoxId, State};
+    use crate::detection::review::BoxId;
 
     fn reviewed(side: Side) -> Reviewed {
-        Reviewed {
-            id: BoxId(4),
-            mark: detection::Mark {
-                side,
-                pings: 10..20,
-                near_m: 4.0,
-                far_m: 7.0,
-            },
-            class: 0,
-            score: None,
-            state: State::Added,
-            edited: false,
-            note: String::new(),
-            name: String::new(),
-            confidence: None,
-            extent: ObjectExtent::Found,
-            model: None,
-        }
+        let mark = detection::Mark {
+            side,
+            pings: 10..20,
+            near_m: 4.0,
+            far_m: 7.0,
+        };
+        Reviewed::drawn(BoxId(4), mark, 0)
     }
 
     #[test]

@@ -202,17 +202,8 @@ impl Review {
         let mut after = self.clone();
         let id = after.take_id();
         after.boxes.push(Arc::new(Reviewed {
-            id,
-            mark,
-            class,
-            score: None,
-            state: State::Added,
-            edited: false,
-            note: String::new(),
-            name: String::new(),
-            confidence: None,
             extent,
-            model: None,
+            ..Reviewed::drawn(id, mark, class)
         }));
         Some(after)
     }

@@ -101,6 +101,23 @@ pub struct Reviewed {
 }
 
 impl Reviewed {
+    /// A box that is drawn by hand, with nothing said of it yet.
+    pub fn drawn(id: BoxId, mark: Mark, class: usize) -> Self {
+        Self {
+            id,
+            mark,
+            class,
+            score: None,
+            state: State::Added,
+            edited: false,
+            note: String::new(),
+            name: String::new(),
+            confidence: None,
+            extent: ObjectExtent::Found,
+            model: None,
+        }
+    }
+
     /// Whether the analyst has touched it; a new model leaves such a box as it is.
     pub fn is_kept(&self) -> bool {
         self.state != State::Proposed || self.edited

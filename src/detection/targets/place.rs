@@ -9,6 +9,7 @@ use crate::detection::{Mark, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Width of a side beam along the track, radians: about a degree at the usual 455 kHz.
 const BEAM_RAD: f64 = 0.0157;
@@ -24,8 +25,8 @@ pub struct Placer<'a> {
     calibration: &'a Calibration,
     /// What recorded ranges and depths are multiplied with.
     range_factor: f64,
-    /// Distance sailed up to each ping, metres.
-    sailed_m: Vec<f64>,
+    /// Distance sailed up to each ping, metres: worked out for the first box, since what is measured on one ping does without it.
+    sailed_m: OnceLock<Vec<f64>>,
 }
 
 impl<'a> Placer<'a> {
@@ -36,23 +37,13 @@ impl<'a> Placer<'a> {
         returns: &'a FirstReturns,
         calibration: &'a Calibration,
     ) -> Self {
-        let mut sailed_m = Vec::with_capacity(navigation.pings.len());
-        let (mut sum_m, mut last): (f64, Option<[f64; 2]>) = (0.0, None);
-        for place in &navigation.pings {
-            if let Some([east_m, north_m]) = last {
-                let step_m = f64::hypot(place.east_m - east_m, place.north_m - north_m);
-                sum_m += if step_m.is_finite() { step_m } else { 0.0 };
-            }
-            last = Some([place.east_m, place.north_m]);
-            sailed_m.push(sum_m);
-        }
         Self {
             survey,
             navigation,
             returns,
             calibration,
             range_factor: 1.0,
-            sailed_m,
+            sailed_m: OnceLock::new(),
         }
     }
 
@@ -114,7 +105,7 @@ impl<'a> Placer<'a> {
             along_sigma_m,
             across_sigma_m,
             heading_rad: boat.heading_rad,
-            sailed_m: self.sailed_m.get(middle).copied().unwrap_or(0.0),
+            sailed_m: self.sailed_m().get(middle).copied().unwrap_or(0.0),
             mark: mark.clone(),
             extent,
             parts: found,
@@ -228,9 +219,26 @@ impl<'a> Placer<'a> {
         }
     }
 
+    /// Distance sailed up to each ping, metres.
+    fn sailed_m(&self) -> &[f64] {
+        self.sailed_m.get_or_init(|| {
+            let (mut sum_m, mut last): (f64, Option<[f64; 2]>) = (0.0, None);
+            let pings = self.navigation.pings.iter();
+            let sailed = pings.map(|place| {
+                if let Some([east_m, north_m]) = last {
+                    let step_m = f64::hypot(place.east_m - east_m, place.north_m - north_m);
+                    sum_m += if step_m.is_finite() { step_m } else { 0.0 };
+                }
+                last = Some([place.east_m, place.north_m]);
+                sum_m
+            });
+            sailed.collect()
+        })
+    }
+
     /// Distance that the boat sailed over a box, metres.
     fn sailed_over_m(&self, mark: &Mark) -> f64 {
-        let at_m = |ping: usize| self.sailed_m.get(ping).copied().unwrap_or(f64::NAN);
+        let at_m = |ping: usize| self.sailed_m().get(ping).copied().unwrap_or(f64::NAN);
         at_m(mark.pings.end.saturating_sub(1)) - at_m(mark.pings.start)
     }
 
@@ -238,8 +246,10 @@ impl<'a> Placer<'a> {
     fn middle(&self, mark: &Mark) -> usize {
         let count = usize::midpoint(mark.pings.start, mark.pings.end);
         let (first, last) = (mark.pings.start, mark.pings.end.saturating_sub(1));
-        let (Some(from_m), Some(way)) = (self.sailed_m.get(first), self.sailed_m.get(first..=last))
-        else {
+        let (Some(from_m), Some(way)) = (
+            self.sailed_m().get(first),
+            self.sailed_m().get(first..=last),
+        ) else {
             return count;
         };
         let half_m = from_m + 0.5 * self.sailed_over_m(mark);
@@ -256,8 +266,8 @@ impl<'a> Placer<'a> {
         let [before, behind] =
             [before_ping, behind_ping].map(|ping| self.navigation.pings.get(ping).copied());
         let (before, behind) = (before?, behind?);
-        let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m[ping]);
-        let half_m = self.sailed_m[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
+        let [from_m, to_m] = [before_ping, behind_ping].map(|ping| self.sailed_m()[ping]);
+        let half_m = self.sailed_m()[mark.pings.start] + 0.5 * self.sailed_over_m(mark);
         let share = match to_m > from_m {
             true => ((half_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0),
             false => 0.5,

@@ -7,19 +7,18 @@ use crate::pipeline::{ProcessedLog, Same, mosaic_layout_by};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Survey};
 
-/// What a gain table is made of; equal keys give equal tables.
+/// What the side-scan of a log is laid out by on the ground; equal keys give equal layouts.
 #[derive(Clone, PartialEq)]
-pub struct GainKey {
+pub struct SideScanKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
     returns: Same<FirstReturns>,
     calibration: Same<Calibration>,
     left_out: Same<LeftOut>,
     range_factor: f64,
-    most_turn_deg_s: f64,
 }
 
-impl GainKey {
+impl SideScanKey {
     /// Of the results of a log.
     pub fn of(ProcessedLog { survey, products }: &ProcessedLog) -> Self {
         Self {
@@ -29,7 +28,23 @@ impl GainKey {
             calibration: Same(products.calibration.clone()),
             left_out: Same(products.left_out.clone()),
             range_factor: products.correction.range_factor(),
-            most_turn_deg_s: products.settings.mosaic.most_turn_deg_s,
+        }
+    }
+}
+
+/// What a gain table is made of; equal keys give equal tables.
+#[derive(Clone, PartialEq)]
+pub struct GainKey {
+    side_scan: SideScanKey,
+    most_turn_deg_s: f64,
+}
+
+impl GainKey {
+    /// Of the results of a log.
+    pub fn of(log: &ProcessedLog) -> Self {
+        Self {
+            side_scan: SideScanKey::of(log),
+            most_turn_deg_s: log.products.settings.mosaic.most_turn_deg_s,
         }
     }
 }

@@ -1,15 +1,13 @@
-//! The side-scan mosaic of a survey: every log laid out, its gain evened and brought to that of the others.
+//! The side-scan mosaic of a survey: every log laid out, its gain normalised and brought to that of the others.
 
+use super::gain::SideScanKey;
 use crate::bathymetry::Grid;
-use crate::calibration::Calibration;
-use crate::first_return::FirstReturns;
 use crate::geo::MapPlane;
 use crate::mosaic::{
     Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
 };
-use crate::pipeline::{ProcessedLog, Same, mosaic_layout, mosaic_layout_by};
+use crate::pipeline::{ProcessedLog, mosaic_layout, mosaic_layout_by};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Survey};
 use std::sync::{Arc, OnceLock};
 
 /// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
@@ -37,12 +35,7 @@ pub struct MosaicKey {
 
 #[derive(Clone, PartialEq)]
 struct LogKey {
-    survey: Same<Survey>,
-    navigation: Same<Navigation>,
-    returns: Same<FirstReturns>,
-    calibration: Same<Calibration>,
-    left_out: Same<LeftOut>,
-    range_factor: f64,
+    side_scan: SideScanKey,
     settings: MosaicSettings,
 }
 
@@ -52,17 +45,12 @@ impl MosaicKey {
         let MosaicSettings {
             cell_m, colours, ..
         } = MosaicSettings::default();
-        let key = |ProcessedLog { survey, products }: &ProcessedLog| LogKey {
-            survey: Same(survey.clone()),
-            navigation: Same(products.navigation.clone()),
-            returns: Same(products.returns.clone()),
-            calibration: Same(products.calibration.clone()),
-            left_out: Same(products.left_out.clone()),
-            range_factor: products.correction.range_factor(),
+        let key = |log: &ProcessedLog| LogKey {
+            side_scan: SideScanKey::of(log),
             settings: MosaicSettings {
                 cell_m,
                 colours,
-                ..products.settings.mosaic.clone()
+                ..log.products.settings.mosaic.clone()
             },
         };
         Self {

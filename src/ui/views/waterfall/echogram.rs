@@ -214,20 +214,13 @@ fn draw_picture(
     let picture = &gpu.picture;
     drawing.upload(|size, texels| picture.upload(&state.device, &state.queue, size, texels));
     let tiles = drawing.plan(lens, None, painter.pixels_per_point());
-    if drawing.has_uploads() {
-        painter
-            .ctx()
-            .request_repaint_after(std::time::Duration::from_millis(1));
-    }
-    painter.add(eframe::egui_wgpu::Callback::new_paint_callback(
-        lens.rect,
-        PictureCallback {
-            picture: picture.clone(),
-            look: tone::plain_look(app, lens, drawing.levels),
-            tables: uploaded.tables.clone(),
-            tiles,
-        },
-    ));
+    let picture = PictureCallback {
+        picture: picture.clone(),
+        look: tone::plain_look(app, lens, drawing.levels),
+        tables: uploaded.tables.clone(),
+        tiles,
+    };
+    picture.add_to(painter, lens.rect, drawing.has_uploads());
     drawing.is_settled()
 }
 

@@ -348,21 +348,13 @@ impl WaterfallView {
         let shown = shown.filter(|_| uploaded.fits).map(Arc::as_ref);
         let tiles = drawing.plan(lens, shown, painter.pixels_per_point());
         self.settled = drawing.is_settled();
-        if drawing.has_uploads() {
-            // Not "at once": a harness that waits for stillness may stop here and look again later.
-            painter
-                .ctx()
-                .request_repaint_after(std::time::Duration::from_millis(1));
-        }
-        painter.add(eframe::egui_wgpu::Callback::new_paint_callback(
-            lens.rect,
-            PictureCallback {
-                picture: gpu.picture.clone(),
-                look: tone::look(context.app, lens, shown, drawing.levels),
-                tables: uploaded.tables.clone(),
-                tiles,
-            },
-        ));
+        let picture = PictureCallback {
+            picture: gpu.picture.clone(),
+            look: tone::look(context.app, lens, shown, drawing.levels),
+            tables: uploaded.tables.clone(),
+            tiles,
+        };
+        picture.add_to(painter, lens.rect, drawing.has_uploads());
     }
 }
 

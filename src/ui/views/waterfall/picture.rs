@@ -1,8 +1,10 @@
 //! Hands the tiles in view to the renderer inside egui's pass.
 
 use crate::render::waterfall::{Look, Quad, Tables, TileTexture, WaterfallPicture};
-use eframe::egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
+use egui::{Painter, Rect};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// One frame's picture. Holds its renderer itself: two waterfalls never share a buffer.
 pub(super) struct PictureCallback {
@@ -10,6 +12,18 @@ pub(super) struct PictureCallback {
     pub look: Look,
     pub tables: Tables,
     pub tiles: Vec<(Quad, TileTexture)>,
+}
+
+impl PictureCallback {
+    /// Adds it to what is painted; `has_uploads` says that tiles wait for the next frame.
+    pub fn add_to(self, painter: &Painter, rect: Rect, has_uploads: bool) {
+        if has_uploads {
+            // Not "at once": a harness that waits for stillness may stop here and look again later.
+            let soon = Duration::from_millis(1);
+            painter.ctx().request_repaint_after(soon);
+        }
+        painter.add(Callback::new_paint_callback(rect, self));
+    }
 }
 
 impl CallbackTrait for PictureCallback {
