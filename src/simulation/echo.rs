@@ -38,6 +38,8 @@ pub struct Seen {
     pub far_m: f64,
     /// Slant range at which the ground behind it is seen again, metres; NaN when its shadow runs off the range.
     pub shadow_end_m: f64,
+    /// Height above the ground of the visible surface's far edge, over which the last ray before the shadow goes, metres.
+    pub top_height_m: f64,
     /// Slant range at which the ground, seen or not, ends: the recorded range or the shore, metres.
     pub reach_m: f64,
 }
@@ -208,17 +210,20 @@ impl Listener<'_> {
         let mut found: Option<Seen> = None;
         for &[across, range] in visible {
             let [east, north] = self.place(across, 0.0);
-            if placed.height_m(east, north) > 0.0 {
+            let height_m = placed.height_m(east, north);
+            if height_m > 0.0 {
                 let seen = found.get_or_insert(Seen {
                     object,
                     near_m: range,
                     far_m: range,
                     shadow_end_m: f64::NAN,
+                    top_height_m: height_m,
                     reach_m,
                 });
                 seen.near_m = seen.near_m.min(range);
                 seen.far_m = seen.far_m.max(range);
                 seen.shadow_end_m = f64::NAN;
+                seen.top_height_m = height_m;
             } else if let Some(seen) = &mut found
                 && seen.shadow_end_m.is_nan()
             {

@@ -92,6 +92,11 @@ pub struct Sighting {
     /// Slant ranges between which its longest shadow lies, metres; the end is NaN when a shadow runs off the range. The
     /// start is the far edge of its top: with the altitude H, its height is `H (end - start) / end`.
     pub shadow_m: [f64; 2],
+    /// A ping with that shadow.
+    pub shadow_ping: usize,
+    /// Height above the ground of what casts that shadow, metres: of an open hull that lists, or of a trunk that tapers, it is not the
+    /// greatest of the whole object.
+    pub top_height_m: f64,
     /// Slant range at which the ground ends in those pings, seen or not: the recorded range or the shore, metres.
     pub reach_m: f64,
     /// How many pings before the first and after the last still insonify it, because the beam is wide: one standard deviation
@@ -142,6 +147,8 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             let longer = seen.shadow_end_m - seen.far_m > end - start;
             if !end.is_nan() && (seen.shadow_end_m.is_nan() || longer) {
                 pass.shadow_m = [seen.far_m, seen.shadow_end_m];
+                pass.shadow_ping = ping;
+                pass.top_height_m = seen.top_height_m;
             }
         }
         None => sightings.push(Sighting {
@@ -151,6 +158,8 @@ pub fn note(sightings: &mut Vec<Sighting>, ping: usize, side: Side, seen: &Seen)
             near_m: seen.near_m,
             far_m: seen.far_m,
             shadow_m: [seen.far_m, seen.shadow_end_m],
+            shadow_ping: ping,
+            top_height_m: seen.top_height_m,
             reach_m: seen.reach_m,
             spread_pings: 0,
             shown: None,

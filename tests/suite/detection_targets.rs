@@ -179,6 +179,7 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 struct Off {
     /// On a line from south to north, across the others.
     crossing: bool,
+    /// Of what casts the longest shadow.
     true_height_m: f64,
     target: Target,
     off_m: f64,
@@ -202,9 +203,14 @@ fn objects_lie_within_half_a_metre_of_the_truth_from_either_side_and_in_crossing
         for (object, target, off_m) in placed(&sailed) {
             let ping = usize::midpoint(target.mark.pings.start, target.mark.pings.end);
             let heading_rad = sailed.navigation.pings[ping].heading_rad;
+            let mark = &target.mark;
+            let sightings = &sailed.truth.objects[object].sightings;
+            let seen = sightings
+                .iter()
+                .find(|seen| seen.side == mark.side && seen.first_ping == mark.pings.start);
             all.push(Off {
                 crossing: heading_rad.cos().abs() > 0.7,
-                true_height_m: sailed.truth.objects[object].height_m,
+                true_height_m: seen.expect("the sighting that was placed").top_height_m,
                 target,
                 off_m,
             });

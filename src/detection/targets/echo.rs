@@ -14,7 +14,7 @@ pub struct Parts {
     pub echo_m: [f64; 2],
     /// Start and end of the shadow behind it, where there is one; the end is NaN where it runs off the range.
     pub shadow_m: Option<[f64; 2]>,
-    /// The longest shadow behind a few neighbouring pings: that of the object's top. Where the top is round, or the object
+    /// The longest shadow but for a tenth behind a few neighbouring pings: that of the object's top. Where the top is round, or the object
     /// lies askew, [`Parts::shadow_m`] ends before it, where half of the pings receive the bottom again.
     pub longest: Option<Shadow>,
 }
@@ -38,10 +38,13 @@ const MARGIN: f64 = 0.15;
 const CORE: f64 = 0.5;
 const CORE_PINGS: usize = 6;
 /// Neighbouring pings in which the longest shadow is looked for: at least so many, and a share of the box; and in how many
-/// places of a long box at most.
-const SLICE_PINGS: usize = 3;
-const SLICE: f64 = 0.2;
+/// places of a long box at most. Over more pings the edges of what lies askew run into each other.
+const SLICE_PINGS: usize = 2;
+const SLICE: f64 = 0.1;
 const SLICES: usize = 24;
+/// The share of those places whose shadow is no longer than the one taken for the longest: speckle lengthens some of so few pings.
+/// Heights of simulated objects then have no bias.
+const LONGEST: f64 = 0.9;
 /// A shadow is at least this share of the background's level darker than it; the bytes are decibels, more or less.
 const DARKER: f64 = 0.12;
 /// A shadow ends where half of the bottom's power returns: pulse and beam blur the edge evenly in power, and the
@@ -57,8 +60,8 @@ const SHORTEST_SHADOW: f64 = 0.15;
 const LARGE_M: f64 = 12.0;
 /// Share of a slice's echo that something bright behind its shadow must explain to be part of the same object.
 const GOES_ON: f64 = 0.2;
-/// The shadow begins at most so far behind what is bright, metres: the top of an object may be no brighter than the bottom.
-const GAP_M: f64 = 1.2;
+/// The shadow begins at most so far behind what is bright, metres: a flat top may be wide and no brighter than the bottom.
+const GAP_M: f64 = 3.0;
 
 /// A border so near the far edge of a box leaves no shadow, metres.
 const LEAST_DRAWN_M: f64 = 0.02;
@@ -280,7 +283,10 @@ fn longest(shadows: impl Iterator<Item = Shadow>) -> Option<Shadow> {
         true => 1.0,
         false => 1.0 - one.start_m / one.end_m,
     };
-    shadows.max_by(|a, b| share(a).total_cmp(&share(b)))
+    let mut all: Vec<Shadow> = shadows.collect();
+    all.sort_by(|a, b| share(a).total_cmp(&share(b)));
+    let last = all.len().checked_sub(1)?;
+    all.get((LONGEST * last as f64).round() as usize).copied()
 }
 
 #[cfg(test)]
