@@ -156,6 +156,7 @@ actions! {
     MeasureArea, "Measure area", Some("Shift+D"), "Click corners on the map or the waterfall: area and perimeter on the ground, slant range taken off.";
     DepthProfile, "Depth profile along a line", Some("P"), "Click corners on the map: the depths of the map along the line.";
     HeightFromShadow, "Height from shadow", Some("H"), "Drag in the waterfall from the object's top, where its shadow begins, to the end of the shadow: its height above the bottom.";
+    UseShadow, "Use as the box's height", Some("Shift+H"), "The measured shadow tells the height of the selected box, or of the box that it was measured in. Where the box has such a height, it is left for that of the box's own shadow.";
     SetCorner, "Set a corner", Some("X"), "With a measuring tool in hand: a corner at the pointer, or at the cross that the arrow keys move.";
     TakeCornerBack, "Take the last corner back", Some("Backspace"), "Removes the corner that was set last.";
     EndFigure, "End the measurement", Some("Enter"), "Closes the line or the area; the next corner begins another one.";

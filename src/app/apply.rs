@@ -375,6 +375,7 @@ impl App {
             Action::MeasureDistance => self.take_measuring_tool(MeasurementKind::Distance),
             Action::MeasureArea => self.take_measuring_tool(MeasurementKind::Area),
             Action::DepthProfile => self.take_measuring_tool(MeasurementKind::Profile),
+            Action::UseShadow => self.use_shadow(),
             Action::HeightFromShadow => self.take_measuring_tool(MeasurementKind::Height),
             Action::TakeCornerBack => self.take_corner_back(),
             Action::EndFigure => self.end_figure(),

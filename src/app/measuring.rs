@@ -4,16 +4,19 @@
 use super::reviewing::{Step, Tool};
 use super::{App, OpenLog, ProfileLine};
 use crate::bathymetry::Station;
+use crate::detection::MeasuredShadow;
+use crate::detection::review::{BoxId, Edit, Reviewed};
 use crate::detection::targets::{ShadowError, ShadowHeight};
 use crate::export;
 use crate::geo::LonLat;
 use crate::pipeline::Placing;
 use crate::project::{Measurement, MeasurementKind, Pick};
-use crate::survey::Identity;
+use crate::survey::{Identity, Side};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+const NO_BOX: &str = "no box has a height to take: measure a shadow (H) on one of the pings of a box, and select the box";
 const NO_PLACE: &str =
     "there is no place to measure here: the track or the results of the log are missing";
 
@@ -191,6 +194,50 @@ impl App {
         let figure = self.measuring.figure.as_deref()?;
         let (top, recorded_m) = figure.measurement.shadow()?;
         self.shadow_height(top, recorded_m)
+    }
+
+    /// Has the measured shadow tell the height of a box: of the selected one, or of the one that it was measured in. Of a box with such a
+    /// height, where no other shadow is measured, the height is that of its own shadow again.
+    pub(super) fn use_shadow(&mut self) {
+        let figure = self.measuring.figure.as_deref();
+        let shadow = figure.and_then(|figure| figure.measurement.shadow());
+        let own = self.log.survey.as_ref().map(|survey| Identity::of(survey));
+        let is_of_log = |pick: &Pick| own.as_ref().is_some_and(|own| own.is_same_log(&pick.log));
+        let shadow = shadow
+            .filter(|(pick, _)| is_of_log(pick))
+            .map(|(pick, [one, other])| {
+                let shadow = MeasuredShadow {
+                    ping: pick.ping,
+                    top_m: one.min(other),
+                    end_m: one.max(other),
+                };
+                (pick.side, shadow)
+            });
+        match self.box_of_shadow(shadow) {
+            Some((id, shadow)) => self.edit(&Edit::SetShadow(id, shadow), false),
+            None => self.notify(NO_BOX.to_owned(), true),
+        }
+    }
+
+    /// The box whose height a measured shadow is to tell, and that shadow; `None` for it where the box has it already.
+    fn box_of_shadow(
+        &self,
+        shadow: Option<(Side, MeasuredShadow)>,
+    ) -> Option<(BoxId, Option<MeasuredShadow>)> {
+        let reviewing = &self.log.reviewing;
+        let selected = reviewing.selected_box();
+        let Some((side, shadow)) = shadow else {
+            let measured = selected.filter(|one| one.shadow.is_some())?;
+            return Some((measured.id, None));
+        };
+        let fits = |one: &&Reviewed| one.mark.side == side && shadow.fits(&one.mark);
+        let around = |one: &&Reviewed| {
+            fits(one) && one.mark.near_m < shadow.end_m && shadow.top_m < one.mark.far_m
+        };
+        let one = selected
+            .filter(fits)
+            .or_else(|| reviewing.review.boxes().find(around))?;
+        Some((one.id, (one.shadow != Some(shadow)).then_some(shadow)))
     }
 
     /// Where a pick lies on a level bottom.

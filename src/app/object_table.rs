@@ -281,6 +281,7 @@ mod tests {
         Target {
             mark,
             extent: ObjectExtent::Found,
+            measured_shadow: None,
             parts: None,
             slant_m: 5.0,
             ground_m: 4.0,

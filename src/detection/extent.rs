@@ -1,6 +1,7 @@
 //! How the extent of a box's object is known.
 
 use super::Mark;
+use serde::{Deserialize, Serialize};
 
 /// Half of the range that the mark of a point covers, metres: a box without size could not be drawn or clicked.
 const POINT_HALF_M: f64 = 0.05;
@@ -19,6 +20,28 @@ pub enum ObjectExtent {
     },
     /// A place without size: in the middle of the box.
     Point,
+}
+
+/// A shadow that the analyst measured on one ping of a box, in place of the one that is found or drawn with the box: the height of the
+/// object is that of what casts it. The echo of a hull with a list reaches farther than its upper gunwale, behind which the shadow begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredShadow {
+    /// The ping; the side is that of the box.
+    pub ping: usize,
+    /// Slant range of the top, where the shadow begins, by the recorder's scale, metres.
+    pub top_m: f64,
+    /// Slant range of the shadow's end by the recorder's scale, metres.
+    pub end_m: f64,
+}
+
+impl MeasuredShadow {
+    /// Whether it can belong to a box: on one of its pings, and with a length.
+    pub fn fits(&self, mark: &Mark) -> bool {
+        mark.pings.contains(&self.ping)
+            && 0.0 < self.top_m
+            && self.top_m < self.end_m
+            && self.end_m.is_finite()
+    }
 }
 
 impl ObjectExtent {

@@ -35,7 +35,7 @@ pub mod truth;
 mod vote;
 
 pub use class::class_index;
-pub use extent::ObjectExtent;
+pub use extent::{MeasuredShadow, ObjectExtent};
 pub use find::{DetectorSettings, SoFar, find, find_in_picture};
 pub use level::level;
 pub use mark::{Detection, Mark};

@@ -179,8 +179,15 @@ fn height(target: &Target) -> String {
     let [start_m, end_m] = target.shadow_m;
     if target.height_m.is_finite() {
         return format!(
-            "{:.2} ± {:.2} m: altitude H = {:.2} m, shadow from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
-            target.height_m, target.height_sigma_m, target.altitude_m
+            "{:.2} ± {:.2} m: altitude H = {:.2} m, {}shadow from r<sub>t</sub> = {start_m:.2} to r<sub>e</sub> = {end_m:.2} m of slant range, h = H (r<sub>e</sub> − r<sub>t</sub>) / r<sub>e</sub>",
+            target.height_m,
+            target.height_sigma_m,
+            target.altitude_m,
+            if target.measured_shadow.is_some() {
+                "measured "
+            } else {
+                ""
+            }
         );
     }
     match start_m.is_finite() {

@@ -65,7 +65,7 @@ impl<'a> ObjectRows<'a> {
         let boxes = review.boxes();
         for one in boxes.filter(|one| !is_left_out(&of.products, &one.mark)) {
             progress.check()?;
-            let target = placing.place_as(&one.mark, one.extent);
+            let target = placing.place_as(&one.mark, one.extent, one.shadow);
             self.rows.push(ObjectRow {
                 log,
                 id: one.id.0,

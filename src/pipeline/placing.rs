@@ -3,7 +3,7 @@
 use crate::calibration::Calibration;
 use crate::cloud::Correction;
 use crate::detection::targets::{Placer, Target};
-use crate::detection::{Mark, ObjectExtent};
+use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, Survey};
 
@@ -33,12 +33,17 @@ impl<'a> Placing<'a> {
 
     /// Where a box's object lies, its depth below the level that depths count from; `None` as [`Placer::place`].
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        self.place_as(mark, ObjectExtent::Found)
+        self.place_as(mark, ObjectExtent::Found, None)
     }
 
-    /// As [`Placing::place`], of a box whose edges the analyst has set, or of a point.
-    pub fn place_as(&self, mark: &Mark, extent: ObjectExtent) -> Option<Target> {
-        let target = self.placer.place_as(mark, extent)?;
+    /// As [`Placing::place`], with what the analyst has drawn: [`Placer::place_as`].
+    pub fn place_as(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        measured: Option<MeasuredShadow>,
+    ) -> Option<Target> {
+        let target = self.placer.place_as(mark, extent, measured)?;
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target {

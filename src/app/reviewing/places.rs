@@ -7,7 +7,7 @@ use crate::calibration::Calibration;
 use crate::cloud::Correction;
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
-use crate::detection::{Mark, ObjectExtent};
+use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::pipeline::{Placing, Products};
 use crate::survey::Navigation;
@@ -52,8 +52,11 @@ impl Ground {
     }
 }
 
+/// What of a box says where it lies.
+type Drawn = (Mark, ObjectExtent, Option<MeasuredShadow>);
+
 /// A box as it was placed; `None` where it has no place.
-pub(in crate::app) type Entry = ((Mark, ObjectExtent), Option<Arc<Placed>>);
+pub(in crate::app) type Entry = (Drawn, Option<Arc<Placed>>);
 
 /// The places of a log's boxes; another allocation when one of them is another.
 pub(in crate::app) type Entries = Arc<HashMap<BoxId, Entry>>;
@@ -140,13 +143,14 @@ impl App {
             .is_some_and(|known| known.is_same(&ground));
         let is_known = |one: &Reviewed| {
             let known = places.known.get(&one.id);
-            let is_as_placed =
-                |(mark, extent): &(Mark, ObjectExtent)| *mark == one.mark && *extent == one.extent;
+            let is_as_placed = |(mark, extent, shadow): &Drawn| {
+                *mark == one.mark && *extent == one.extent && *shadow == one.shadow
+            };
             is_same && known.is_some_and(|(known, _)| is_as_placed(known))
         };
-        let missing: Vec<(BoxId, Mark, ObjectExtent)> = (reviewing.review.boxes())
+        let missing: Vec<(BoxId, Drawn)> = (reviewing.review.boxes())
             .filter(|one| !is_known(one))
-            .map(|one| (one.id, one.mark.clone(), one.extent))
+            .map(|one| (one.id, (one.mark.clone(), one.extent, one.shadow)))
             .collect();
         if missing.is_empty() {
             return;
@@ -160,12 +164,12 @@ impl App {
                 correction,
             } = &from;
             let placing = Placing::new(&survey, navigation, returns, calibration, correction);
-            let entry = |(id, mark, extent): (BoxId, Mark, ObjectExtent)| {
-                let placed = placing.place_as(&mark, extent).map(|target| {
+            let entry = |(id, (mark, extent, shadow)): (BoxId, Drawn)| {
+                let placed = placing.place_as(&mark, extent, shadow).map(|target| {
                     let corners = target.corners();
                     Arc::new(Placed { target, corners })
                 });
-                (id, ((mark, extent), placed))
+                (id, ((mark, extent, shadow), placed))
             };
             let requested = missing.into_par_iter();
             requested

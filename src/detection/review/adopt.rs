@@ -81,6 +81,7 @@ impl Review {
                 name: String::new(),
                 confidence: None,
                 extent: ObjectExtent::Found,
+                shadow: None,
                 model: Some(model.clone()),
             }));
         }

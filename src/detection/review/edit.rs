@@ -1,7 +1,7 @@
 //! What the analyst does to a box.
 
 use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
-use crate::detection::{Mark, ObjectExtent, class_index};
+use crate::detection::{Mark, MeasuredShadow, ObjectExtent, class_index};
 use crate::survey::Side;
 use std::sync::Arc;
 
@@ -52,6 +52,8 @@ pub enum Edit {
     },
     /// Leaves it to the program again to find echo and shadow in the box.
     FindEdges(BoxId),
+    /// Its height is that of what casts a shadow measured on one of its pings; with `None` that of its own shadow again.
+    SetShadow(BoxId, Option<MeasuredShadow>),
     /// It is of a class by its name, which becomes one of the review's classes.
     Classify(BoxId, String),
     /// What it is called.
@@ -76,6 +78,7 @@ impl Edit {
             Edit::AddPoint { .. } => "new point",
             Edit::SetEdges { .. } => "edges of box",
             Edit::FindEdges(_) => "find edges of box",
+            Edit::SetShadow(..) => "height of box",
             Edit::Classify(..) => "class of box",
             Edit::Rename(..) => "name of box",
             Edit::Rate(..) => "confidence of box",
@@ -97,6 +100,7 @@ impl Edit {
             | Edit::Remove(id)
             | Edit::SetEdges { id, .. }
             | Edit::FindEdges(id)
+            | Edit::SetShadow(id, _)
             | Edit::Classify(id, _)
             | Edit::Rename(id, _)
             | Edit::Rate(id, _)
@@ -123,10 +127,11 @@ impl Review {
                 let mark = held(mark, self.identity.pings)?;
                 self.correct(*id, |one| {
                     one.extent = one.extent.moved(&one.mark, &mark);
-                    one.mark = mark;
+                    one.set_mark(mark);
                 })
             }
             Edit::SwapSide(id) => self.correct(*id, |one| {
+                one.shadow = None;
                 one.mark.side = match one.mark.side {
                     Side::Port => Side::Starboard,
                     Side::Starboard => Side::Port,
@@ -147,7 +152,7 @@ impl Review {
                 let border_m = border_m.clamp(mark.near_m, mark.far_m);
                 border_m.is_finite().then_some(())?;
                 self.correct(*id, |one| {
-                    one.mark = mark;
+                    one.set_mark(mark);
                     one.extent = ObjectExtent::Drawn { border_m };
                 })
             }
@@ -156,6 +161,13 @@ impl Review {
                     one.extent = ObjectExtent::Found;
                 }
             }),
+            Edit::SetShadow(id, shadow) => {
+                let mark = &self.get(*id)?.mark;
+                shadow
+                    .is_none_or(|shadow| shadow.fits(mark))
+                    .then_some(())?;
+                self.correct(*id, |one| one.shadow = *shadow)
+            }
             Edit::Classify(id, name) => self.classify(*id, name.trim()),
             Edit::Rename(id, name) => {
                 let name = name.trim();

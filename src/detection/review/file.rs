@@ -1,7 +1,7 @@
 //! A review as a JSON file. What is read may come from anywhere: every number is checked before it is believed.
 
 use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
-use crate::detection::{Mark, ObjectExtent};
+use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::regular_file;
 use crate::survey::{Identity, Side};
 use serde::{Deserialize, Serialize};
@@ -115,6 +115,9 @@ pub struct BoxRow {
     /// Border between echo and shadow where the analyst has set it, metres of slant range: [`ObjectExtent::Drawn`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub border_m: Option<f64>,
+    /// [`Reviewed::shadow`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shadow: Option<MeasuredShadow>,
     /// It is a place without size: [`ObjectExtent::Point`].
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub point: bool,
@@ -177,6 +180,7 @@ impl Review {
             name: one.name.clone(),
             confidence: one.confidence,
             border_m: one.extent.border_m(),
+            shadow: one.shadow,
             point: one.extent == ObjectExtent::Point,
             model: one.model.as_deref().map(str::to_owned),
         }
@@ -326,6 +330,9 @@ impl Review {
             _ if !one.border_m.is_none_or(is_inside) || (one.point && one.border_m.is_some()) => {
                 Err("the border of its shadow lies outside of it")
             }
+            _ if !one.shadow.is_none_or(|shadow| shadow.fits(&mark)) => Err(
+                "the shadow that its height was measured by lies on no ping of it, or has no length",
+            ),
             _ if (one.state == State::Added && !is_manual)
                 || (is_manual && matches!(one.state, State::Proposed | State::Accepted)) =>
             {
@@ -342,6 +349,7 @@ impl Review {
                 name: one.name,
                 confidence: one.confidence,
                 extent,
+                shadow: one.shadow,
                 model,
             }),
         }

@@ -19,7 +19,7 @@ pub use queue::{Counts, Filter, Queue, Sort};
 pub use searched::Searched;
 pub use tiles::ReviewedTile;
 
-use super::{Mark, ObjectExtent};
+use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::survey::Identity;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -96,6 +96,8 @@ pub struct Reviewed {
     pub confidence: Option<Confidence>,
     /// How its extent is known.
     pub extent: ObjectExtent,
+    /// The shadow that its height was measured by; `None` where it is the one of its extent.
+    pub shadow: Option<MeasuredShadow>,
     /// The model that proposed it; `None` for a box drawn by hand.
     pub model: Option<Arc<str>>,
 }
@@ -114,8 +116,15 @@ impl Reviewed {
             name: String::new(),
             confidence: None,
             extent: ObjectExtent::Found,
+            shadow: None,
             model: None,
         }
+    }
+
+    /// Gives it another box. A shadow that was measured on a ping outside of it is none of its own.
+    fn set_mark(&mut self, mark: Mark) {
+        self.shadow = self.shadow.filter(|shadow| shadow.fits(&mark));
+        self.mark = mark;
     }
 
     /// Whether the analyst has touched it; a new model leaves such a box as it is.

@@ -216,6 +216,7 @@ mod tests {
                 far_m: 2.0,
             },
             extent: crate::detection::ObjectExtent::Found,
+            measured_shadow: None,
             parts: None,
             slant_m: 5.0,
             ground_m: 4.0,

@@ -24,7 +24,7 @@ pub use passes::{Pass, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
 
-use super::{Mark, ObjectExtent};
+use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::geo::LonLat;
 
 /// One box in the world. Metres; what cannot be known is NaN.
@@ -34,6 +34,8 @@ pub struct Target {
     pub mark: Mark,
     /// How its extent is known.
     pub extent: ObjectExtent,
+    /// The shadow that the analyst has measured, which tells the height then.
+    pub measured_shadow: Option<MeasuredShadow>,
     /// Echo and shadow in the box, by the recorder's scale; `None` of a point, and where nothing was found.
     pub parts: Option<Parts>,
     /// Slant range of the middle of the echo, by the calibration in force.

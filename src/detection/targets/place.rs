@@ -5,7 +5,7 @@ use super::heading::heading_sigma_rad;
 use super::seen::{DRAWN_SIGMA_M, EDGE_SIGMA_M, PART_SIGMA, Seen};
 use super::{Parts, Target, altitude::altitude_m, echo, parts};
 use crate::calibration::Calibration;
-use crate::detection::{Mark, ObjectExtent};
+use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::first_return::FirstReturns;
 use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
 use std::ops::Range;
@@ -16,6 +16,11 @@ const BEAM_RAD: f64 = 0.0157;
 /// Standard deviation of the fitted track about the true one where fixes are rounded to a metre: a line along the grid is off
 /// by the same all the way.
 const FIX_SIGMA_M: f64 = 0.25;
+
+/// Slant range by the recorder's scale from which on a shadow runs off the range, metres: nobody draws the last sample.
+pub(super) fn reach_m(span: &SideSpan) -> f64 {
+    f64::from(span.far_m) - 1.5 * span.metres_per_sample()
+}
 
 /// Places boxes of one survey.
 pub struct Placer<'a> {
@@ -58,16 +63,26 @@ impl<'a> Placer<'a> {
     /// Where a box's object lies; `None` where the boat has no position or heading there, nothing was recorded, or the
     /// altitude is unknown.
     pub fn place(&self, mark: &Mark) -> Option<Target> {
-        self.place_as(mark, ObjectExtent::Found)
+        self.place_as(mark, ObjectExtent::Found, None)
     }
 
-    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size.
-    pub fn place_as(&self, mark: &Mark, extent: ObjectExtent) -> Option<Target> {
+    /// As [`Placer::place`], of a box whose edges the analyst has set, or of a point, which has a place and no size; and with the height
+    /// of a shadow that the analyst has measured.
+    pub fn place_as(
+        &self,
+        mark: &Mark,
+        extent: ObjectExtent,
+        measured: Option<MeasuredShadow>,
+    ) -> Option<Target> {
         let middle = self.middle(mark);
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
         let found = self.parts(mark, extent, span);
         let seen = self.seen(mark, extent, found, span, altitude_m);
+        let seen = match measured {
+            Some(shadow) => self.with_shadow(seen, mark, shadow),
+            None => seen,
+        };
         let ground_m = seen.middle_m();
         let boat = self.boat(mark)?;
         let [x, y] = boat.starboard()?;
@@ -84,9 +99,12 @@ impl<'a> Placer<'a> {
         let sized = |size_m: f64| if is_point { f64::NAN } else { size_m };
         let length_m = sized(self.length_m(mark, seen.slant_m(), out_m));
         let askew_m = heading_sigma_rad(self.navigation, &mark.pings) * ground_m;
-        let along_sigma_m = askew_m
-            .hypot(PART_SIGMA * length_m.max(0.0))
-            .hypot(FIX_SIGMA_M);
+        let ends_sigma_m = match extent {
+            // Both ends are drawn to the width of the beam.
+            ObjectExtent::Drawn { .. } => BEAM_RAD * seen.slant_m(),
+            ObjectExtent::Found | ObjectExtent::Point => PART_SIGMA * length_m.max(0.0),
+        };
+        let along_sigma_m = askew_m.hypot(ends_sigma_m).hypot(FIX_SIGMA_M);
         let across_sigma_m = seen.across_sigma_m().hypot(FIX_SIGMA_M);
         Some(Target {
             slant_m: seen.slant_m(),
@@ -108,6 +126,7 @@ impl<'a> Placer<'a> {
             sailed_m: self.sailed_m().get(middle).copied().unwrap_or(0.0),
             mark: mark.clone(),
             extent,
+            measured_shadow: measured,
             parts: found,
         })
     }
@@ -160,9 +179,7 @@ impl<'a> Placer<'a> {
         match extent {
             ObjectExtent::Point => None,
             ObjectExtent::Drawn { border_m } => {
-                // Nobody draws the last sample.
-                let reach_m = f64::from(span.far_m) - 1.5 * span.metres_per_sample();
-                Some(echo::set_parts(mark, border_m, reach_m))
+                Some(echo::set_parts(mark, border_m, reach_m(span)))
             }
             ObjectExtent::Found if echo::is_large(mark, self.sailed_over_m(mark)) => {
                 echo::drawn_parts(self.survey, mark)
@@ -216,6 +233,28 @@ impl<'a> Placer<'a> {
                 start_m: calibrated(shadow.start_m),
                 end_m: end(shadow.end_m),
             }),
+        }
+    }
+
+    /// What is seen, with a shadow that was measured in place of the one in the box.
+    fn with_shadow(&self, seen: Seen, mark: &Mark, shadow: MeasuredShadow) -> Seen {
+        let Some(span) = self.survey.span(shadow.ping, mark.side) else {
+            return seen;
+        };
+        let [start_m, last_m] =
+            [shadow.top_m, shadow.end_m].map(|range_m| self.calibrated_m(span, range_m));
+        let end_m = match shadow.end_m < reach_m(span) {
+            true => last_m,
+            false => f64::NAN,
+        };
+        Seen {
+            box_end_m: last_m,
+            longest: Some(Shadow {
+                bright_end_m: start_m,
+                start_m,
+                end_m,
+            }),
+            ..seen
         }
     }
 

@@ -1,6 +1,6 @@
 //! Height of what casts a shadow that the analyst measures on one ping.
 
-use super::place::Placer;
+use super::place::{Placer, reach_m};
 use super::seen::{ALTITUDE_SIGMA, EDGE_SIGMA_M, SLOPE_SIGMA};
 use crate::survey::Side;
 
@@ -115,7 +115,7 @@ impl Placer<'_> {
             top_m,
             end_m,
             sample_m,
-            is_least: one.max(other) > span.range_m(f64::from(span.count) - 1.5),
+            is_least: one.max(other) >= reach_m(span),
         })
     }
 }

@@ -16,6 +16,7 @@ fn target(mark: &Mark) -> Target {
     Target {
         mark: mark.clone(),
         extent: crate::detection::ObjectExtent::Found,
+        measured_shadow: None,
         parts: None,
         slant_m: 4.5,
         ground_m: 4.0,

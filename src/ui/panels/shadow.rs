@@ -70,6 +70,7 @@ fn inputs(ui: &mut Ui, context: &mut ViewContext<'_>, shadow: &ShadowHeight) {
     }
     ui.horizontal(|ui| {
         for (action, label) in [
+            (Action::UseShadow, "Use for the box"),
             (Action::SaveFigure, "Save…"),
             (Action::RemoveFigure, "Remove"),
         ] {

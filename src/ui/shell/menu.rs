@@ -55,6 +55,7 @@ const MEASURING: &[Action] = &[
     Action::DepthProfile,
     Action::EndFigure,
     Action::TakeCornerBack,
+    Action::UseShadow,
     Action::RemoveFigure,
     Action::SaveFigure,
     Action::SaveProfile,

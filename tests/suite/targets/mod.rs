@@ -1,6 +1,7 @@
 //! Targets as an analyst makes them: edges drawn by hand on a wreck, points, names, and what leaves the program of them.
 
 mod heights;
+mod hulls;
 mod wreck;
 
 use bathyscope::app::{App, Command, Jobs, LogBox};

@@ -203,10 +203,12 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
 
 /// Length, width and height, and whether they are of edges drawn by hand.
 fn extent(target: &Target, units: Units) -> String {
-    let edges = match target.extent {
-        ObjectExtent::Point => return "a point, of no known size".to_owned(),
-        ObjectExtent::Drawn { .. } => ", edges drawn",
-        ObjectExtent::Found => "",
+    let edges = match (target.extent, target.measured_shadow) {
+        (ObjectExtent::Point, None) => return "a point, of no known size".to_owned(),
+        (ObjectExtent::Drawn { .. }, None) => ", edges drawn",
+        (ObjectExtent::Drawn { .. }, Some(_)) => ", edges drawn, shadow measured",
+        (ObjectExtent::Found | ObjectExtent::Point, Some(_)) => ", shadow measured",
+        (ObjectExtent::Found, None) => "",
     };
     let height = match target.height_m.is_finite() {
         true => {
