@@ -268,7 +268,7 @@ rows! {
         "Which way the pings of the waterfall run.",
         choice!(picture.flip, [
             "false", "forward", "Later pings to the right, or below.";
-            "true", "flipped", "Later pings to the left, or above: a line that was run back lies as the one beside it.";
+            "true", "flipped", "Later pings to the left, or above.";
         ]);
     PICTURE_FIRST: "picture.starboard_first", "First", "side that comes first",
         "On which side of the waterfall port is drawn. The data stay as they are: a recorder that has its sides the wrong way round is put right by `mounting.swap_sides`.",
