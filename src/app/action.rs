@@ -90,8 +90,11 @@ actions! {
     WaterColumn, "Water column on or off", Some("Shift+G"), "Shows or hides what lies before the first return in the waterfall; on the ground there is none.";
     OneToOne, "Waterfall: one to one", Some("Z"), "A metre along the track as long as a metre across, by the boat's speed; again, stretched freely.";
     NextChannel, "Next channel of the waterfall", Some("I"), "Shows side-scan, then the log's channels that look down: each beside the side-scan and alone.";
-    FlipAlong, "Flip the waterfall along the track", None, "Later pings to the left, or above: a line that was run back lies as the one beside it.";
-    SwapShownSides, "Swap the shown sides", None, "Shows port where starboard is and starboard where port is; the data stay as they are.";
+    FlipAlong, "Flip the waterfall along the track", None, "Later pings to the left, or above; with starboard first as well, a line that was run back lies as the one beside it.";
+    StarboardFirst, "Draw starboard first", None, "Draws starboard where port is and port where starboard is, or the other way round again; the data stay as they are.";
+    SwapSides, "Exchange port and starboard", Some("Shift+S"), "The recorder has its sides the wrong way round: what it recorded as port is starboard, in every view and product.";
+    UseMounting, "Use the mounting for all logs of this recorder", None, "Keeps how this log's recorder is mounted as its default: other open logs of it take it over, and so does every log of it that is opened for the first time.";
+    ForgetMounting, "Forget the mounting of this recorder", None, "Takes its default away; open logs stay as they are.";
     RangeLines, "Range lines on or off", None, "Shows or hides the range lines of the waterfall.";
     BaseMapLayer, "Layer: base map", None, "Shows or hides the picture of your own under the map.";
     DepthMapLayer, "Layer: depth map", None, "Shows or hides the interpolated depths on the map.";

@@ -2,6 +2,7 @@
 
 use super::external::Instrument;
 use super::loader::Place;
+use super::mounting::with_sides;
 use super::project::is_project;
 use super::{
     Action, App, Command, LogId, MapLayer, Mark, Orientation, Origin, Reveal, SideColours,
@@ -118,7 +119,9 @@ impl App {
         live: bool,
     ) {
         let allowed = settings.check().map_err(|error| error.to_string());
-        let allowed = allowed.and_then(|()| self.follow_track(&settings.track));
+        let settings = with_sides(settings, &self.log.settings);
+        let before = self.step_now();
+        let allowed = allowed.and_then(|()| self.follow_source(&settings));
         let parts = allowed.and_then(|()| {
             let parts = self.log.own.change(&self.shared, &settings);
             parts.map_err(|error| error.to_string())
@@ -133,7 +136,6 @@ impl App {
                 return;
             }
         };
-        let before = self.step_now();
         if shared != *self.shared {
             self.shared = Arc::new(shared);
         }
@@ -142,12 +144,14 @@ impl App {
             false => Arc::new(own),
         };
         self.log.own = own.clone();
+        self.exchange_boxes();
         let after = self.step_now();
         self.record_step(&before, &after, label, live);
         self.set_own(own, live);
         if !live {
             self.share_settings();
         }
+        self.settle_plane();
     }
 
     /// Gives a log its own settings over the shared ones.
@@ -169,7 +173,7 @@ impl App {
     }
 
     fn set(&mut self, settings: Settings, live: bool) {
-        if let Err(text) = self.follow_track(&settings.track) {
+        if let Err(text) = self.follow_source(&settings) {
             return self.notify(text, true);
         }
         let changed = settings != *self.log.settings;
@@ -269,7 +273,10 @@ impl App {
             Action::Despeckle => self.toggle_despeckle(),
             Action::StripeFilter => self.toggle_stripe_filter(),
             Action::FlipAlong => self.toggle_flip(),
-            Action::SwapShownSides => self.toggle_swapped_sides(),
+            Action::StarboardFirst => self.toggle_starboard_first(),
+            Action::SwapSides => self.swap_sides(),
+            Action::UseMounting => self.use_mounting(),
+            Action::ForgetMounting => self.forget_mounting(),
             Action::RangeLines => {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.range_lines = !waterfall.range_lines;

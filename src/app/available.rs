@@ -9,6 +9,8 @@ impl App {
             Action::CloseBaseMap => self.base_map.is_some(),
             Action::RemoveWaterLevels => self.log.settings.water_level.file.is_some(),
             Action::RemoveTrack => self.log.settings.track.file.is_some(),
+            Action::SwapSides | Action::UseMounting => self.log.survey.is_some(),
+            Action::ForgetMounting => self.usual_mounting().is_some(),
             Action::CloseReference => self.comparing.reference.is_some(),
             Action::ForgetTruth => self.log.reviewing.judging.source().is_some(),
             Action::ForgetBottom => !self.log.settings.bottom.is_empty(),

@@ -161,6 +161,12 @@ impl App {
                 return self.notify(text, true);
             }
         };
+        let swapped = self
+            .log
+            .survey
+            .as_ref()
+            .is_some_and(|one| one.swapped_sides);
+        let kept = kept.with_sides(swapped);
         let pings = kept.ping_count();
         self.log.bottom_file.written = kept.clone();
         Arc::make_mut(&mut self.log.settings).bottom = kept;

@@ -3,14 +3,15 @@
 //! Files are read off the window's thread. A file becomes part of the settings only once it is known to fit the log: a bad one
 //! leaves everything as it was.
 
-use super::{App, Outcome, Task};
+use super::{App, OpenLog, Outcome, Task};
 use crate::cloud::Correction;
 use crate::cloud::correction::WaterLevelSettings;
 use crate::formats::{TrackFile, read_gauge};
-use crate::pipeline::Settings;
+use crate::geo::{Crs, LocalFrame};
+use crate::pipeline::{Settings, SourceError, SourceKey, as_set};
 use crate::progress::Progress;
 use crate::regular_file;
-use crate::survey::{Gauge, Survey, TrackSettings, TracksApart};
+use crate::survey::{Gauge, Side, Survey, TrackSettings, TracksApart};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -125,7 +126,6 @@ impl App {
         settings.water_level = WaterLevelSettings {
             file: Some(gauge.path.clone()),
             gauge: Some(Arc::new(gauge)),
-            ..settings.water_level
         };
         match Correction::new(settings.depth(), survey).refused() {
             Some(sentence) => self.notify(sentence.to_owned(), true),
@@ -158,47 +158,105 @@ impl App {
         self.change(settings, "external track", false);
     }
 
-    /// Makes the open survey one with the requested track. The error is a sentence; the survey is as it was then.
-    pub(super) fn follow_track(&mut self, requested: &TrackSettings) -> Result<(), String> {
+    /// Makes the open survey what the settings say of its source: its sides, its clock, the system of its metres, and the track of
+    /// another receiver. The error is a sentence; the survey is as it was then.
+    pub(super) fn follow_source(&mut self, settings: &Settings) -> Result<(), String> {
         let Some(survey) = self.log.survey.clone() else {
             return Ok(());
         };
-        let applied = survey.track.external.as_ref();
-        let applied = applied.map(|applied| (applied.path.as_path(), applied.offset_s));
-        let request = requested
-            .file
-            .as_deref()
-            .map(|path| (path, requested.offset_s));
-        if applied == request {
+        let request = SourceKey::of(settings);
+        if self.log.source == request {
             return Ok(());
         }
-        let recorded = self.log.external.recorded.clone().unwrap_or(survey.clone());
-        let now = match request {
+        let read = self.log.as_read.clone().unwrap_or(survey.clone());
+        let sentence = |error: SourceError| error.to_string();
+        let recorded = as_set(Survey::clone(&read), settings, None).map_err(sentence)?;
+        let now = match &request.track.file {
             None => recorded.clone(),
-            Some((path, offset_s)) => {
-                let mut now = Survey::clone(&recorded);
-                self.log
-                    .external
-                    .track(path)?
-                    .apply(&mut now, offset_s)
-                    .map_err(|error| error.to_string())?;
-                Arc::new(now)
+            Some(path) => {
+                let track = self.log.external.track(path)?;
+                as_set(Survey::clone(&read), settings, Some(&track)).map_err(sentence)?
             }
         };
         let now = match self.log_count() {
-            0 | 1 => now,
+            0 | 1 => Arc::new(now),
             // Several logs lie in one plane.
-            _ => Arc::new(Survey::clone(&now).in_frame(&self.plane)),
+            _ => Arc::new(now.in_frame(&self.plane)),
         };
+        let has_track = request.track.file.is_some();
         self.log.external.apart = Arc::new(apart(&recorded, &now));
-        self.log.external.recorded = request.map(|_| recorded);
+        self.log.external.recorded = has_track.then(|| Arc::new(recorded));
+        self.log.as_read = (request != SourceKey::default()).then_some(read);
+        self.log.source = request;
         if now.track.frame.origin() != survey.track.frame.origin() {
             self.plane = now.track.frame.clone();
             self.plane_serial += 1;
         }
+        self.is_plane_moved |= system_of(&now) != system_of(&survey);
+        if now.swapped_sides != survey.swapped_sides {
+            self.exchange_sides();
+        }
         self.log.survey = Some(now);
         Ok(())
     }
+
+    /// What points to a side points to the same echo once the sides are exchanged.
+    fn exchange_sides(&mut self) {
+        self.log.preview = None;
+        // What is found in the log as it was would come to the other side.
+        self.search.leave(self.log.id);
+        if !self.is_shown() {
+            return;
+        }
+        for mark in [&mut self.selection, &mut self.hover].into_iter().flatten() {
+            mark.side = mark.side.map(Side::other);
+        }
+    }
+
+    /// Puts all logs into the plane of the first that is on the Earth, after the metres of one became those of another system: a plane
+    /// thousands of kilometres away would bend them.
+    pub(super) fn settle_plane(&mut self) {
+        if !std::mem::take(&mut self.is_plane_moved) || self.log_count() < 2 {
+            return;
+        }
+        let placed = |log: &&OpenLog| log.survey.as_ref().is_some_and(|one| one.has_place());
+        let on_earth = |log: &&OpenLog| {
+            let survey = log.survey.as_ref();
+            survey.is_some_and(|survey| {
+                survey.track.projected.is_none() || system_of(survey).is_some()
+            })
+        };
+        let first = self.logs().filter(placed).find(on_earth);
+        let first = first.or_else(|| self.logs().find(placed));
+        let fix = first.and_then(|log| log.survey.as_ref()?.track.fixes.first());
+        let Some(fix) = fix else {
+            return;
+        };
+        self.plane = LocalFrame::new(fix.position);
+        self.plane_serial += 1;
+        self.each_log(|app| {
+            let frame = app.plane.clone();
+            let log = &mut app.log;
+            for survey in [
+                &mut log.survey,
+                &mut log.as_read,
+                &mut log.external.recorded,
+            ] {
+                *survey = survey
+                    .take()
+                    .map(|survey| Arc::new(Survey::clone(&survey).in_frame(&frame)));
+            }
+            // They lie in the plane that was.
+            log.products = None;
+            log.preview = None;
+        });
+        self.schedule();
+    }
+}
+
+/// The system of a log's metres, where it is known.
+fn system_of(survey: &Survey) -> Option<&Crs> {
+    survey.track.projected.as_ref()?.system.as_ref()
 }
 
 /// Where recorder and receiver have the boat while it recorded.

@@ -18,6 +18,7 @@ impl App {
             logs: self.logs().map(LogStep::of).collect(),
             closed: self.closed_logs().collect(),
             figure: self.measuring.figure.clone(),
+            mountings: self.mountings.clone(),
         }
     }
 

@@ -218,7 +218,7 @@ impl App {
         let own = Identity::of(&survey);
         let is_other = |log: &OpenLog| {
             let closed = log.survey.as_ref().map(|survey| Identity::of(survey));
-            closed.is_none_or(|closed| closed != own)
+            closed.is_none_or(|closed| !(closed.file == own.file && closed.is_same_log(&own)))
         };
         self.logs.closed.retain(is_other);
         let mut log = OpenLog::new(id, survey.clone(), self.shared.clone());

@@ -185,7 +185,8 @@ impl App {
         recorded_m: [f64; 2],
     ) -> Option<Result<ShadowHeight, ShadowError>> {
         self.with_placing(on, |placing, _| {
-            placing.placer().shadow_height(on.side, on.ping, recorded_m)
+            let side = on.side_in(placing.survey());
+            placing.placer().shadow_height(side, on.ping, recorded_m)
         })
     }
 
@@ -243,9 +244,8 @@ impl App {
     /// Where a pick lies on a level bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
         self.with_placing(pick, |placing, log| {
-            let [east_m, north_m] = placing
-                .placer()
-                .ground(pick.side, pick.ping, pick.slant_m)?;
+            let side = pick.side_in(placing.survey());
+            let [east_m, north_m] = placing.placer().ground(side, pick.ping, pick.slant_m)?;
             let track = &log.survey.as_ref()?.track;
             let navigation = &log.products.as_ref()?.navigation;
             Some(navigation.to_lon_lat(track, east_m, north_m))

@@ -7,7 +7,7 @@ use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::detection::review::BoxId;
 use crate::first_return::FirstReturns;
-use crate::pipeline::{LogSettings, Products, Settings, Stage};
+use crate::pipeline::{LogSettings, Products, Settings, SourceKey, Stage};
 use crate::project::LogFile;
 use crate::survey::Survey;
 use std::sync::Arc;
@@ -45,8 +45,12 @@ pub(super) fn log_colour(number: usize) -> [u8; 3] {
 pub struct OpenLog {
     /// Which it is.
     pub id: LogId,
-    /// The recording; `None` in an empty window.
+    /// The recording as its settings have it; `None` in an empty window.
     pub survey: Option<Arc<Survey>>,
+    /// The recording as it was read, while something of its source is put right.
+    pub(super) as_read: Option<Arc<Survey>>,
+    /// What is put right of its source in [`OpenLog::survey`].
+    pub(super) source: SourceKey,
     /// Its colour where logs are told apart, red, green and blue.
     pub colour: [u8; 3],
     /// Whether it takes part in maps, clouds and products.
@@ -81,6 +85,8 @@ impl Default for OpenLog {
         Self {
             id: LogId::default(),
             survey: None,
+            as_read: None,
+            source: SourceKey::default(),
             colour: log_colour(0),
             is_visible: true,
             depth_span_m: None,
@@ -164,6 +170,8 @@ impl OpenLog {
         Self {
             id: self.id,
             survey: self.survey,
+            as_read: self.as_read,
+            source: self.source,
             colour: self.colour,
             is_visible: self.is_visible,
             depth_span_m: self.depth_span_m,

@@ -39,9 +39,9 @@ impl App {
         });
     }
 
-    pub(super) fn toggle_swapped_sides(&mut self) {
-        self.change_picture("sides of the waterfall", |picture| {
-            picture.swap_sides = !picture.swap_sides;
+    pub(super) fn toggle_starboard_first(&mut self) {
+        self.change_picture("side that comes first", |picture| {
+            picture.starboard_first = !picture.starboard_first;
         });
     }
 

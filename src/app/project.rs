@@ -429,7 +429,7 @@ impl App {
         self.log.file = Some(log.file.clone());
         self.log.is_visible = log.is_visible;
         self.log.own = Arc::new(log.settings.clone());
-        if let Err(text) = self.follow_track(&settings.track) {
+        if let Err(text) = self.follow_source(&settings) {
             self.notify(text, true);
         }
         self.log.settings = Arc::new(settings);

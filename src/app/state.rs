@@ -8,6 +8,7 @@ use super::heights::Heights;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
+use super::mounting::Mountings;
 use super::objects::Objects;
 use super::preview::Previewer;
 use super::project::Keeping;
@@ -99,6 +100,10 @@ pub struct App {
     pub(super) plane: LocalFrame,
     /// Grows when another log is shown; views drop what they cached of it when it changes.
     pub survey_serial: u64,
+    /// The metres of a log became those of another system, and the plane was not settled since.
+    pub(super) is_plane_moved: bool,
+    /// How recorders are mounted as a rule, by [`crate::survey::Source::recorder`].
+    pub(super) mountings: Arc<Mountings>,
     /// Grows when the plane of the survey moves: with each survey opened, and with each track applied to it.
     pub plane_serial: u64,
     /// What is selected.
@@ -155,6 +160,8 @@ impl App {
             shared: Arc::default(),
             plane: Track::default().frame,
             survey_serial: 0,
+            is_plane_moved: false,
+            mountings: Arc::default(),
             plane_serial: 0,
             selection: None,
             hover: None,

@@ -138,6 +138,7 @@ impl App {
         self.with_log(id, |app| {
             let log = app.log.survey.as_ref();
             let log = log.and_then(|survey| survey.source.files.first().cloned());
+            app.mount_as_usual();
             app.take_bottom(log.filter(|_| is_file).as_deref(), drawn);
             if is_file {
                 app.look_for_review();

@@ -112,6 +112,9 @@ fn to_text(survey: &Survey) -> String {
         writeln!(text, "{name:<12} {value}").expect("writing to a string");
     };
     line("format", survey.source.format.clone());
+    if !survey.source.device.is_empty() {
+        line("device", survey.source.device.clone());
+    }
     line("bytes", survey.source.byte_count.to_string());
     line(
         "start",
@@ -239,6 +242,7 @@ fn to_json(survey: &Survey) -> Value {
     json!({
         "files": files,
         "format": survey.source.format,
+        "device": survey.source.device,
         "bytes": survey.source.byte_count,
         "start_unix_s": survey.start_unix_s,
         "time_s": span(survey.time_span_s()),

@@ -5,7 +5,7 @@ use super::{LONGEST_TEXT, output};
 use crate::cloud::Correction;
 use crate::first_return::BottomSettings;
 use crate::formats::{self, TrackFile};
-use crate::pipeline::{self, Preset, Products, Settings};
+use crate::pipeline::{self, Preset, Products, Settings, SourceError};
 use crate::progress::Progress;
 use crate::regular_file;
 use crate::survey::Survey;
@@ -86,9 +86,9 @@ impl Logs {
     /// A sentence when it cannot be opened, or does not hold what the settings ask for.
     pub fn open(&self, path: &Path, progress: &Progress) -> Result<Survey, String> {
         let track = self.track.as_ref();
-        let track = track.map(|track| (track, self.settings.track.offset_s));
-        let survey =
-            formats::open_with_track(path, track, progress).map_err(|error| error.to_string())?;
+        let recorded = formats::open(path, progress).map_err(|error| error.to_string())?;
+        let survey = pipeline::as_set(recorded, &self.settings, track)
+            .map_err(|error| format!("{error}{}", of_log(&error, path)))?;
         tell_of_drawing(&survey, &self.settings);
         check_against(&survey, &self.settings)?;
         Ok(survey)
@@ -109,6 +109,14 @@ impl Logs {
             status.step(stage.name())
         });
         products.map_err(|error| error.to_string())
+    }
+}
+
+/// The log that a sentence does not end with yet.
+fn of_log(error: &SourceError, path: &Path) -> String {
+    match error {
+        SourceError::System(_) => format!(": {}", path.display()),
+        SourceError::Track(_) => String::new(),
     }
 }
 

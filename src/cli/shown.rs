@@ -3,7 +3,7 @@
 use super::settings::{SettingsArgs, check_against};
 use crate::app::{App, Command, Jobs, Origin};
 use crate::calibration::PingRange;
-use crate::pipeline::Settings;
+use crate::pipeline::{self, Settings};
 use crate::survey::Survey;
 use crate::waterfall::RangeAxis;
 use std::path::PathBuf;
@@ -151,7 +151,9 @@ pub fn take_over(app: &mut App, settings: Settings) -> Result<(), String> {
         return Ok(());
     }
     if let Some(survey) = &app.log.survey {
-        check_against(survey, &settings)?;
+        let recorded = Survey::clone(survey);
+        let mounted = pipeline::as_mounted(recorded, &settings.mounting, settings.source.crs);
+        check_against(&mounted.map_err(|error| error.to_string())?, &settings)?;
     }
     app.apply(Command::Change {
         settings: Box::new(settings),

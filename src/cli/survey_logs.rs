@@ -5,10 +5,11 @@ use super::{many, output};
 use crate::app::is_project;
 use crate::detection::review::Review;
 use crate::geo::LocalFrame;
+use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::project;
-use crate::survey::{Identity, Survey};
+use crate::survey::{Identity, MountingSettings, Survey};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -221,7 +222,13 @@ pub fn open_reference(
     let inputs = match is_project(path) {
         true => of_project(path)?,
         false if is_group(argument) => {
-            let logs = Arc::new(Logs::new(first.settings.clone())?);
+            // What the first log's mounting puts right is put right where the mission is processed.
+            let as_read = Settings {
+                mounting: MountingSettings::default(),
+                source: SourceSettings::default(),
+                ..first.settings.clone()
+            };
+            let logs = Arc::new(Logs::new(as_read)?);
             let input = |path| LogInput {
                 path,
                 logs: logs.clone(),

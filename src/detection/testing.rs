@@ -42,6 +42,7 @@ pub(super) fn navigation_of(pings: usize) -> Navigation {
         speed_mps: 2.0,
     };
     Navigation {
+        antenna: Vec::new(),
         pings: vec![place; pings],
         soundings: Vec::new(),
         projection: Projection::Enu,

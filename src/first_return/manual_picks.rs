@@ -13,6 +13,9 @@ pub struct BottomSettings {
     pub log_bytes: u64,
     /// Side-scan pings of that log.
     pub pings: usize,
+    /// Whether it was drawn with port and starboard exchanged against the recording (`mounting.swap_sides`).
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub swapped_sides: bool,
     /// The stretches; no two cover the same ping of a side.
     pub lines: Vec<BottomEdit>,
 }
@@ -123,6 +126,7 @@ impl BottomSettings {
         Self {
             log_bytes: identity.byte_count,
             pings: identity.pings,
+            swapped_sides: identity.swapped_sides,
             lines: Vec::new(),
         }
     }
@@ -157,7 +161,21 @@ impl BottomSettings {
         Ok(Self {
             log_bytes: of.log_bytes,
             ..self
-        })
+        }
+        .with_sides(survey.swapped_sides))
+    }
+
+    /// The same edits for a log whose port and starboard are exchanged or not: what was drawn on an echo stays on it.
+    #[must_use]
+    pub fn with_sides(mut self, swapped_sides: bool) -> Self {
+        if !self.is_empty() && self.swapped_sides != swapped_sides {
+            for line in &mut self.lines {
+                line.side = line.side.other();
+            }
+            self.lines.sort_by_key(|line| (line.side, line.pings));
+            self.swapped_sides = swapped_sides;
+        }
+        self
     }
 
     /// Whether nothing was drawn.
@@ -245,7 +263,8 @@ impl BottomSettings {
             let text = format!("the bottom edits are left out: {why}");
             return returns.warnings.push(text);
         }
-        for line in &self.lines {
+        let own = self.clone().with_sides(survey.swapped_sides);
+        for line in &own.lines {
             returns.drawn.push((line.side, line.pings));
             let picks = match line.side {
                 Side::Port => &mut returns.port,
@@ -423,6 +442,7 @@ mod tests {
         let of_another_log = BottomSettings {
             log_bytes: 1,
             pings: usize::MAX,
+            swapped_sides: false,
             lines: vec![line(Side::Port, [0, usize::MAX - 2], 2.0); 3],
         };
         assert_eq!(of_another_log.statement(&survey), "");

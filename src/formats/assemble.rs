@@ -7,6 +7,8 @@ use super::stray::drop_stray;
 use crate::survey::{Channel, Echogram, Fix, Side, SidePing, SideScanState, Survey, Track};
 use std::sync::Arc;
 
+/// What is said of positions in metres of a system that nobody named.
+pub(super) const UNNAMED_SYSTEM: &str = "positions are metres of a coordinate system that the log does not name, and are shown around longitude 0, latitude 0; set source.crs to its EPSG number, EPSG:32633 for UTM zone 33 north";
 /// Lowrance units without a side-scan transducer record 5 ft of noise (1.524 m); no unit has so short a range in use.
 const STUCK_RANGE_M: f32 = 1.6;
 /// Share of stuck pings from which the side-scan is noise.
@@ -25,6 +27,9 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         log.report
             .log("the log holds no depth; heights can only come from the side-scan itself");
     }
+    if log.projected.is_some() && !fixes.is_empty() {
+        log.report.log(UNNAMED_SYSTEM);
+    }
     if fixes.is_empty() {
         log.report
             .log("the log holds no position; nothing in it can be placed on a map");
@@ -38,13 +43,18 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
     Survey {
         source: log.source,
         start_unix_s: log.start_unix_s,
+        clock_offset_s: 0.0,
+        swapped_sides: false,
         channels,
         side_scan: Arc::new(side_scan),
         side_scan_state,
         range_source: log.range_source,
         echograms,
         soundings,
-        track: Track::new(fixes),
+        track: Track {
+            projected: log.projected,
+            ..Track::new(fixes)
+        },
         warnings: log.report.finish(),
         bytes: log.bytes,
     }

@@ -3,8 +3,8 @@
 use super::report::Report;
 use crate::geo::LonLat;
 use crate::survey::{
-    Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, RangeSource, SidePing, SideSpan,
-    Sounding, Source,
+    Bytes, Channel, ChannelKind, Echogram, EchogramPing, Fix, ProjectedTrack, RangeSource,
+    SidePing, SideSpan, Sounding, Source,
 };
 use std::sync::Arc;
 
@@ -59,6 +59,8 @@ pub(super) struct Collected {
     pub(super) depths: Vec<(ChannelKind, Vec<Sounding>)>,
     /// Positions.
     pub(super) fixes: Vec<Fix>,
+    /// Whose metres the positions are, where they are metres of a system that the log does not name.
+    pub(super) projected: Option<ProjectedTrack>,
     /// Where the slant ranges come from.
     pub(super) range_source: RangeSource,
     /// What was wrong.
@@ -79,6 +81,7 @@ impl Collected {
             echograms: Vec::new(),
             depths: Vec::new(),
             fixes: Vec::new(),
+            projected: None,
             range_source: RangeSource::default(),
             report: Report::default(),
         }

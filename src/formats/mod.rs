@@ -33,7 +33,7 @@ pub use gauge_file::{GaugeError, read_gauge};
 pub use reference::{ReferenceError, ReferenceFile, open_reference};
 pub use removable::load_removable_into_memory;
 pub use scalar::ByteOrder;
-pub use track_file::{OpenWithTrackError, TrackError, TrackFile, open_with_track};
+pub use track_file::{TrackError, TrackFile};
 
 use crate::progress::Progress;
 use crate::survey::{Bytes, Source, Survey};
@@ -108,6 +108,7 @@ impl Opened {
         Source {
             files: vec![self.path.clone()],
             format,
+            device: String::new(),
             byte_count: self.bytes.len() as u64,
         }
     }

@@ -1,11 +1,9 @@
 //! Tracks that another receiver recorded, RTK or an autopilot: CSV with named columns, or GPX.
 
-use super::OpenError;
 use super::gpx::gpx_points;
 use super::stray::drop_stray;
 use crate::calendar::unix_from_text;
 use crate::geo::LonLat;
-use crate::progress::Progress;
 use crate::regular_file;
 use crate::survey::{Bytes, ExternalTrack, Fix, Survey, Track};
 use std::path::{Path, PathBuf};
@@ -154,7 +152,7 @@ pub enum TrackError {
     },
     /// The track is of another time.
     #[error(
-        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if a clock was wrong: {}", span_s[0], span_s[1], path.display()
+        "the track covers no ping of the log: it goes from {:.1} to {:.1} s of the log; set track.offset_s if its clock was wrong, mounting.clock_offset_s if that of the log was: {}", span_s[0], span_s[1], path.display()
     )]
     Elsewhere {
         /// Its first and its last fix, seconds of the log.
@@ -162,33 +160,6 @@ pub enum TrackError {
         /// Which file.
         path: PathBuf,
     },
-}
-
-/// Why a log cannot be opened with a track over it.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenWithTrackError {
-    /// The log cannot be opened, or the user stopped it.
-    #[error(transparent)]
-    Log(#[from] OpenError),
-    /// The track does not fit it.
-    #[error(transparent)]
-    Track(#[from] TrackError),
-}
-
-/// Opens a log and lays a track over it, if there is one.
-///
-/// # Errors
-/// When the log cannot be opened, the track does not fit it, or the work was cancelled.
-pub fn open_with_track(
-    path: &Path,
-    track: Option<(&TrackFile, f64)>,
-    progress: &Progress,
-) -> Result<Survey, OpenWithTrackError> {
-    let mut survey = super::open(path, progress)?;
-    if let Some((track, offset_s)) = track {
-        track.apply(&mut survey, offset_s)?;
-    }
-    Ok(survey)
 }
 
 type Fixes = Result<Vec<(f64, LonLat, f32)>, String>;

@@ -26,10 +26,31 @@ const MODEST: std::ops::Range<f64> = 0.8..1.25;
 /// Step over which that is measured, degrees: some 10 m.
 const STEP_DEG: f64 = 1e-4;
 
-/// Why files cannot be written in a system, in one sentence.
+/// Why a system cannot be used, in one sentence that begins with the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("crs: {0}")]
-pub struct CrsError(String);
+#[error("{setting}: {reason}")]
+pub struct CrsError {
+    setting: &'static str,
+    reason: String,
+}
+
+impl CrsError {
+    /// About the system that files are written in.
+    fn new(reason: String) -> Self {
+        Self {
+            setting: "crs",
+            reason,
+        }
+    }
+
+    /// About the system of a log's positions.
+    fn of_source(reason: String) -> Self {
+        Self {
+            setting: "source.crs",
+            reason,
+        }
+    }
+}
 
 /// `crs`: `utm`, `wgs84`, `web_mercator`, or `EPSG:` and a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -108,9 +129,56 @@ impl CrsChoice {
         if off_deg < 1e-9 && !stretched {
             return Ok(crs);
         }
-        Err(CrsError(format!(
+        Err(CrsError::new(format!(
             "the survey lies far outside of {crs}; choose another system, or utm"
         )))
+    }
+}
+
+/// `source.crs`: the system of positions that a log has in metres without naming it, `EPSG:` and a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct SourceCrs(pub u16);
+
+impl TryFrom<String> for SourceCrs {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        match CrsChoice::try_from(text) {
+            Ok(CrsChoice::Epsg(number)) => Ok(Self(number)),
+            _ => Err(
+                "it is EPSG: and a number up to 65535, EPSG:32633 for UTM zone 33 north".to_owned(),
+            ),
+        }
+    }
+}
+
+impl From<SourceCrs> for String {
+    fn from(SourceCrs(number): SourceCrs) -> Self {
+        CrsChoice::Epsg(number).into()
+    }
+}
+
+impl SourceCrs {
+    /// The system.
+    ///
+    /// # Errors
+    /// A sentence that names `source.crs` when it is not known, not in metres, or on another datum.
+    pub fn system(self) -> Result<Crs, CrsError> {
+        let Self(number) = self;
+        if crs_definitions::from_code(number).is_none() {
+            return Err(CrsError::of_source(format!(
+                "EPSG:{number} is not known; give the number of the system that the recorder was set to, EPSG:32633 for UTM zone 33 north"
+            )));
+        }
+        let of_source = |error: CrsError| CrsError::of_source(error.reason);
+        let crs = Crs::from_epsg(number).map_err(of_source)?;
+        match crs.is_degrees() {
+            true => Err(CrsError::of_source(format!(
+                "{crs} has degrees; it is for positions in metres: name the projected system that they are of"
+            ))),
+            false => Ok(crs),
+        }
     }
 }
 
@@ -141,7 +209,7 @@ impl Crs {
     pub fn from_epsg(epsg: u16) -> Result<Self, CrsError> {
         let known = crs_definitions::from_code(epsg);
         let unknown = || {
-            CrsError(format!(
+            CrsError::new(format!(
                 "EPSG:{epsg} is not known; choose utm, wgs84, web_mercator or another EPSG number"
             ))
         };
@@ -216,6 +284,31 @@ impl Crs {
         }
     }
 
+    /// Whether `metres` of this system, easting and northing, lie where it is meant for.
+    fn reaches(&self, metres: [f64; 2]) -> bool {
+        let position = self.to_lon_lat(metres);
+        if !position.is_on_earth() {
+            return false;
+        }
+        let back = self.place(position);
+        let off_m = (back[0] - metres[0]).hypot(back[1] - metres[1]);
+        off_m < 1e-3 && (self.is_mercator() || MODEST.contains(&area_scale(self, position)))
+    }
+
+    /// Refuses metres of a log that cannot be of this system.
+    ///
+    /// # Errors
+    /// A sentence that names `source.crs`, the metres and the system.
+    pub fn check_source(&self, metres: [f64; 2]) -> Result<(), CrsError> {
+        match self.reaches(metres) {
+            true => Ok(()),
+            false => Err(CrsError::of_source(format!(
+                "the log's position {:.0} E {:.0} N lies outside of {self}; name the system that the recorder was set to",
+                metres[0], metres[1]
+            ))),
+        }
+    }
+
     /// Inverse of [`Crs::place`].
     pub fn to_lon_lat(&self, [x, y]: [f64; 2]) -> LonLat {
         let [lon_deg, lat_deg] = match &self.kind {
@@ -263,7 +356,7 @@ pub(super) fn area_scale(crs: &Crs, at: LonLat) -> f64 {
 }
 
 /// Metres on WGS84 in a degree of longitude and of latitude: radii of the prime vertical and of the meridian.
-pub(super) fn metres_per_degree(at: LonLat) -> [f64; 2] {
+pub fn metres_per_degree(at: LonLat) -> [f64; 2] {
     const A_M: f64 = 6_378_137.0;
     const F: f64 = 1.0 / 298.257_223_563;
     let (sin, cos) = at.lat_deg.to_radians().sin_cos();
@@ -277,7 +370,8 @@ pub(super) fn metres_per_degree(at: LonLat) -> [f64; 2] {
 
 /// The projection, if it is one in metres on a datum that agrees with WGS84.
 fn projection(epsg: u16, proj4: &str, wkt: &str) -> Result<Proj, CrsError> {
-    let refused = |why: &str| CrsError(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
+    let refused =
+        |why: &str| CrsError::new(format!("EPSG:{epsg} ({}) {why}", quoted_after(wkt, "[")));
     let in_metres = wkt.starts_with("PROJCS") && proj4.contains("+units=m ");
     if !in_metres {
         return Err(refused(

@@ -31,7 +31,7 @@ pub struct PictureSettings {
     /// Whether later pings stand to the left, or above.
     pub flip: bool,
     /// Whether port is shown where starboard is, and starboard where port is. The data stay as they are.
-    pub swap_sides: bool,
+    pub starboard_first: bool,
 }
 
 impl Default for PictureSettings {
@@ -47,7 +47,7 @@ impl Default for PictureSettings {
             white: None,
             gamma: 1.0,
             flip: false,
-            swap_sides: false,
+            starboard_first: false,
         }
     }
 }
@@ -84,7 +84,7 @@ impl PictureSettings {
     pub fn reset(&self) -> Self {
         Self {
             flip: self.flip,
-            swap_sides: self.swap_sides,
+            starboard_first: self.starboard_first,
             ..Self::default()
         }
     }

@@ -15,12 +15,17 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 21] = [
+const OF_ONE_LOG: [&str; 25] = [
     "calibration.pings",
     "draft_m",
     "height_offset_m",
     "left_out.log",
     "left_out.stretches",
+    "mounting.clock_offset_s",
+    "mounting.forward_m",
+    "mounting.heading_offset_deg",
+    "mounting.right_m",
+    "mounting.swap_sides",
     "picture.absorption_db_m",
     "picture.balance_db",
     "picture.black",
@@ -29,21 +34,25 @@ const OF_ONE_LOG: [&str; 21] = [
     "picture.gain",
     "picture.gamma",
     "picture.spreading_db",
+    "picture.starboard_first",
     "picture.stripe_filter",
-    "picture.swap_sides",
     "picture.white",
     "track.file",
     "track.offset_s",
-    "water_level.clock_offset_s",
     "water_level.file",
     "water_level_m",
 ];
 /// Of these, the keys that say nothing about another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 6] = [
+const NEVER_SHARED: [&str; 11] = [
     "calibration.pings",
     "height_offset_m",
     "left_out.log",
     "left_out.stretches",
+    "mounting.clock_offset_s",
+    "mounting.forward_m",
+    "mounting.heading_offset_deg",
+    "mounting.right_m",
+    "mounting.swap_sides",
     "track.file",
     "track.offset_s",
 ];
@@ -56,7 +65,7 @@ pub fn is_setting(key: &str) -> bool {
 }
 
 /// Whether a change of this key is one of a single log, not of all: draft, water level, height offset,
-/// track and its clock, flat spot, left-out stretches, and how its picture is shown.
+/// track and its clock, mounting, flat spot, left-out stretches, and how its picture is shown.
 pub fn is_of_one_log(key: &str) -> bool {
     OF_ONE_LOG.contains(&key)
 }
@@ -178,6 +187,12 @@ impl LogSettings {
         self.own.contains_key(key)
     }
 
+    /// Whether port and starboard of the log are exchanged: `mounting.swap_sides`, its own or else the shared one.
+    pub fn swaps_sides(&self, shared: &Settings) -> bool {
+        let own = self.own.get("mounting.swap_sides").and_then(Value::as_bool);
+        own.unwrap_or(shared.mounting.swap_sides)
+    }
+
     /// Gives the log its own value of a setting.
     pub fn set(&mut self, key: &str, value: Value) {
         self.own.insert(key.to_owned(), value);
@@ -237,7 +252,7 @@ impl LogSettings {
     }
 
     /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
-    /// when that changes nothing, or cannot be: a flat spot and a track say nothing about another log.
+    /// when that changes nothing, or cannot be: a flat spot, a track and a mounting say nothing about another log.
     pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
         if own == self.is_own(key) || (!own && NEVER_SHARED.contains(&key)) {
             return None;
@@ -296,6 +311,7 @@ mod tests {
             file: "pond.sl2".to_owned(),
             byte_count: 9,
             pings: 5,
+            swapped_sides: false,
         });
         after.left_out.stretches.push(Stretch {
             pings: Some([2, 3]),

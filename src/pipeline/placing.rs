@@ -52,6 +52,11 @@ impl<'a> Placing<'a> {
         })
     }
 
+    /// The recording.
+    pub fn survey(&self) -> &Survey {
+        self.survey
+    }
+
     /// What measures and places on a level bottom, as the cloud's points are, without the correction of depths.
     pub fn placer(&self) -> &Placer<'a> {
         &self.placer

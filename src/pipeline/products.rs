@@ -6,7 +6,7 @@ use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Sounding, Survey, navigate};
+use crate::survey::{LeftOut, Navigation, Sounding, Survey, navigate_mounted};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -47,8 +47,10 @@ impl Stage {
 
     /// The first stage whose result differs between two settings; `None` when all results are the same.
     pub fn first_stale(old: &Settings, new: &Settings) -> Option<Stage> {
-        let same_track = old.track == new.track;
-        if old.heading != new.heading || old.projection != new.projection || !same_track {
+        // With the sides of a log all that is known of it is another, its places included.
+        let same_log =
+            old.track == new.track && old.source == new.source && old.mounting == new.mounting;
+        if old.heading != new.heading || old.projection != new.projection || !same_log {
             Some(Stage::Navigation)
         } else if old.image != new.image
             || !old.first_return.finds_the_same(&new.first_return)
@@ -147,6 +149,7 @@ pub fn run(
     // The first return depends on neither position nor heading: a change of heading source must not run the tracker again.
     let same_picks = |old: &&Products| {
         old.settings.image == settings.image
+            && old.settings.mounting.swap_sides == settings.mounting.swap_sides
             && old
                 .settings
                 .first_return
@@ -167,7 +170,8 @@ pub fn run(
         None => {
             begin(Stage::Navigation)?;
             let (how, plane) = (&settings.heading, settings.projection);
-            Arc::new(navigate(survey, how, plane, progress)?)
+            let mounting = &settings.mounting;
+            Arc::new(navigate_mounted(survey, how, mounting, plane, progress)?)
         }
     };
     let left_out = match previous.filter(|old| Arc::ptr_eq(&old.navigation, &navigation)) {

@@ -6,7 +6,7 @@ use super::{Preset, Products, Settings};
 use crate::calibration::{Calibration, PingRange, ScaleMode};
 use crate::cloud::{Residuals, TrackShare, residuals};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOutStretch, Side, Survey, Track};
+use crate::survey::{HeadingSource, LeftOutStretch, Side, Survey, Track};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -200,7 +200,7 @@ impl Report {
             statement: [
                 settings.bottom.statement(survey).as_str(),
                 correction.statement().as_str(),
-                positions(&survey.track).as_str(),
+                positions(survey, settings).as_str(),
                 STATEMENT,
             ]
             .join(" ")
@@ -370,8 +370,23 @@ pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
         .collect()
 }
 
-/// Whose positions they are.
-fn positions(track: &Track) -> String {
+/// Whose positions they are, and how the recorder is mounted.
+fn positions(survey: &Survey, settings: &Settings) -> String {
+    let mut said = whose(&survey.track);
+    let system = survey.track.projected.as_ref();
+    if let Some(system) = system.and_then(|projected| projected.system.as_ref()) {
+        said += &format!(" Its metres are taken for those of {system}.");
+    }
+    let compass = settings.heading.source == HeadingSource::Compass;
+    let mounting = settings.mounting.statement(compass);
+    if !mounting.is_empty() {
+        said += " ";
+        said += &mounting;
+    }
+    said
+}
+
+fn whose(track: &Track) -> String {
     match &track.external {
         Some(external) => format!(
             "Positions are those of {}, {} s later than it says.",

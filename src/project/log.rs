@@ -80,13 +80,14 @@ impl LogFile {
         })
     }
 
-    /// What side files call the log.
+    /// What side files call the log as it was recorded.
     pub fn identity(&self) -> Identity {
         let name = self.path.file_name().unwrap_or_default();
         Identity {
             file: name.to_string_lossy().into_owned(),
             byte_count: self.byte_count,
             pings: self.pings,
+            swapped_sides: false,
         }
     }
 

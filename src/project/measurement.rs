@@ -1,7 +1,7 @@
 //! What was measured on the map and in the waterfall.
 
 use crate::geo::{LonLat, area_m2, distance_m};
-use crate::survey::{Identity, Side};
+use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -50,6 +50,16 @@ pub struct Pick {
     pub ping: usize,
     /// Slant range on the recorder's scale, metres.
     pub slant_m: f64,
+}
+
+impl Pick {
+    /// Its side in a log: what was picked while the sides were exchanged lies on the other one when they are not.
+    pub fn side_in(&self, survey: &Survey) -> Side {
+        match self.log.swapped_sides == survey.swapped_sides {
+            true => self.side,
+            false => self.side.other(),
+        }
+    }
 }
 
 /// A line that was drawn to measure. What it measures follows from it, so only the line is kept. It is kept as positions, so that it

@@ -55,6 +55,7 @@ fn bottom(lines: &[BottomEdit]) -> BottomSettings {
     let empty = BottomSettings {
         log_bytes: 1000,
         pings: 500,
+        swapped_sides: false,
         lines: Vec::new(),
     };
     lines.iter().fold(empty, |all, line| all.with(line.clone()))

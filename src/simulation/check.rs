@@ -18,6 +18,7 @@ impl Scene {
         self.check_ground()?;
         self.check_track()?;
         self.check_recorder()?;
+        self.check_mounting()?;
         self.check_artefacts()?;
         self.check_objects()?;
         self.check_clutter()?;
@@ -78,6 +79,26 @@ impl Scene {
             ("track.speed_mps", track.speed_mps, 0.1, 20.0),
             ("track.ping_rate_hz", track.ping_rate_hz, 0.5, 100.0),
             ("track.fix_rate_hz", track.fix_rate_hz, 0.1, 100.0),
+        ])
+    }
+
+    fn check_mounting(&self) -> Result<(), SceneError> {
+        let mounting = &self.mounting;
+        all_within(&[
+            ("mounting.forward_m", mounting.forward_m, -200.0, 200.0),
+            ("mounting.right_m", mounting.right_m, -100.0, 100.0),
+            (
+                "mounting.heading_offset_deg",
+                mounting.heading_offset_deg,
+                -180.0,
+                180.0,
+            ),
+            (
+                "mounting.clock_offset_s",
+                mounting.clock_offset_s,
+                -864_000.0,
+                864_000.0,
+            ),
         ])
     }
 

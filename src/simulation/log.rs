@@ -23,13 +23,14 @@ impl Run<'_> {
         let mut random = Random::new(self.seed, Purpose::Fix, number as u64);
         let [course_noise, compass_noise] = random.normal_pair();
         let speed_noise = random.normal();
+        let mounted_deg = self.scene.mounting.heading_offset_deg;
         let noisy = |noise_deg: f64| (pose.heading_rad + noise_deg.to_radians()).rem_euclid(TAU);
         let fix = WrittenFix {
-            mercator: mercator(&self.scene_frame, pose),
+            mercator: mercator(&self.scene_frame, pose.antenna(&self.scene.mounting)),
             course_rad: noisy(COURSE_NOISE_DEG * course_noise),
             speed_mps: (self.scene.track.speed_mps + SPEED_NOISE_MPS * speed_noise).max(0.0),
             compass_rad: (self.scene.recorder.compass)
-                .then(|| noisy(COMPASS_NOISE_DEG * compass_noise)),
+                .then(|| noisy(COMPASS_NOISE_DEG * compass_noise - mounted_deg)),
         };
         (number as u64, fix)
     }

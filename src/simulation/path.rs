@@ -2,6 +2,7 @@
 
 use super::arithmetic::{bearing, cos, sin};
 use super::scene::TrackSettings;
+use crate::survey::MountingSettings;
 use std::f64::consts::PI;
 
 /// Where the boat is, and where it heads.
@@ -19,6 +20,17 @@ impl Pose {
     /// Unit vector (east, north) forward.
     pub fn forward(&self) -> [f64; 2] {
         [sin(self.heading_rad), cos(self.heading_rad)]
+    }
+
+    /// Where the antenna is while the transducer is here.
+    pub fn antenna(self, mounting: &MountingSettings) -> Self {
+        let [forward_e, forward_n] = self.forward();
+        let (forward_m, right_m) = (mounting.forward_m, mounting.right_m);
+        Self {
+            east_m: self.east_m - forward_m * forward_e - right_m * forward_n,
+            north_m: self.north_m - forward_m * forward_n + right_m * forward_e,
+            ..self
+        }
     }
 }
 

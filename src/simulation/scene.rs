@@ -2,6 +2,7 @@
 
 pub use super::clutter::{Pit, RippleSettings, Shoal, WeedClump};
 use super::objects::ObjectKind;
+use crate::survey::MountingSettings;
 use serde::{Deserialize, Serialize};
 
 /// A simulated survey: the ground, the boat, the recorder and what goes wrong.
@@ -24,6 +25,9 @@ pub struct Scene {
     pub track: TrackSettings,
     /// How it is recorded.
     pub recorder: RecorderSettings,
+    /// How the recorder is mounted: the boat's path is the transducer's, and what the log says wrongly is what the settings of these names
+    /// put right. The clock is off by whole seconds.
+    pub mounting: MountingSettings,
     /// What is not as it should be.
     pub artefacts: Artefacts,
     /// Objects at known places.
@@ -258,6 +262,7 @@ impl Default for Scene {
             bed: BedSettings::default(),
             track: TrackSettings::default(),
             recorder: RecorderSettings::default(),
+            mounting: MountingSettings::default(),
             artefacts: Artefacts::default(),
             objects: Vec::new(),
             shoals: Vec::new(),

@@ -135,7 +135,7 @@ impl<'a> Run<'a> {
             lat_deg: scene.latitude_deg,
         });
         let start = path.at(0.0);
-        let [x, y] = mercator(&scene_frame, start);
+        let [x, y] = mercator(&scene_frame, start.antenna(&scene.mounting));
         let range_m = scene.recorder.range_m;
         Self {
             scene,
@@ -192,8 +192,12 @@ impl<'a> Run<'a> {
         let receiver = &self.receivers[usize::from(changed)];
         let [port, starboard] =
             Side::BOTH.map(|side| self.side(ping, pose, side, &trouble, receiver));
-        let mut composite: Vec<u8> = port.1.iter().rev().copied().collect();
-        composite.extend(&starboard.1);
+        let [left, right] = match self.scene.mounting.swap_sides {
+            false => [&port.1, &starboard.1],
+            true => [&starboard.1, &port.1],
+        };
+        let mut composite: Vec<u8> = left.iter().rev().copied().collect();
+        composite.extend(right);
         let seen = |side: Side, echo: &Echo| -> Vec<(Side, Seen)> {
             echo.seen.iter().map(|seen| (side, *seen)).collect()
         };
@@ -282,7 +286,7 @@ impl<'a> Run<'a> {
             frames: self.frames(&mut received),
             pings: received.into_iter().map(|ping| ping.truth).collect(),
             frame: self.frame,
-            start_unix_s: self.scene.start_unix_s,
+            start_unix_s: recorded_start_s(self.scene),
             world: self.world,
             scene_frame: self.scene_frame,
         }
@@ -325,6 +329,14 @@ impl<'a> Run<'a> {
             }
         }
         objects
+    }
+}
+
+/// When the recorder's clock says that the log begins, Unix seconds; 0 where it does not know.
+fn recorded_start_s(scene: &Scene) -> u32 {
+    match scene.start_unix_s {
+        0 => 0,
+        start_s => (f64::from(start_s) - scene.mounting.clock_offset_s).round() as u32,
     }
 }
 

@@ -13,6 +13,9 @@ pub struct Identity {
     pub byte_count: u64,
     /// Side-scan pings.
     pub pings: usize,
+    /// Whether port and starboard are exchanged against the recording: sides that are named with it are those.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub swapped_sides: bool,
 }
 
 impl Identity {
@@ -24,6 +27,7 @@ impl Identity {
             file: name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
             byte_count: survey.source.byte_count,
             pings: survey.side_scan.len(),
+            swapped_sides: survey.swapped_sides,
         }
     }
 

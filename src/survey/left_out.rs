@@ -387,6 +387,7 @@ mod tests {
             ..Survey::default()
         };
         let navigation = Navigation {
+            antenna: Vec::new(),
             pings: if with_pings {
                 places.clone()
             } else {
@@ -457,6 +458,7 @@ mod tests {
         let counted: usize = counted.map(|[first, last]| last + 1 - first).sum();
         assert_eq!(out.ping_count(), counted);
         settings.log = Some(Identity {
+            swapped_sides: false,
             file: "other.sl2".to_owned(),
             byte_count: 7,
             pings: 9,

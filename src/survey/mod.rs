@@ -1,7 +1,7 @@
 //! A survey as it was recorded: channels, pings, samples and track; immutable after load, whatever the file format.
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
-//! be believed, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
+//! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
 //! `left_out` which stretches count for nothing, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
@@ -11,6 +11,7 @@ mod gauge;
 mod identity;
 mod left_out;
 mod local_fit;
+mod mounting;
 mod navigation;
 mod nearest;
 mod samples;
@@ -23,10 +24,13 @@ pub use echogram::{Echogram, EchogramPing};
 pub use gauge::{Gauge, WATER_LEVELS_M};
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
-pub use navigation::{HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate};
+pub use mounting::{MountingSettings, arm_in_words};
+pub use navigation::{
+    HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate, navigate_mounted,
+};
 pub use nearest::nearest_in_time;
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
-pub use track::{ExternalTrack, Fix, Track, TrackSettings};
+pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub use tracks_apart::TracksApart;
 pub use turn_rate::turn_rates_deg_s;
 
@@ -48,6 +52,15 @@ pub enum Side {
 impl Side {
     /// Both sides, port first.
     pub const BOTH: [Side; 2] = [Side::Port, Side::Starboard];
+
+    /// The other one.
+    #[must_use]
+    pub fn other(self) -> Self {
+        match self {
+            Side::Port => Side::Starboard,
+            Side::Starboard => Side::Port,
+        }
+    }
 
     /// `port` or `starboard`.
     pub fn name(self) -> &'static str {
@@ -189,8 +202,21 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Format in words, for example `Lowrance SL2 (version 1)`.
     pub format: String,
+    /// What the log tells of the unit that recorded it, for example `EdgeTech 4200`; empty where it tells nothing.
+    pub device: String,
     /// Bytes of the log's own files together, without those of a track that was applied to it.
     pub byte_count: u64,
+}
+
+impl Source {
+    /// Which recorder it was, as far as the log tells: its format, and the device where it names one. Logs of one recorder have the
+    /// same words.
+    pub fn recorder(&self) -> String {
+        match self.device.is_empty() {
+            true => self.format.clone(),
+            false => format!("{}, {}", self.format, self.device),
+        }
+    }
 }
 
 /// Something that is wrong with the log but did not keep the rest from being read.
@@ -208,8 +234,12 @@ pub struct Warning {
 pub struct Survey {
     /// Where it was read from.
     pub source: Source,
-    /// Unix seconds of the log's time zero, when the recorder knew the time.
+    /// Unix seconds of the log's time zero, when the recorder knew the time; with the clock offset that is in force.
     pub start_unix_s: Option<f64>,
+    /// What was added to the recorder's clock, seconds ([`MountingSettings::clock_offset_s`]).
+    pub clock_offset_s: f64,
+    /// Whether port and starboard are exchanged against the recording ([`MountingSettings::swap_sides`]).
+    pub swapped_sides: bool,
     /// What each channel holds.
     pub channels: Vec<Channel>,
     /// The side-scan pings, both sides joined; shared by all copies of a survey, of which a change of the track makes one.

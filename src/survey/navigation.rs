@@ -1,8 +1,8 @@
 //! Position and heading of every side-scan ping, from one of four sources.
 
 use super::fitted_track::{FittedTrack, Motion};
-use super::{Fix, Survey, Track};
-use crate::geo::{LonLat, web_mercator, web_mercator_inverse};
+use super::{Fix, MountingSettings, Survey, Track};
+use crate::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -74,6 +74,8 @@ pub struct Navigation {
     pub pings: Vec<PingNav>,
     /// One entry per sounding.
     pub soundings: Vec<PingNav>,
+    /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right above the transducer.
+    pub antenna: Vec<[f64; 2]>,
     /// The plane that the metres are in.
     pub projection: Projection,
     /// Pings without a heading.
@@ -90,6 +92,10 @@ impl PingNav {
         heading_rad: f64::NAN,
         speed_mps: f64::NAN,
     };
+
+    fn place(&self) -> [f64; 2] {
+        [self.east_m, self.north_m]
+    }
 
     /// Unit vector to starboard in the plane, `(h_y, -h_x) / |h|`; `None` without a heading.
     ///
@@ -132,10 +138,7 @@ impl Navigation {
     }
 }
 
-/// Places every ping and sounding of the survey on the ground.
-///
-/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
-/// position from the fitted track. A boat at rest has neither course nor fitted heading.
+/// Places every ping and sounding of a survey whose antenna is right above its transducer: [`navigate_mounted`] with no mounting.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -145,7 +148,32 @@ pub fn navigate(
     projection: Projection,
     progress: &Progress,
 ) -> Result<Navigation, Cancelled> {
+    let none = MountingSettings::default();
+    navigate_mounted(survey, settings, &none, projection, progress)
+}
+
+/// Places every ping and sounding of the survey on the ground.
+///
+/// [`HeadingSource::Steps`] keeps the positions as recorded, repeats and rounding included; the other sources take the
+/// position from the fitted track. A boat at rest has neither course nor fitted heading.
+///
+/// Fixes are those of the antenna. The transducer is `forward_m` along the heading `h` and `right_m` to starboard of it:
+/// `east += forward sin h + right cos h`, `north += forward cos h - right sin h`. The heading is that of the source, but for
+/// [`HeadingSource::Steps`], whose headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests and has
+/// none, the last one before holds, so that the track does not jump by the length of the arm at every stop.
+/// `heading_offset_deg` is added to the compass heading alone: a course is that of the boat's motion, and no instrument is turned on it.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn navigate_mounted(
+    survey: &Survey,
+    settings: &HeadingSettings,
+    mounting: &MountingSettings,
+    projection: Projection,
+    progress: &Progress,
+) -> Result<Navigation, Cancelled> {
     let navigator = Navigator {
+        compass_offset_rad: mounting.heading_offset_deg.to_radians(),
         track: &survey.track,
         fitted: FittedTrack::new(&survey.track, settings.window_s),
         source: settings.source,
@@ -160,7 +188,14 @@ pub fn navigate(
         head_along_steps(&mut pings);
         head_along_steps(&mut soundings);
     }
+    let mut antenna = Vec::new();
+    if let Some(arm_m) = mounting.lever_arm_m() {
+        antenna = pings.iter().map(PingNav::place).collect();
+        navigator.move_by(arm_m, &mut pings, &survey.side_scan, |ping| ping.time_s);
+        navigator.move_by(arm_m, &mut soundings, &survey.soundings, |one| one.time_s);
+    }
     Ok(Navigation {
+        antenna,
         zero_heading: pings
             .iter()
             .filter(|ping| ping.heading_rad.is_nan())
@@ -187,10 +222,65 @@ struct Navigator<'a> {
     track: &'a Track,
     fitted: FittedTrack,
     source: HeadingSource,
+    /// Added to the compass heading.
+    compass_offset_rad: f64,
     projection: Projection,
 }
 
 impl Navigator<'_> {
+    /// Moves places from the antenna to the transducer, `arm_m` forward and to starboard of it.
+    fn move_by<T: Sync>(
+        &self,
+        [forward_m, right_m]: [f64; 2],
+        places: &mut [PingNav],
+        records: &[T],
+        time_s: impl Fn(&T) -> f64 + Sync,
+    ) {
+        let headings = places.par_iter().zip(records).map(|(place, record)| {
+            if self.source != HeadingSource::Steps {
+                return place.heading_rad;
+            }
+            let motion = self.fitted.at(time_s(record));
+            match motion.moving {
+                true => motion.velocity[0].atan2(motion.velocity[1]),
+                false => f64::NAN,
+            }
+        });
+        let headings: Vec<f64> = headings.collect();
+        // Before the first heading, that one.
+        let mut heading_rad = headings.iter().copied().find(|rad| rad.is_finite());
+        for (place, own_rad) in places.iter_mut().zip(headings) {
+            if own_rad.is_finite() {
+                heading_rad = Some(own_rad);
+            }
+            let Some((sin, cos)) = heading_rad.map(f64::sin_cos) else {
+                return;
+            };
+            let by_m = [
+                forward_m * sin + right_m * cos,
+                forward_m * cos - right_m * sin,
+            ];
+            [place.east_m, place.north_m] = self.moved(place.place(), by_m);
+        }
+    }
+
+    /// A place of the plane, moved by metres on the ground.
+    fn moved(&self, [east_m, north_m]: [f64; 2], by_m: [f64; 2]) -> [f64; 2] {
+        match self.projection {
+            Projection::Enu => [east_m + by_m[0], north_m + by_m[1]],
+            Projection::Mercator => {
+                let [x0, y0] = web_mercator(self.track.frame.origin());
+                let at = web_mercator_inverse(x0 + east_m, y0 + north_m);
+                let [lon_m, lat_m] = metres_per_degree(at);
+                let moved = LonLat {
+                    lon_deg: at.lon_deg + by_m[0] / lon_m,
+                    lat_deg: at.lat_deg + by_m[1] / lat_m,
+                };
+                self.projection.place(self.track, moved)
+            }
+        }
+    }
+
     /// One entry a record, and at how many of them the boat moves.
     fn place_all<T: Sync>(
         &self,
@@ -270,7 +360,9 @@ impl Navigator<'_> {
                 motion.velocity[0].atan2(motion.velocity[1])
             }
             (HeadingSource::Cog, Some(fix)) if motion.moving => in_plane(fix.cog_rad, fix),
-            (HeadingSource::Compass, Some(fix)) => in_plane(fix.compass_rad, fix),
+            (HeadingSource::Compass, Some(fix)) => {
+                in_plane(fix.compass_rad, fix) + self.compass_offset_rad
+            }
             _ => f64::NAN,
         }
     }

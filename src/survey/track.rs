@@ -1,6 +1,6 @@
 //! Where the boat was: the fixes as recorded.
 
-use crate::geo::{LocalFrame, LonLat};
+use crate::geo::{Crs, CrsError, LocalFrame, LonLat};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -29,6 +29,36 @@ pub struct Track {
     pub frame: LocalFrame,
     /// Whose track it is, when it is not the recorder's.
     pub external: Option<ExternalTrack>,
+    /// Whose metres the recorder's positions are, where it wrote metres of a system that the log does not name.
+    pub projected: Option<ProjectedTrack>,
+}
+
+/// Positions that the recorder wrote in metres of a system that the log does not name. Until somebody names it they lie around longitude
+/// 0, latitude 0, so that their distances are right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProjectedTrack {
+    /// Easting and northing of what stands at longitude 0, latitude 0, metres.
+    pub origin_m: [f64; 2],
+    /// The system, once it is known.
+    pub system: Option<Crs>,
+}
+
+impl ProjectedTrack {
+    /// Of a system that is not known.
+    pub fn new(origin_m: [f64; 2]) -> Self {
+        Self {
+            origin_m,
+            system: None,
+        }
+    }
+
+    /// The frame around longitude 0, latitude 0 that the metres are kept in.
+    pub fn frame() -> LocalFrame {
+        LocalFrame::new(LonLat {
+            lon_deg: 0.0,
+            lat_deg: 0.0,
+        })
+    }
 }
 
 /// A track that another receiver recorded.
@@ -74,7 +104,38 @@ impl Track {
             fixes,
             frame: LocalFrame::new(origin),
             external: None,
+            projected: None,
         }
+    }
+
+    /// The same track on the Earth, where its metres are those of `system`; unchanged where its positions are no metres.
+    ///
+    /// # Errors
+    /// A sentence after `source.crs: ` when the metres lie nowhere that the system is meant for.
+    pub fn in_system(self, system: &Crs) -> Result<Self, CrsError> {
+        let Some(projected) = self.projected.clone() else {
+            return Ok(self);
+        };
+        let local = ProjectedTrack::frame();
+        let [x0, y0] = projected.origin_m;
+        let mut fixes = self.fixes;
+        for (index, fix) in fixes.iter_mut().enumerate() {
+            let [x, y] = local.to_enu(fix.position);
+            let metres = [x0 + x, y0 + y];
+            fix.position = system.to_lon_lat(metres);
+            // One of them tells: a survey is small against a zone. Damage far away was left out before.
+            if index == 0 || !fix.position.is_on_earth() {
+                system.check_source(metres)?;
+            }
+        }
+        Ok(Self {
+            projected: Some(ProjectedTrack {
+                system: Some(system.clone()),
+                ..projected
+            }),
+            external: self.external,
+            ..Self::new(fixes)
+        })
     }
 
     /// The same track in a frame that it shares with other logs, so that all of them lie in one plane. Fixes are kept as longitude

@@ -66,6 +66,7 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         speed_mps: if ping < 300 { 2.0 } else { 3.0 },
     });
     let navigation = Navigation {
+        antenna: Vec::new(),
         pings: places.collect(),
         soundings: Vec::new(),
         projection: Projection::Enu,

@@ -35,6 +35,7 @@ mod map_tools;
 mod missions;
 mod mosaic;
 mod mosaic_gain;
+mod mounting;
 mod navigation;
 mod objects_window;
 mod offsets;

@@ -150,6 +150,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         settings: Arc::default(),
         left_out: Arc::default(),
         navigation: Arc::new(Navigation {
+            antenna: Vec::new(),
             pings: nav.clone(),
             soundings: nav,
             projection: Projection::Enu,

@@ -35,6 +35,7 @@ impl App {
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
         self.measuring.figure = step.figure;
+        self.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.reorder(step.logs.iter().map(|log| log.id));
         let shared = std::mem::replace(&mut self.shared, step.shared);
@@ -53,6 +54,7 @@ impl App {
         if let Some((log, id)) = changed_box {
             self.select_log_box(LogBox { log, id });
         }
+        self.settle_plane();
         self.keep_project("undo or redo");
         self.process();
     }
@@ -176,7 +178,11 @@ impl App {
         // On the screen it moves as the arrow points, however the picture is turned.
         let picture = &self.log.settings.picture;
         let along = if picture.flip { -along } else { along };
-        let across = if picture.swap_sides { -across } else { across };
+        let across = if picture.starboard_first {
+            -across
+        } else {
+            across
+        };
         let reviewing = &self.log.reviewing;
         let edit = match reviewing.edge {
             edge if nudge.resize || edge == BoxEdge::Whole => {

@@ -157,7 +157,13 @@ impl App {
         match read {
             Ok(review) => {
                 let boxes = review.boxes().len();
-                let review = Arc::new(review);
+                // The sides may have been exchanged while it was read.
+                let swapped = self
+                    .log
+                    .survey
+                    .as_ref()
+                    .is_some_and(|one| one.swapped_sides);
+                let review = Arc::new(review.with_sides(swapped));
                 self.take_review(review.clone(), "open review", false);
                 self.log.reviewing.saved = review;
                 let path = opening.path.display();

@@ -27,6 +27,7 @@ pub(super) use detect::Search;
 pub(super) use places::Entries;
 
 use super::measuring::Figure;
+use super::mounting::Mountings;
 use super::{LogId, Mark, OpenLog};
 use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
@@ -65,6 +66,7 @@ pub(super) struct Step {
     /// Logs that were closed and can be opened again.
     pub closed: Vec<LogId>,
     pub figure: Option<Arc<Figure>>,
+    pub mountings: Arc<Mountings>,
 }
 
 /// What undo goes back to of one log.
@@ -306,16 +308,33 @@ impl Reviewing {
     /// Starts on a survey; what was decided about it before it was closed comes back.
     pub(super) fn start(&mut self, survey: &Survey, parked: &mut Vec<Parked>) {
         let identity = Identity::of(survey);
-        let is_same = |parked: &Parked| *parked.review.identity() == identity;
+        let is_same = |parked: &Parked| {
+            let of = parked.review.identity();
+            of.file == identity.file && of.is_same_log(&identity)
+        };
         if let Some(index) = parked.iter().rposition(is_same) {
             let parked = parked.remove(index);
             self.saved = parked.saved;
             self.path = parked.path;
             self.set(parked.review);
+            self.exchange(identity.swapped_sides);
         } else {
             self.saved = Arc::new(empty(survey));
             self.set(self.saved.clone());
         }
+    }
+
+    /// Has the boxes lie on the echoes that they were drawn on when the sides of the log are exchanged, or no longer. What was saved
+    /// stays saved: a review says which sides it means.
+    pub(super) fn exchange(&mut self, swapped_sides: bool) {
+        if self.review.identity().swapped_sides == swapped_sides {
+            return;
+        }
+        let exchanged = Arc::new(Review::clone(&self.review).with_sides(swapped_sides));
+        if Arc::ptr_eq(&self.review, &self.saved) {
+            self.saved = exchanged.clone();
+        }
+        self.set(exchanged);
     }
 
     /// Takes up the boxes that a project has of the log.

@@ -23,9 +23,6 @@ pub struct WaterLevelSettings {
     /// Readings of a gauge or tide over the time of the survey, as [`crate::formats::read_gauge`] reads them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Added to the log's times to find their readings, seconds: how far the recorder's clock is behind UTC. An hour for one that
-    /// shows the local time of Central Europe is -3600.
-    pub clock_offset_s: f64,
     /// What the file holds, once it has been read.
     #[serde(skip)]
     pub gauge: Option<Arc<Gauge>>,
@@ -54,13 +51,15 @@ pub struct DepthSettings {
 ///
 /// A clock that is wrong by `e` takes the reading of another time, so depths are off by `e` times the rate at which the water rises:
 /// 1 cm for 6 minutes where it rises 10 cm an hour, and as much as the height of a tide for hours. What of it is the same all along
-/// the log is in the height offset that crossings show; what changes along the log stays, unless `water_level.clock_offset_s` says
+/// the log is in the height offset that crossings show; what changes along the log stays, unless `mounting.clock_offset_s` says
 /// how far the clock is behind. Recorders take the time from the satellites, so a drift within a log is below a second.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Correction {
     settings: DepthSettings,
     /// Unix seconds of the log's time zero, its clock put right, where readings are in force.
     start_unix_s: Option<f64>,
+    /// What was added to the log's clock, seconds.
+    clock_offset_s: f64,
     /// The water's height in the middle of the survey, metres.
     middle_level_m: f64,
     /// Why the readings of the water's height are not in force, in a sentence.
@@ -73,6 +72,7 @@ impl Correction {
         let over = over_survey(&settings.water_level, survey);
         let mut made = Self {
             middle_level_m: settings.water_level_m,
+            clock_offset_s: survey.clock_offset_s,
             settings,
             ..Self::default()
         };
@@ -146,10 +146,7 @@ fn over_survey(level: &WaterLevelSettings, survey: &Survey) -> Result<Option<(f6
         .gauge
         .as_ref()
         .ok_or_else(|| fail("the readings of the water level have not been read".to_owned()))?;
-    let by_clock_s = survey
-        .start_unix_s
-        .map(|start_s| start_s + level.clock_offset_s);
-    let Some(start_unix_s) = by_clock_s else {
+    let Some(start_unix_s) = survey.start_unix_s else {
         let what = "the log does not know the time, so readings of the water level cannot be applied to it; give one water_level_m instead";
         return Err(fail(what.to_owned()));
     };

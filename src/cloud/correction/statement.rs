@@ -107,7 +107,7 @@ impl Correction {
                 0.0 => String::new(),
                 zero_m => format!(" and its zero at {zero_m} m"),
             };
-            let clock = match settings.water_level.clock_offset_s {
+            let clock = match self.clock_offset_s {
                 0.0 => String::new(),
                 offset_s => format!(", {offset_s} s later than the log's clock says,"),
             };

@@ -1,5 +1,5 @@
 use super::*;
-use crate::survey::Sounding;
+use crate::survey::{MountingSettings, Sounding};
 
 fn survey(start_unix_s: Option<f64>) -> Survey {
     let sounding = |time_s| Sounding {
@@ -24,7 +24,6 @@ fn readings() -> WaterLevelSettings {
     WaterLevelSettings {
         file: Some(gauge.path.clone()),
         gauge: Some(Arc::new(gauge)),
-        ..WaterLevelSettings::default()
     }
 }
 
@@ -79,13 +78,14 @@ fn a_clock_that_is_wrong_takes_the_reading_of_another_time_until_it_is_put_right
     let behind = survey(Some(1_634_000_000.0));
     let with = |clock_offset_s| {
         let settings = DepthSettings {
-            water_level: WaterLevelSettings {
-                clock_offset_s,
-                ..readings()
-            },
+            water_level: readings(),
             ..DepthSettings::default()
         };
-        Correction::new(settings, &behind)
+        let mounting = MountingSettings {
+            clock_offset_s,
+            ..MountingSettings::default()
+        };
+        Correction::new(settings, &behind.clone().mounted(&mounting))
     };
     let [wrong, right] = [with(0.0), with(360.0)];
     for time_s in [0.0, 900.0, 1800.0] {

@@ -132,10 +132,7 @@ impl Review {
             }
             Edit::SwapSide(id) => self.correct(*id, |one| {
                 one.shadow = None;
-                one.mark.side = match one.mark.side {
-                    Side::Port => Side::Starboard,
-                    Side::Starboard => Side::Port,
-                }
+                one.mark.side = one.mark.side.other();
             }),
             Edit::Add { mark, class } => self.add(mark, *class, ObjectExtent::Found),
             Edit::AddPoint {

@@ -225,7 +225,12 @@ impl Review {
             searched: stored.searched,
             boxes: stored.boxes,
         };
-        Self::from_rows(rows, of)
+        let drawn_on = Identity {
+            swapped_sides: stored.survey.swapped_sides,
+            ..of.clone()
+        };
+        let read = Self::from_rows(rows, &drawn_on)?;
+        Ok(read.with_sides(of.swapped_sides))
     }
 
     /// The review that rows from a file make.

@@ -167,6 +167,19 @@ impl Review {
         &self.identity
     }
 
+    /// The same boxes for a log whose port and starboard are exchanged or not: a box stays on its echo.
+    #[must_use]
+    pub fn with_sides(mut self, swapped_sides: bool) -> Self {
+        if self.identity.swapped_sides != swapped_sides {
+            for one in &mut self.boxes {
+                let one = Arc::make_mut(one);
+                one.mark.side = one.mark.side.other();
+            }
+            self.identity.swapped_sides = swapped_sides;
+        }
+        self
+    }
+
     /// Names of the classes.
     pub fn classes(&self) -> &[String] {
         &self.classes

@@ -8,6 +8,7 @@ const PINGS: usize = 1000;
 
 fn identity() -> Identity {
     Identity {
+        swapped_sides: false,
         file: "river.sl2".into(),
         byte_count: 4711,
         pings: PINGS,

@@ -10,6 +10,7 @@ const HEADER: &str = "object,kind,side,box_first_ping,box_last_ping,box_near_m,b
 
 fn identity(pings: usize) -> Identity {
     Identity {
+        swapped_sides: false,
         file: "pond.sl2".into(),
         byte_count: 1,
         pings,

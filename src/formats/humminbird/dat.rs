@@ -26,6 +26,8 @@ pub struct Dat {
     pub family: Family,
     /// Byte 1: the kind of water that the user set the unit to.
     pub water_code: u8,
+    /// Offset 4: the recorder's number for its sonar; `None` where it is 0 or not stated.
+    pub sonar: Option<u32>,
     /// Offset 20: Unix seconds of the start; `None` when it is no time.
     pub start_unix_s: Option<u32>,
     /// Offset 44: pings in all channels together.
@@ -60,6 +62,7 @@ impl Dat {
         let dat = Self {
             family,
             water_code: *bytes.get(1)?,
+            sonar: number(4).filter(|&number| number > 0),
             start_unix_s: number(20).filter(|&unix_s| unix_s > EARLIEST_UNIX_S),
             record_count: number(44)?,
             length_ms: number(48)?,
@@ -76,6 +79,7 @@ impl Dat {
         Some(Self {
             family: Family::Onix,
             water_code: *bytes.get(1)?,
+            sonar: None,
             start_unix_s: None,
             record_count: number("NumberOfPings")?,
             length_ms: number("TotalTimeMs")?,

@@ -59,6 +59,7 @@ fn collect(recording: &Recording, format: &str) -> Collected {
     let source = Source {
         files: files.iter().map(|file| file.path.clone()).collect(),
         format: format.to_owned(),
+        device: device_name(recording.dat.as_ref().and_then(|(_, dat)| *dat)),
         byte_count: files.iter().map(|file| file.bytes.len() as u64).sum(),
     };
     Collected::new(
@@ -125,6 +126,12 @@ fn remark(recording: &Recording, log: &mut Collected) {
     log.report.log(
         "the recorder does not store the side-scan range; it is estimated from the transducer's size and may be off by some percent until calibrated",
     );
+}
+
+/// The number that the recorder has for its sonar.
+fn device_name(dat: Option<Dat>) -> String {
+    let number = dat.and_then(|dat| dat.sonar);
+    number.map_or_else(String::new, |number| format!("sonar {number}"))
 }
 
 fn format_name(dat: Option<Dat>) -> &'static str {

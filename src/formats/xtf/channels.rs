@@ -122,7 +122,8 @@ pub(super) fn shift_to_fit(bytes: &[u8], spans: &[&SideSpan]) -> u8 {
 }
 
 /// A zero-padded name; `None` when it is empty.
-fn text(padded: &[u8]) -> Option<String> {
+/// A name that is padded with zeros; `None` where it is empty.
+pub(super) fn text(padded: &[u8]) -> Option<String> {
     let end = padded
         .iter()
         .position(|&byte| byte == 0)

@@ -9,7 +9,7 @@ use super::sides::{Recorded, Sides};
 use crate::formats::clock::{Clock, Verdict};
 use crate::formats::collected::{Collected, Counted};
 use crate::formats::report::Kind;
-use crate::survey::{ChannelKind, RangeSource};
+use crate::survey::{ChannelKind, ProjectedTrack, RangeSource};
 use std::borrow::Cow;
 
 /// Packet type of a side-scan ping.
@@ -65,9 +65,7 @@ impl<'a> Reader<'a> {
         log.start_unix_s = self.zero_cs.and_then(date::unix_s);
         log.range_source = RangeSource::SurveyRecorder;
         log.report.set_back(self.clock.set_back_s());
-        if self.places.are_local() {
-            log.report.log("positions are projected metres of an unknown zone; they are shown as local coordinates around longitude 0, latitude 0");
-        }
+        log.projected = self.places.origin_m().map(ProjectedTrack::new);
         if self.channels.iter().any(|channel| channel.ground_range) {
             log.report.log("the water column was taken out of this file (ground-range correction): there is no first return in it");
         }

@@ -55,11 +55,21 @@ fn is_header(header: &FileHeader) -> bool {
         && header.sonar_channels + header.bathymetry_channels > 0
 }
 
+/// The sonar and the program that recorded it, as the header names them.
+fn device_name(header: FileHeader) -> String {
+    let mut names = Vec::new();
+    for name in [&header.sonar_name[..], &header.program[..]] {
+        names.extend(channels::text(name).filter(|name| !names.contains(name)));
+    }
+    names.join(", ")
+}
+
 /// Reads a file that [`sniff`] recognised.
 pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<Survey, OpenError> {
     let path = opened.path.clone();
     let bytes = opened.bytes.clone();
     let mut log = Collected::new(opened.source(FORMAT.to_owned()), vec![opened.bytes]);
+    log.source.device = found.header.map_or_else(String::new, device_name);
     let report = log.report.clone();
     if found.header.is_none() {
         report.log("the file header is damaged; channels and units were inferred from the pings");

@@ -1,14 +1,9 @@
 //! The position of a ping, in degrees or in metres of an unknown projection.
 
 use super::raw::PingHeader;
-use crate::geo::{LocalFrame, LonLat, MPS_PER_KNOT};
-use crate::survey::Fix;
+use crate::geo::{LonLat, MPS_PER_KNOT};
+use crate::survey::{Fix, ProjectedTrack};
 
-/// Where longitude and latitude are zero: the origin that local coordinates are shown around.
-const NOWHERE: LonLat = LonLat {
-    lon_deg: 0.0,
-    lat_deg: 0.0,
-};
 /// Navigation units of the file header that are degrees.
 const DEGREES: u16 = 3;
 
@@ -29,9 +24,10 @@ impl Places {
         }
     }
 
-    /// Whether positions were metres of an unknown zone.
-    pub(super) fn are_local(&self) -> bool {
-        self.origin.is_some()
+    /// Easting and northing of the place that stands at longitude 0, latitude 0, where positions were metres of a system that is not
+    /// named.
+    pub(super) fn origin_m(&self) -> Option<[f64; 2]> {
+        self.origin
     }
 
     /// The sonar's fix, or the ship's where the sonar has none.
@@ -61,7 +57,7 @@ impl Places {
             });
         }
         let [x0, y0] = *self.origin.get_or_insert([x, y]);
-        Some(LocalFrame::new(NOWHERE).to_lon_lat(x - x0, y - y0))
+        Some(ProjectedTrack::frame().to_lon_lat(x - x0, y - y0))
     }
 }
 

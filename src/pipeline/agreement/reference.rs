@@ -6,7 +6,7 @@ use crate::formats::points::{Elevations, Plane};
 use crate::formats::{ReferenceFile, open_reference};
 use crate::geo::{Crs, LocalFrame, LonLat};
 use crate::pipeline::fingerprint::{Input, hash_file, hash_inputs};
-use crate::pipeline::{ProcessedLog, Products, Settings, run};
+use crate::pipeline::{ProcessedLog, Products, Settings, as_mounted, run};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -40,7 +40,7 @@ enum Held {
 /// A log of another mission.
 #[derive(Clone, Debug)]
 pub struct MissionLog {
-    /// The recording.
+    /// The recording; without settings of its own as it was read, with them as these have it.
     pub survey: Arc<Survey>,
     /// The settings that it is processed with; those of the survey that is held against it where it has none of its own.
     pub settings: Option<Settings>,
@@ -150,10 +150,10 @@ impl Reference {
                 let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
                 let mut places = Vec::new();
                 for (index, other) in logs.iter().enumerate() {
-                    let now = other
+                    let (survey, now) = other
                         .processed(&products.settings, made.get(index), progress)
                         .map_err(|what| format!("{what}: {}", self.path.display()))?;
-                    places.par_extend(positions(&other.survey, &now).par_iter().map(place));
+                    places.par_extend(positions(&survey, &now).par_iter().map(place));
                     match made.get_mut(index) {
                         Some(before) => *before = now,
                         None => made.push(now),
@@ -180,14 +180,15 @@ impl Reference {
 }
 
 impl MissionLog {
-    /// What the pipeline makes of it. A flat spot, strokes, stretches and a height offset of the log that is held against it mean nothing
-    /// here.
+    /// What the pipeline makes of it, and the recording as it is mounted. A flat spot, strokes, stretches and a height offset of the log
+    /// that is held against it mean nothing here; that log's mounting is taken for its own.
     fn processed(
         &self,
         settings: &Settings,
         before: Option<&Products>,
         progress: &Progress,
-    ) -> Result<Products, String> {
+    ) -> Result<(Arc<Survey>, Products), String> {
+        let mut survey = self.survey.clone();
         let settings = self.settings.clone().unwrap_or_else(|| {
             let mut settings = settings.clone();
             settings.calibration.pings = None;
@@ -197,10 +198,17 @@ impl MissionLog {
             settings.height_offset_m = 0.0;
             settings
         });
-        if let Some(sentence) = Correction::new(settings.depth(), &self.survey).refused() {
+        if self.settings.is_none() {
+            let recorded = Survey::clone(&survey);
+            let mounted = as_mounted(recorded, &settings.mounting, settings.source.crs);
+            survey = Arc::new(mounted.map_err(|error| error.to_string())?);
+        }
+        if let Some(sentence) = Correction::new(settings.depth(), &survey).refused() {
             return Err(sentence.to_owned());
         }
-        run(&self.survey, &settings, before, progress, |_| ()).map_err(|error| error.to_string())
+        let made = run(&survey, &settings, before, progress, |_| ());
+        made.map(|made| (survey, made))
+            .map_err(|error| error.to_string())
     }
 }
 

@@ -107,8 +107,23 @@ fn flatten(prefix: &str, table: &toml::Table, keys: &mut Vec<String>) {
     }
 }
 
+/// Settings that were called otherwise in an earlier version: then and now.
+const RENAMED: [(&str, &str); 2] = [
+    ("picture.swap_sides", "picture.starboard_first"),
+    ("water_level.clock_offset_s", "mounting.clock_offset_s"),
+];
+
+/// What a setting of an earlier version is called now; `None` where no version had one of this name.
+pub fn renamed(key: &str) -> Option<&'static str> {
+    let found = RENAMED.iter().find(|(then, _)| *then == key);
+    found.map(|(_, now)| *now)
+}
+
 /// That a key is none, and which it may have been meant for.
 fn no_setting(key: &str) -> String {
+    if let Some(now) = renamed(key) {
+        return format!("`{key}` is called `{now}` now");
+    }
     let near = ROWS.iter().map(|row| (slips(row.key, key), row.key));
     if let Some((_, near)) = near.min().filter(|(slips, _)| *slips <= SLIP) {
         return format!("there is no setting `{key}`; is `{near}` meant?");
@@ -178,6 +193,11 @@ mod tests {
             refused("cloud.colour=3"),
             "there is no setting `cloud.colour`; those of `cloud` are cloud.geometry, cloud.alpha2_deg, cloud.down_scan"
         );
+        assert_eq!(
+            refused("water_level.clock_offset_s=3"),
+            "`water_level.clock_offset_s` is called `mounting.clock_offset_s` now"
+        );
+        assert!(RENAMED.iter().all(|(_, now)| row(now).is_some()));
         assert!(refused("nothing_alike=3").contains("--help"));
         assert!(refused("cloud.geometry=flat").contains("flat"));
         assert!(refused("cloud=3").contains("`cloud` cannot be `3`"));

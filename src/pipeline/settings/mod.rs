@@ -10,6 +10,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use keys::renamed;
 pub use shown::ShownNumber;
 pub use table::{Choice, Control, Kind, Named, Number, Row, help, markdown, row};
 
@@ -21,10 +22,12 @@ use crate::cloud::{CloudSettings, DepthSettings, DownScan, Geometry, OutlierSett
 use crate::detection::DetectorSettings;
 use crate::first_return::{BottomSettings, FirstReturnSettings, ImageSettings, Method, SampleMode};
 use crate::formats::{GaugeError, read_gauge};
-use crate::geo::CrsChoice;
+use crate::geo::{CrsChoice, SourceCrs};
 use crate::mosaic::MosaicSettings;
 use crate::picture::PictureSettings;
-use crate::survey::{HeadingSettings, HeadingSource, LeftOutSettings, Projection, TrackSettings};
+use crate::survey::{
+    HeadingSettings, HeadingSource, LeftOutSettings, MountingSettings, Projection, TrackSettings,
+};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -87,6 +90,10 @@ pub struct Settings {
     pub cloud: CloudSettings,
     /// `heading.*`.
     pub heading: HeadingSettings,
+    /// `mounting.*`; sides and clock act on the log before any stage, the rest where pings are placed.
+    pub mounting: MountingSettings,
+    /// `source.*`: what the log itself does not say; it acts before any stage.
+    pub source: SourceSettings,
     /// `track.*`, for a track from another receiver; it acts when the track is applied to the log, before any stage.
     pub track: TrackSettings,
     /// `left_out.*`: turns, stops and other stretches that count for nothing.
@@ -105,6 +112,15 @@ pub struct Settings {
     pub isobaths: IsobathSettings,
     /// `report.*`.
     pub report: ReportSettings,
+}
+
+/// `source.*` settings: what is to be known of a log that it does not say.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SourceSettings {
+    /// The system of positions that a log has in metres; logs whose positions are degrees need none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crs: Option<SourceCrs>,
 }
 
 /// `report.*` settings: what the report shows.
@@ -186,6 +202,8 @@ impl Settings {
         settings.bottom = other.bottom.clone();
         settings.calibration.pings = other.calibration.pings;
         settings.track = other.track.clone();
+        settings.mounting = other.mounting;
+        settings.source = other.source.clone();
         settings.left_out.log = other.left_out.log.clone();
         settings.left_out.stretches = other.left_out.stretches.clone();
         settings.draft_m = other.draft_m;
@@ -221,6 +239,8 @@ impl Settings {
         let rules = rules.and_then(|()| self.left_out.check());
         rules.map_err(|rule| SettingsError(rule.to_owned()))?;
         let crs = self.crs.check();
-        crs.map_err(|error| SettingsError(error.to_string()))
+        let source = self.source.crs.map(SourceCrs::system).transpose();
+        let systems = crs.and_then(|()| source.map(|_| ()));
+        systems.map_err(|error| SettingsError(error.to_string()))
     }
 }

@@ -74,10 +74,6 @@ rows! {
     WATER_LEVEL_FILE: "water_level.file", "Readings", "readings of the water level",
         "Readings of the water's height over time; the water level above is that of their zero.",
         Kind::Text("a file");
-    // More than a day is another day's log.
-    CLOCK_OFFSET: "water_level.clock_offset_s", "Clock", "clock of the log",
-        "Added to the log's times to find their readings: how far the recorder's clock is behind UTC.",
-        number!(water_level.clock_offset_s, "s", [-864_000.0, 864_000.0], 1.0, 0, Drag);
     HEIGHT_OFFSET: "height_offset_m", "Height offset", "height offset",
         "Added to every elevation of the log, so that it agrees with others of its survey where they cross.",
         number!(height_offset_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
@@ -176,6 +172,29 @@ rows! {
     TRACK_OFFSET: "track.offset_s", "Time offset", "time offset",
         "Added to the times of the track: how far its clock is behind that of the recorder.",
         number!(track.offset_s, "s", [-1e9, 1e9], 0.01, 2, Drag);
+    SWAP_SIDES: "mounting.swap_sides", "Sides", "sides of the recorder",
+        "Whether the recorder has port and starboard the other way round: a transducer mounted back to front, or two cables exchanged. Every result follows.",
+        choice!(mounting.swap_sides, [
+            "false", "as recorded", "Port is what was recorded as port.";
+            "true", "exchanged", "Port is what was recorded as starboard.";
+        ]);
+    // The longest survey vessels are a hundred metres; a tow is no mounting.
+    ANTENNA_FORWARD: "mounting.forward_m", "Forward", "transducer forward of the antenna",
+        "From the antenna whose positions are used to the transducer, along the boat, positive forward: moves every ping, by the heading in force.",
+        number!(mounting.forward_m, "m", [-200.0, 200.0], 0.01, 2, Drag);
+    ANTENNA_RIGHT: "mounting.right_m", "Starboard", "transducer to starboard of the antenna",
+        "From the antenna whose positions are used to the transducer, across the boat, positive to starboard.",
+        number!(mounting.right_m, "m", [-100.0, 100.0], 0.01, 2, Drag);
+    HEADING_OFFSET: "mounting.heading_offset_deg", "Compass", "heading offset",
+        "Added to the recorded compass heading: how the compass is turned on the boat, and the magnetic variation. Courses and headings of the track are those of the boat's motion and stay as they are.",
+        number!(mounting.heading_offset_deg, "°", [-180.0, 180.0], 0.1, 1, Drag);
+    // More than ten days is another log.
+    CLOCK_OFFSET: "mounting.clock_offset_s", "Clock", "clock of the log",
+        "Added to the log's times where they are UTC, in every product and where water levels or an external track are looked up: how far the recorder's clock is behind UTC.",
+        number!(mounting.clock_offset_s, "s", [-864_000.0, 864_000.0], 0.01, 2, Drag);
+    SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
+        "The coordinate system of a log whose positions are metres of a system that it does not name, as XTF may have them. Without one they lie around longitude 0, latitude 0.",
+        Kind::Text("EPSG:NUMBER");
     MAX_TURN: "left_out.max_turn_deg_s", "Turns from", "turns left out",
         "Stretches in which the boat turns faster than this are left out of every result.",
         number!(left_out.max_turn_deg_s, "°/s", [0.1, 360.0], 0.1, 1, LogSlider, Some("no turn is left out"));
@@ -249,11 +268,11 @@ rows! {
         "Which way the pings of the waterfall run.",
         choice!(picture.flip, [
             "false", "forward", "Later pings to the right, or below.";
-            "true", "flipped", "Later pings to the left, or above: a line that was run back lies as the one beside it.";
+            "true", "flipped", "Later pings to the left, or above.";
         ]);
-    PICTURE_SWAP: "picture.swap_sides", "Sides", "sides of the waterfall",
-        "On which side of the waterfall port is shown; the data stay as they are.",
-        choice!(picture.swap_sides, [
+    PICTURE_FIRST: "picture.starboard_first", "First", "side that comes first",
+        "On which side of the waterfall port is drawn. The data stay as they are: a recorder that has its sides the wrong way round is put right by `mounting.swap_sides`.",
+        choice!(picture.starboard_first, [
             "false", "port first", "Port is above, or to the left.";
             "true", "starboard first", "Starboard is above, or to the left.";
         ]);

@@ -11,8 +11,9 @@ use super::{
 use crate::detection::review::{BoxRow, NAMELESS_CLASS, Review, ReviewRows, SearchRow};
 use crate::first_return::{BottomEdit, BottomSettings};
 use crate::geo::LonLat;
+use crate::pipeline::settings::renamed;
 use crate::pipeline::{LogSettings, SettingValues, Settings, from_values, is_setting};
-use crate::survey::{LeftOutSettings, Side, Stretch};
+use crate::survey::{Identity, LeftOutSettings, Side, Stretch};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -194,7 +195,10 @@ impl Reading<'_> {
     fn values(&mut self, section: &str, lines: &[Line]) -> SettingValues {
         let mut values = SettingValues::new();
         for (parts, row) in lines {
-            let key = parts.join(".");
+            let mut key = parts.join(".");
+            if let Some(now) = renamed(&key) {
+                now.clone_into(&mut key);
+            }
             match row.value() {
                 Ok(Value::String(path)) if PATH_KEYS.contains(&key.as_str()) => {
                     let path = paths::from_text(&path, self.folder);
@@ -253,7 +257,12 @@ impl Reading<'_> {
             Some(_) => return Err(lines.wrong("order", "is a number")),
         };
         log.settings = self.log_settings(key, &lines, &log, shared)?;
-        log.review = Arc::new(self.review(key, &lines, &log)?);
+        // The sides in a project are those of the mounting that it keeps.
+        let of = Identity {
+            swapped_sides: log.settings.swaps_sides(shared),
+            ..log.file.identity()
+        };
+        log.review = Arc::new(self.review(key, &lines, &of)?);
         Ok(log)
     }
 
@@ -269,7 +278,11 @@ impl Reading<'_> {
         for (name, value) in self.values(&section, &lines.settings) {
             settings.set(&name, value);
         }
-        settings.bottom = self.bottom(key, &lines.bottom, log)?;
+        let of = Identity {
+            swapped_sides: settings.swaps_sides(shared),
+            ..log.file.identity()
+        };
+        settings.bottom = self.bottom(key, &lines.bottom, &of)?;
         let left_out = self.left_out(key, &lines.left_out)?;
         if !left_out.is_empty() {
             settings.set(LEFT_OUT, Value::Array(left_out));
@@ -316,7 +329,7 @@ impl Reading<'_> {
         &mut self,
         log_key: &str,
         lines: &[Line],
-        log: &ProjectLog,
+        of: &Identity,
     ) -> Result<BottomSettings, ProjectError> {
         #[derive(serde::Deserialize)]
         struct Stretch {
@@ -325,8 +338,9 @@ impl Reading<'_> {
             corners: Vec<[f64; 2]>,
         }
         let mut all = BottomSettings {
-            log_bytes: log.file.byte_count,
-            pings: log.file.pings,
+            log_bytes: of.byte_count,
+            pings: of.pings,
+            swapped_sides: of.swapped_sides,
             lines: Vec::with_capacity(lines.len()),
         };
         for (parts, row) in lines {
@@ -368,7 +382,7 @@ impl Reading<'_> {
         &mut self,
         key: &str,
         lines: &LogLines,
-        log: &ProjectLog,
+        of: &Identity,
     ) -> Result<Review, ProjectError> {
         #[derive(serde::Deserialize)]
         struct Stretch {
@@ -396,7 +410,7 @@ impl Reading<'_> {
             line_of.insert(one.id, row.line);
             rows.boxes.push(one);
         }
-        Review::from_rows(rows, &log.file.identity()).map_err(|error| {
+        Review::from_rows(rows, of).map_err(|error| {
             let line = error.id.and_then(|id| line_of.get(&id));
             ProjectError::line(*line.unwrap_or(&lines.line), error.to_string())
         })

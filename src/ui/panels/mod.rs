@@ -8,6 +8,7 @@ pub mod first_return;
 pub mod left_out;
 pub mod logs;
 pub mod maps;
+pub mod mounting;
 pub mod notices;
 pub mod objects;
 pub mod outliers;
@@ -45,6 +46,7 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     products::ui(ui, context);
     water::ui(ui, context);
     external_track::ui(ui, context);
+    mounting::ui(ui, context);
     left_out::ui(ui, context);
     residuals::ui(ui, context);
 }

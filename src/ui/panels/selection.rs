@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
-use crate::survey::{HeadingSource, Side, Survey, nearest_in_time};
+use crate::survey::{HeadingSource, Side, Survey, arm_in_words, nearest_in_time};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -81,6 +81,7 @@ fn selected(ui: &mut Ui, context: &mut ViewContext<'_>, mark: Mark) {
         first_return(ui, context, mark.ping, side);
     }
     heading(ui, context, mark.ping);
+    mounting(ui, context, mark.ping);
     point(ui, context, mark);
     ui.add_space(2.0);
     let show = ui.button("Show in all views");
@@ -150,6 +151,11 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         HeadingSource::Cog => "recorded course",
         HeadingSource::Compass => "compass",
     };
+    let offset_deg = products.settings.mounting.heading_offset_deg;
+    let source = match products.settings.heading.source {
+        HeadingSource::Compass if offset_deg != 0.0 => format!("{source} {offset_deg:+.1}°"),
+        _ => source.to_owned(),
+    };
     let value = if here.heading_rad.is_finite() {
         let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
         format!("{degrees:.0}° ({source})")
@@ -168,6 +174,25 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
         "Over ground.",
         context.app.options.units.speed(here.speed_mps, 1),
     );
+}
+
+/// How antenna and transducer lie to each other at the ping, and which sides these are, where that is not as recorded.
+fn mounting(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
+    let Some(products) = &context.app.log.products else {
+        return;
+    };
+    let mounting = &products.settings.mounting;
+    let is_apart = products.navigation.antenna.get(ping).is_some();
+    if let Some(arm_m) = mounting.lever_arm_m().filter(|_| is_apart) {
+        let units = context.app.options.units;
+        let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
+        let hint = "Where the transducer is, which positions are those of.";
+        fact(ui, "Transducer", hint, format!("{arm} of the antenna"));
+    }
+    if mounting.swap_sides {
+        let hint = "Port is what the recorder has as starboard (Mounting).";
+        fact(ui, "Sides", hint, "exchanged");
+    }
 }
 
 fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {

@@ -96,7 +96,7 @@ fn summary(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
         fact(
             ui,
             "Start, UTC",
-            "Start of the log in UTC, as the recorder's clock had it.",
+            "Start of the log in UTC, by the recorder's clock with the offset of its mounting.",
             format!(
                 "{} {}",
                 calendar::date(start + from),

@@ -47,7 +47,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     parts::setting(ui, context, &rows::PICTURE_GAMMA);
     ui.separator();
     names(ui, context, &rows::PICTURE_FLIP);
-    names(ui, context, &rows::PICTURE_SWAP);
+    names(ui, context, &rows::PICTURE_FIRST);
     let reset = ui.button("Reset").on_hover_text(Action::LevelsReset.hint());
     if reset.clicked() {
         context.push(Command::Do(Action::LevelsReset));

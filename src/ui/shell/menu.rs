@@ -25,6 +25,12 @@ const EXTERNAL: &[Action] = &[
     Action::OpenTrack,
     Action::RemoveTrack,
 ];
+/// How the recorder of the shown log is mounted.
+const MOUNTING: &[Action] = &[
+    Action::SwapSides,
+    Action::UseMounting,
+    Action::ForgetMounting,
+];
 const LAYOUTS: &[Action] = &[
     Action::LayoutSurvey,
     Action::LayoutReview,
@@ -193,6 +199,13 @@ fn external(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
+fn mounting(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    for &action in MOUNTING {
+        let enabled = context.app.has_what_it_takes(action);
+        titled(ui, context, action, action.label(), enabled);
+    }
+}
+
 fn edit(ui: &mut Ui, context: &mut ViewContext<'_>) {
     // A change that was made in metres is named in the units in use.
     let units = context.app.options.units;
@@ -268,6 +281,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
+    ui.menu_button("Mounting", |ui| mounting(ui, context));
     for &action in COMPARING {
         let enabled = match action {
             Action::CompareWith => context.app.log.products.is_some(),

@@ -2,7 +2,7 @@
 
 use super::Shell;
 use super::layout::Layout;
-use crate::app::ViewOptions;
+use crate::app::{Mountings, ViewOptions};
 use crate::pipeline::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -13,12 +13,16 @@ const KEY: &str = "bathyscope window 1";
 /// Everything that is kept.
 #[derive(Serialize, Deserialize)]
 struct Saved {
-    settings: Settings,
+    /// Settings of another version may not be known here; the rest is taken all the same.
+    settings: serde_json::Value,
     options: ViewOptions,
     layout: Layout,
     recent: Vec<PathBuf>,
     #[serde(default)]
     base_map: Option<PathBuf>,
+    /// How recorders are mounted as a rule.
+    #[serde(default)]
+    mountings: Mountings,
 }
 
 #[derive(Serialize)]
@@ -28,6 +32,7 @@ struct Saving<'a> {
     layout: &'a Layout,
     recent: &'a [PathBuf],
     base_map: Option<&'a Path>,
+    mountings: &'a Mountings,
 }
 
 /// Writes the window's state into the store.
@@ -39,6 +44,7 @@ pub fn save(shell: &Shell, storage: &mut dyn eframe::Storage) {
         layout: &shell.layout,
         recent: &shell.app.recent,
         base_map: shell.app.base_map.as_ref().map(|map| map.path.as_path()),
+        mountings: shell.app.mountings(),
     };
     if let Ok(text) = serde_json::to_string(&saving) {
         storage.set_string(KEY, text);
@@ -51,10 +57,12 @@ impl Shell {
         let Some(text) = storage.get_string(KEY) else {
             return;
         };
-        if let Ok(saved) = serde_json::from_str::<Saved>(&text)
-            && saved.settings.check().is_ok()
-        {
-            self.app.use_settings(&saved.settings);
+        if let Ok(saved) = serde_json::from_str::<Saved>(&text) {
+            let settings = serde_json::from_value::<Settings>(saved.settings).ok();
+            if let Some(settings) = settings.filter(|settings| settings.check().is_ok()) {
+                self.app.use_settings(&settings);
+            }
+            self.app.use_mountings(saved.mountings);
             self.app.options = saved.options;
             self.app.recent = saved.recent;
             self.layout = saved.layout;

@@ -13,6 +13,7 @@ fn review_writes_what_the_window_writes_into_the_part_that_is_asked_for() {
     let log = folder.join("pond.sl2");
     fs::copy(crate::support::demo_log(), &log).expect("a log");
     let identity = Identity {
+        swapped_sides: false,
         file: "pond.sl2".into(),
         byte_count: fs::metadata(&log).expect("the log").len(),
         pings: 1385,

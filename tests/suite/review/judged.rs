@@ -238,6 +238,7 @@ fn the_table_of_the_demo_is_what_its_scene_gives() {
         "assets/demo.objects.csv is not what assets/demo.toml gives with seed 1"
     );
     let of = Identity {
+        swapped_sides: false,
         file: "demo.sl2".into(),
         byte_count: 0,
         pings: simulated.pings.len(),

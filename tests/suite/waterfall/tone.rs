@@ -240,7 +240,7 @@ fn pushed_text(window: &Harness<'_, Window>) -> String {
 fn flipped_and_swapped_a_ping_is_read_where_it_is_shown() {
     let app = shown(|settings| {
         settings.picture.flip = true;
-        settings.picture.swap_sides = true;
+        settings.picture.starboard_first = true;
     });
     let mut window = window(app, [400.0, 300.0]);
     settle(&mut window);

@@ -29,7 +29,7 @@ pub struct Key {
     /// Later pings to the left, or above.
     pub flip: bool,
     /// Starboard first.
-    pub swap_sides: bool,
+    pub starboard_first: bool,
 }
 
 impl Key {
@@ -42,7 +42,7 @@ impl Key {
             map: shown.colour_map,
             orientation: shown.orientation,
             flip: log.settings.picture.flip,
-            swap_sides: log.settings.picture.swap_sides,
+            starboard_first: log.settings.picture.starboard_first,
         })
     }
 
@@ -50,7 +50,7 @@ impl Key {
         Turned {
             orientation: self.orientation,
             flip: self.flip,
-            is_first: (self.mark.side == Side::Port) != self.swap_sides,
+            is_first: (self.mark.side == Side::Port) != self.starboard_first,
         }
     }
 }

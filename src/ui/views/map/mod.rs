@@ -11,6 +11,7 @@ mod left_out;
 mod lines;
 mod measure;
 mod mosaic_tiles;
+mod mounting;
 mod notes;
 mod objects;
 mod overlay;
@@ -205,7 +206,8 @@ impl MapView {
         if !context.app.is_picture {
             toolbar::show(ui, context, rect, &mut self.request, &mut self.pointer);
         }
-        name(context.app, &products, &track) + &boxes(context) + &layers(context)
+        let name = name(context.app, &products, &track) + &mounting::name(context.app);
+        name + &boxes(context) + &layers(context)
     }
 
     fn ask_for_layers(
@@ -306,6 +308,7 @@ fn paint(ui: &Ui, context: &ViewContext<'_>, scene: &overlay::Scene<'_>, layers:
     let covered = overlay::furniture(&painter, scene);
     flat_spots::name_calibrated(&painter, scene, &covered);
     overlay::marks(&painter, scene, context.app);
+    mounting::paint(&painter, scene, context.app);
     let now_s = ui.input(|input| input.time);
     if let Some(text) = layers.under_way(now_s) {
         overlay::under_way(&painter, scene, &text);

@@ -107,6 +107,7 @@ mod tests {
         };
         let pings: Vec<PingNav> = (0..3000).map(place).collect();
         let navigation = Navigation {
+            antenna: Vec::new(),
             pings: pings.clone(),
             soundings: Vec::new(),
             projection: Projection::Enu,

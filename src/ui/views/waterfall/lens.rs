@@ -50,7 +50,7 @@ pub(super) struct Arrangement {
     /// Later pings to the left, or above.
     pub flip: bool,
     /// Starboard first.
-    pub swap_sides: bool,
+    pub starboard_first: bool,
     /// What ranges are worth; without them all is slant range.
     pub scales: Option<Arc<PingScales>>,
 }
@@ -113,7 +113,7 @@ impl Lens {
 
     /// Whether a side is the upper or left one.
     pub fn is_first(&self, side: Side) -> bool {
-        (side == Side::Port) != self.arrangement.swap_sides
+        (side == Side::Port) != self.arrangement.starboard_first
     }
 
     /// Pings at both ends, fractions included; may lie beyond the survey's.
@@ -296,7 +296,7 @@ mod tests {
             orientation,
             geometry,
             flip: true,
-            swap_sides: true,
+            starboard_first: true,
             scales: Some(Arc::new(PingScales::level(3453, 4.0))),
         };
         Lens::arranged(plain.camera, plain.rect, &arrangement)

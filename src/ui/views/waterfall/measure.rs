@@ -184,7 +184,7 @@ fn on_screen<'a>(lens: &'a Lens, app: &App, figure: &'a Measurement) -> Vec<(usi
             across_m: across_m(side, slant_m),
         })
     };
-    own.map(|(corner, pick)| (*corner, at(pick.side, pick.ping, pick.slant_m)))
+    own.map(|(corner, pick)| (*corner, at(pick.side_in(survey), pick.ping, pick.slant_m)))
         .collect()
 }
 

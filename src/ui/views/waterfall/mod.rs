@@ -258,7 +258,7 @@ impl WaterfallView {
                 _ => options.geometry(),
             },
             flip: picture.flip,
-            swap_sides: picture.swap_sides,
+            starboard_first: picture.starboard_first,
             scales: (app.picture().filter(|_| is_levelled)).map(|picture| picture.scales.clone()),
         }
     }

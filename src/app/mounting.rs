@@ -1,0 +1,136 @@
+//! How recorders are mounted: exchanging sides, and the default that a recorder has for its logs.
+
+use super::{App, LogId};
+use crate::pipeline::Settings;
+use crate::survey::MountingSettings;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Mountings by recorder ([`crate::survey::Source::recorder`]).
+pub type Mountings = BTreeMap<String, MountingSettings>;
+
+/// Settings whose bottom edits lie on the echoes that they were drawn on, when the sides are exchanged by them.
+pub(super) fn with_sides(mut settings: Settings, before: &Settings) -> Settings {
+    let swapped = settings.mounting.swap_sides;
+    if swapped != before.mounting.swap_sides {
+        settings.bottom = settings.bottom.with_sides(swapped);
+    }
+    settings
+}
+
+impl App {
+    /// What the shown log tells of its recorder; empty without a log.
+    pub fn recorder(&self) -> String {
+        let survey = self.log.survey.as_ref();
+        survey.map_or_else(String::new, |survey| survey.source.recorder())
+    }
+
+    /// How the recorder of the shown log is mounted as a rule, where that is known.
+    pub fn usual_mounting(&self) -> Option<MountingSettings> {
+        self.mountings.get(&self.recorder()).copied()
+    }
+
+    /// The mountings by recorder: what is kept between runs.
+    pub fn mountings(&self) -> &Mountings {
+        &self.mountings
+    }
+
+    /// Begins with these mountings by recorder.
+    pub fn use_mountings(&mut self, mountings: Mountings) {
+        self.mountings = Arc::new(mountings);
+    }
+
+    pub(super) fn swap_sides(&mut self) {
+        let mut settings = Settings::clone(&self.log.settings);
+        settings.mounting.swap_sides = !settings.mounting.swap_sides;
+        self.change(settings, "sides of the recorder", false);
+    }
+
+    /// Boxes follow their echoes to the other side.
+    pub(super) fn exchange_boxes(&mut self) {
+        let swapped = (self.log.survey.as_ref()).is_some_and(|survey| survey.swapped_sides);
+        self.log.reviewing.exchange(swapped);
+    }
+
+    /// Mounts a log that was just opened as its recorder is as a rule. The first look at a log is no step that could be taken back.
+    pub(super) fn mount_as_usual(&mut self) {
+        let shared = Settings::clone(&self.log.settings);
+        if let Err(text) = self.follow_source(&shared) {
+            self.notify(text, true);
+        }
+        let Some(mounting) = self.usual_mounting() else {
+            return;
+        };
+        let (name, recorder) = (self.log.name(), self.recorder());
+        match self.mount(mounting) {
+            Ok(()) => self.notify(
+                format!("{name} is mounted as the default of its recorder says: {recorder}"),
+                false,
+            ),
+            Err(text) => self.notify(text, true),
+        }
+    }
+
+    /// Keeps the mounting of the shown log as the default of its recorder, and mounts all open logs of it so, as an undo step.
+    pub(super) fn use_mounting(&mut self) {
+        let recorder = self.recorder();
+        if recorder.is_empty() {
+            return;
+        }
+        let before = self.step_now();
+        let mounting = self.log.settings.mounting;
+        let mountings = Arc::make_mut(&mut self.mountings);
+        match mounting.is_none() {
+            true => mountings.remove(&recorder),
+            false => mountings.insert(recorder.clone(), mounting),
+        };
+        let shown = self.log.id;
+        let others: Vec<LogId> = self.logs().map(|log| log.id).collect();
+        for id in others.into_iter().filter(|id| *id != shown) {
+            let mounted = self.with_log(id, |app| {
+                let is_same = app.recorder() == recorder && app.log.settings.mounting != mounting;
+                is_same.then(|| app.mount(mounting))
+            });
+            if let Some(Some(Err(text))) = mounted {
+                self.notify(text, true);
+            }
+        }
+        let after = self.step_now();
+        self.record_named(&before, &after, format!("mounting of {recorder}"));
+        self.schedule();
+    }
+
+    /// Leaves the default of the shown log's recorder, as an undo step.
+    pub(super) fn forget_mounting(&mut self) {
+        let recorder = self.recorder();
+        let before = self.step_now();
+        if Arc::make_mut(&mut self.mountings)
+            .remove(&recorder)
+            .is_none()
+        {
+            let text = "the recorder of this log has no default mounting";
+            return self.notify(text.to_owned(), true);
+        }
+        let after = self.step_now();
+        self.record_named(
+            &before,
+            &after,
+            format!("no default mounting of {recorder}"),
+        );
+    }
+
+    /// Mounts a log, with its boxes and its bottom edits. The error is a sentence; the log is as it was then.
+    fn mount(&mut self, mounting: MountingSettings) -> Result<(), String> {
+        let mut settings = Settings::clone(&self.log.settings);
+        settings.mounting = mounting;
+        let settings = with_sides(settings, &self.log.settings);
+        settings.check().map_err(|error| error.to_string())?;
+        self.follow_source(&settings)?;
+        let parts = self.log.own.change(&self.shared, &settings);
+        let (_, own) = parts.map_err(|error| error.to_string())?;
+        self.log.own = Arc::new(own);
+        self.log.settings = Arc::new(settings);
+        self.exchange_boxes();
+        Ok(())
+    }
+}

@@ -1,0 +1,155 @@
+//! How the recorder is mounted on its boat, what its default is, and whose metres its positions are.
+
+use super::parts::{Section, name_cell, remark, section, setting, warning};
+use crate::app::{Action, Command};
+use crate::pipeline::settings::rows;
+use crate::pipeline::{Settings, Stage};
+use crate::survey::{HeadingSource, MountingSettings, Survey, arm_in_words};
+use crate::ui::ViewContext;
+use egui::{TextEdit, Ui};
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Mounting",
+        stage: Some(Stage::Navigation),
+    };
+    section(ui, context, &heading, |ui, context| {
+        let Some(survey) = context.app.log.survey.clone() else {
+            return;
+        };
+        for row in [
+            &rows::SWAP_SIDES,
+            &rows::ANTENNA_FORWARD,
+            &rows::ANTENNA_RIGHT,
+            &rows::HEADING_OFFSET,
+            &rows::CLOCK_OFFSET,
+        ] {
+            setting(ui, context, row);
+        }
+        effect(ui, context, &survey);
+        usual(ui, context);
+        if survey.track.projected.is_some() {
+            system(ui, context, &survey);
+        }
+    });
+}
+
+/// What the settings do, and which of them cannot do anything.
+fn effect(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
+    let settings = &context.app.log.settings;
+    let mounting = &settings.mounting;
+    if let Some(arm_m) = mounting.lever_arm_m() {
+        let units = context.app.options.units;
+        let arm = arm_in_words(arm_m, |metres| units.measure(metres, 2));
+        remark(ui, format!("The transducer is {arm} of the antenna."));
+    }
+    if mounting.heading_offset_deg != 0.0 && settings.heading.source != HeadingSource::Compass {
+        let text = "Headings do not come from the compass: its offset is not in force.";
+        warning(ui, context, text);
+    }
+    if mounting.clock_offset_s != 0.0 && survey.start_unix_s.is_none() {
+        let text = "The log does not know the time: there is no clock to put right.";
+        warning(ui, context, text);
+    }
+}
+
+/// Whether the mounting is the default of the recorder, and what can be done about it.
+fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let app = context.app;
+    let recorder = app.recorder();
+    let mounting = app.log.settings.mounting;
+    let (said, actions): (_, &[Action]) = match app.usual_mounting() {
+        Some(usual) if usual == mounting => (
+            format!("From the default of {recorder}."),
+            &[Action::ForgetMounting],
+        ),
+        Some(_) => (
+            format!("Not the default of {recorder}."),
+            &[Action::UseMounting, Action::ForgetMounting],
+        ),
+        None if mounting == MountingSettings::default() => {
+            (format!("Recorder: {recorder}. It has no default."), &[])
+        }
+        None => (
+            format!("Of this log alone. Recorder: {recorder}."),
+            &[Action::UseMounting],
+        ),
+    };
+    remark(ui, said);
+    ui.horizontal_wrapped(|ui| {
+        for &action in actions {
+            let label = match action {
+                Action::UseMounting => "Use for all logs of this recorder",
+                _ => "Forget the default",
+            };
+            let button = ui.small_button(label).accessible_name(action.label());
+            if button.on_hover_text(action.hint()).clicked() {
+                context.push(Command::Do(action));
+            }
+        }
+    });
+}
+
+/// The system of positions that are metres: its number is typed.
+fn system(ui: &mut Ui, context: &mut ViewContext<'_>, survey: &Survey) {
+    let row = &rows::SOURCE_CRS;
+    let in_force = context.app.log.settings.source.crs.map(String::from);
+    let in_force = in_force.unwrap_or_default();
+    let typed = egui::Id::unique(("system of the log's metres", context.app.survey_serial));
+    let mut text = ui
+        .data(|data| data.get_temp::<String>(typed))
+        .unwrap_or_else(|| in_force.clone());
+    let field = ui
+        .horizontal(|ui| {
+            let label = name_cell(ui, row.label, row.hint);
+            let field = TextEdit::singleline(&mut text)
+                .hint_text("EPSG:32633")
+                .desired_width(f32::INFINITY);
+            ui.add(field).labelled_by(label.id).on_hover_text(row.hint)
+        })
+        .inner;
+    if field.changed() {
+        ui.data_mut(|data| data.insert_temp(typed, text.clone()));
+    }
+    if field.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(typed));
+        take_system(context, text.trim(), &in_force);
+    }
+    let projected = survey.track.projected.as_ref();
+    match projected.and_then(|projected| projected.system.as_ref()) {
+        Some(system) => remark(ui, format!("Positions are metres of {system}.")),
+        None => warning(
+            ui,
+            context,
+            "Positions are metres of a system that the log does not name: they are shown around longitude 0, latitude 0. Name the system by its EPSG number.",
+        ),
+    }
+}
+
+/// Asks for the system that was typed; a bare number is EPSG's.
+fn take_system(context: &mut ViewContext<'_>, typed: &str, in_force: &str) {
+    if typed == in_force {
+        return;
+    }
+    let mut settings = Settings::clone(&context.app.log.settings);
+    if typed.is_empty() {
+        settings.source.crs = None;
+    } else {
+        let is_number = typed.bytes().all(|digit| digit.is_ascii_digit());
+        let named = match is_number {
+            true => format!("EPSG:{typed}"),
+            false => typed.to_owned(),
+        };
+        match settings.with_assignment(&format!("{}={named}", rows::SOURCE_CRS.key)) {
+            Ok(named) => settings = named,
+            Err(error) => return context.push(Command::Notify(error.to_string())),
+        }
+    }
+    context.push(Command::Change {
+        settings: Box::new(settings),
+        label: rows::SOURCE_CRS.name,
+        live: false,
+    });
+}

@@ -1,0 +1,78 @@
+//! Where antenna and transducer were at the selected ping, while they are apart.
+
+use super::overlay::Scene;
+use crate::app::App;
+use crate::ui::theme;
+use crate::ui::views::legend;
+use egui::{Align2, Painter, Pos2, Shape, Stroke, vec2};
+
+/// Half of the antenna's triangle, points.
+const HALF: f32 = 5.0;
+/// From here on each has its name, points.
+const NAMED: f32 = 34.0;
+
+/// Places of antenna and transducer at the selected ping, metres east and north; `None` while they are at one place.
+fn places(scene: &Scene<'_>, app: &App) -> Option<[[f64; 2]; 2]> {
+    let ping = app.selection?.ping;
+    let navigation = &scene.products.navigation;
+    let antenna = *navigation.antenna.get(ping)?;
+    let transducer = navigation.pings.get(ping)?;
+    let places = [antenna, [transducer.east_m, transducer.north_m]];
+    places
+        .as_flattened()
+        .iter()
+        .all(|metres| metres.is_finite())
+        .then_some(places)
+}
+
+/// Draws the antenna as a triangle and the transducer as a disc, joined by a line.
+pub fn paint(painter: &Painter, scene: &Scene<'_>, app: &App) {
+    let Some([antenna, transducer]) =
+        places(scene, app).map(|places| places.map(|at| scene.at(at)))
+    else {
+        return;
+    };
+    let colour = theme::selection_colour();
+    painter.line_segment([antenna, transducer], Stroke::new(1.5, colour));
+    let corners = [vec2(0.0, -HALF), vec2(HALF, HALF), vec2(-HALF, HALF)];
+    let corners = corners.map(|corner| antenna + corner).to_vec();
+    let fill = theme::canvas_colour(scene.options);
+    painter.add(Shape::convex_polygon(
+        corners,
+        fill,
+        Stroke::new(1.5, colour),
+    ));
+    painter.circle_filled(transducer, 3.0, colour);
+    if antenna.distance(transducer) < NAMED {
+        return;
+    }
+    let name = |at: Pos2, other: Pos2, text: &str| {
+        let (anchor, aside) = match at.x < other.x {
+            true => (Align2::RIGHT_CENTER, vec2(-12.0, 0.0)),
+            false => (Align2::LEFT_CENTER, vec2(12.0, 0.0)),
+        };
+        let at = at + aside;
+        legend::plate(
+            painter,
+            scene.options,
+            at,
+            anchor,
+            text,
+            scene.text_colour(),
+        );
+    };
+    name(antenna, transducer, "antenna");
+    name(transducer, antenna, "transducer");
+}
+
+/// What a screen reader says of it, after the name of the map.
+pub fn name(app: &App) -> String {
+    let products = app.log.products.as_ref();
+    let apart = products
+        .zip(app.selection)
+        .is_some_and(|(products, mark)| products.navigation.antenna.get(mark.ping).is_some());
+    match apart {
+        true => ", antenna and transducer of the selected ping".to_owned(),
+        false => String::new(),
+    }
+}
