@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
-use crate::survey::{HeadingSource, Side, Survey, nearest_in_time};
+use crate::survey::{Side, Survey, nearest_in_time};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -144,18 +144,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let Some(here) = products.navigation.pings.get(ping) else {
         return;
     };
-    let source = match products.settings.heading.source {
-        HeadingSource::Steps => "fix to fix",
-        HeadingSource::TrackFit => "track",
-        HeadingSource::Cog => "recorded course",
-        HeadingSource::Compass => "compass",
-    };
-    let value = if here.heading_rad.is_finite() {
-        let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
-        format!("{degrees:.0}° ({source})")
-    } else {
-        format!("none ({source})")
-    };
+    let value = place::heading(context.app, ping);
     fact(
         ui,
         "Heading",
