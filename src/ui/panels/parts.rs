@@ -94,7 +94,13 @@ pub fn section(
         ui.data_mut(|data| data.insert_persisted(folded_id, folded));
     }
     if !folded {
-        body(ui, context);
+        // A row that is too wide widens no other part of the panel.
+        let area = ui.available_rect_before_wrap();
+        let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
+        body(&mut inner, context);
+        let foot = inner.min_rect().bottom().max(area.top());
+        let used = egui::Rect::from_min_max(area.min, egui::pos2(area.right(), foot));
+        ui.advance_cursor_after_rect(used);
         ui.add_space(2.0);
     }
     ui.add(egui::Separator::default().spacing(5.0));
@@ -423,7 +429,7 @@ fn number(
             return ui.add(value.suffix(suffix));
         }
         let value_width = value_width(ui, &shown, none_word);
-        ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(24.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
             egui::Slider::new(&mut requested, least..=most)

@@ -82,6 +82,8 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(text) = warning(shown) {
         labels.keep_clear(marks::banner(painter, below, &text));
     }
+    // What is across comes before the ranges themselves.
+    scales::geometry(&mut labels, lens, shown.stretch);
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
     }
@@ -96,7 +98,6 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
         scales::range_change(&mut labels, lens, &units.sentence(&change));
     }
-    scales::geometry(&mut labels, lens, shown.stretch);
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
     for stretch in &veiled {
         stretch.label(&mut labels);
