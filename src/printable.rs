@@ -21,6 +21,15 @@ pub fn one_line(text: &str) -> String {
     shortened(line.trim())
 }
 
+/// A name in a sentence: between “ and ” where it holds a space, so that it is seen where it ends, and that no `5 m` of it is taken for
+/// a figure.
+pub fn quoted(name: &str) -> String {
+    match name.contains(char::is_whitespace) {
+        true => format!("“{name}”"),
+        false => name.to_owned(),
+    }
+}
+
 /// As [`one_line`], for a text of several lines, each of which stays one. A table's columns stay where they are.
 pub fn lines(text: &str) -> String {
     let lines = text.split('\n');

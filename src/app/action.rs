@@ -64,6 +64,7 @@ actions! {
     Undo, "Undo", Some("Ctrl+Z"), "Takes back the last change of settings or boxes.";
     Redo, "Redo", Some("Ctrl+Shift+Z"), "Applies again what was taken back.";
     History, "History…", Some("Ctrl+H"), "Lists what was changed, step by step; a click on a step goes there, back or forward.";
+    Notices, "Notices…", Some("F9"), "Lists what the program has said since it was started, the newest first, with what can be done about it.";
     Palette, "Run a command…", Some("Ctrl+P"), "Finds a command by name.";
     Manual, "Manual…", Some("F1"), "Shows the manual: how to, keys, settings and files, with a search.";
     Update, "Update results", Some("Ctrl+R"), "Runs the steps whose results are missing or older than their settings.";
@@ -72,6 +73,9 @@ actions! {
     FocusMap, "Map", Some("2"), "Moves the keyboard to the map.";
     FocusCloud, "3D cloud", Some("3"), "Moves the keyboard to the 3D cloud.";
     Maximise, "Maximise view", Some("F11"), "Gives the whole centre to the focused view, or gives it back.";
+    FocusPanels, "Keyboard to the panels", Some("F6"), "Moves the keyboard to the panel of steps, from there to that of details, and back to the views; Tab goes on in a panel, Enter or Space presses.";
+    StepsPanel, "Panel of steps on or off", Some("F7"), "Shows or hides the panel left of the views: the survey and the paper's steps.";
+    DetailsPanel, "Panel of details on or off", Some("F8"), "Shows or hides the panel right of the views: review, selection and profile.";
     LayoutSurvey, "Layout: survey", None, "Waterfall above, map and 3D cloud below.";
     LayoutReview, "Layout: review", None, "A large waterfall above, map and 3D cloud below.";
     LayoutWaterfall, "Layout: waterfall only", None, "Shows the waterfall alone.";
@@ -140,13 +144,15 @@ actions! {
     UndecideObject, "Take the decisions on the object back", Some("Shift+U"), "Makes all boxes that show the object undecided again, in all logs.";
     NextSighting, "Next sighting", Some("J"), "Shows the next box of the same object, in whichever log saw it.";
     FlyToBox, "Fly to the box", Some("Shift+F"), "Enlarges the selected box in the waterfall, on the map and in 3D: it fills about a third of each.";
+    ZoomToBoxes, "Boxes one to one on or off", Some("Shift+Z"), "Shows each next box of the queue with a sample of the picture to a point of the screen, smaller where it does not fit; or in the scale that the waterfall has.";
+    NameBox, "Name the box", Some("F2"), "Moves the keyboard to the name of the selected box; Enter keeps it, Tab goes on to its class and remarks.";
     NextMistake, "Next mistake", Some("."), "Shows the next false alarm or missed object; truth must be known.";
     PreviousMistake, "Previous mistake", Some(","), "Shows the false alarm or missed object before.";
     EditBox, "Edit box", Some("E"), "Drag or the arrow keys move the selected box, Ctrl+arrows its right and lower edges. A drag of an edge moves that edge: of the echo, between echo and shadow, or at the end of the shadow.";
     NextEdge, "Next edge of the box", Some("Shift+E"), "Has the arrow keys move one edge of the selected box: near edge, border of echo and shadow, end of the shadow, first ping, last ping, and then the box again.";
     FindEdges, "Find the edges of the box", None, "Leaves the edges of echo and shadow that were drawn by hand, and has them found in the box again.";
     NewBox, "New box", Some("N"), "The next drag in the waterfall draws a box.";
-    MarkTarget, "Mark target", Some("T"), "The next click in the waterfall marks a point: a place without size. T once more marks it at the pointer, or at the selected place.";
+    MarkTarget, "Mark target", Some("T"), "The next click in the waterfall marks a point: a place without size. T once more marks it at the pointer, at the cross that the arrow keys move, or at the selected place.";
     SwapSide, "Swap the side of the box", Some("S"), "Moves the selected box from port to starboard or back.";
     RemoveBox, "Remove box", Some("Delete"), "Removes a box drawn by hand; rejects one that a model proposed.";
     DrawBottom, "Draw the bottom", Some("M"), "A drag in the waterfall draws the first return, with Ctrl it marks that there is none, with Alt it removes the edit. Up and Down make it shallower and deeper at the selected ping.";

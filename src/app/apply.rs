@@ -14,6 +14,7 @@ use crate::geo::CoordinateFormat;
 use crate::pipeline::settings::row;
 use crate::pipeline::{LogSettings, Preset, Settings};
 use crate::presentation::units::{LengthUnit, SpeedUnit};
+use crate::printable::quoted;
 use crate::project::MeasurementKind;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -72,11 +73,7 @@ impl App {
             Command::SaveFigure(path) => self.save_figure(path),
             Command::SaveProfile(path) => self.save_profile(path),
             Command::Notify(text) => self.notify(text, true),
-            Command::Dismiss(index) => {
-                if index < self.notices.len() {
-                    self.notices.remove(index);
-                }
-            }
+            Command::Dismiss(index) => self.dismiss(index),
             Command::Export(folder) => self.export(folder),
             Command::Edit { edit, live } => self.edit(&edit, live),
             Command::MarkTarget(mark) => self.mark_target(mark),
@@ -216,7 +213,7 @@ impl App {
         let after = self.step_now();
         let what = row(key).map_or(key, |row| row.name);
         let title = match own {
-            true => format!("{what} for {} alone", self.log.name()),
+            true => format!("{what} for {} alone", quoted(&self.log.name())),
             false => format!("{what} for all logs again"),
         };
         self.record_named(&before, &after, title);
@@ -361,6 +358,7 @@ impl App {
                 Some(id) => self.fly_to(id),
                 None => self.ask_for_box(),
             },
+            Action::ZoomToBoxes => self.toggle_zoom_to_boxes(),
             Action::SwapSide => self.edit_selected(Edit::SwapSide),
             Action::RemoveBox => self.remove_box(),
             Action::EditBox => self.take_tool(Tool::Edit),

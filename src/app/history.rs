@@ -2,9 +2,10 @@
 
 use super::reviewing::{LogStep, Step};
 use super::{App, LogId};
-use crate::pipeline::settings::{Kind, row};
+use crate::pipeline::settings::{Kind, Number, row};
 use crate::pipeline::{Settings, setting_values};
 use crate::presentation::units::Units;
+use crate::printable::quoted;
 use crate::project;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -91,7 +92,7 @@ impl App {
         if let Some(value) = value_of_change(before, after, self.options.units) {
             title += &format!(" {value}");
         }
-        let name = |id: LogId| self.open_log(id).map(|log| log.name());
+        let name = |id: LogId| self.open_log(id).map(|log| quoted(&log.name()));
         let changed: Vec<LogId> = changed_logs(before, after).map(|(_, log)| log.id).collect();
         match changed[..] {
             [] => {}
@@ -114,6 +115,16 @@ fn changed_logs<'a>(
         Some((was, log))
     });
     pairs.filter(|(was, log)| was != log)
+}
+
+/// A value in metres, whatever it was typed in: the list of the history writes it in the units of the day it is read. A round number of
+/// feet is then still round, for it is written to a digit more.
+fn in_metres(number: &Number, value: f64, units: Units) -> String {
+    let metric = number.shown_in(Units::default());
+    match number.shown_in(units).suffix == metric.suffix {
+        true => metric.said(value),
+        false => format!("{value:.*}{}", metric.decimals + 1, metric.suffix),
+    }
 }
 
 /// What the one setting became that differs, as its control writes it; `None` where none or several do.
@@ -144,9 +155,9 @@ fn value_of_change(before: &Step, after: &Step, units: Units) -> Option<String> 
             let value = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;
-            Some(number.shown_in(units).said(value))
+            Some(in_metres(number, value, units))
         }
-        (Kind::Number(number), None) if number.without.is_some() => Some("none".to_owned()),
+        (Kind::Number(number), None) => number.none_word().map(str::to_owned),
         (Kind::Choice(choice), Some(Value::String(chosen))) => {
             let named = choice.names.iter().find(|name| name.value == chosen);
             Some(named.map_or(chosen.as_str(), |name| name.label).to_owned())

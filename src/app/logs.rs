@@ -7,6 +7,7 @@ use super::open_log::log_colour;
 use super::reviewing::Parked;
 use super::{App, LogId, Mark, OpenLog};
 use crate::pipeline::{EngineStatus, ProcessedLog, Products, Settings};
+use crate::printable::quoted;
 use crate::project::History;
 use crate::survey::{Identity, Survey};
 use std::sync::Arc;
@@ -365,7 +366,8 @@ impl App {
     }
 
     fn name_of(&self, id: LogId) -> String {
-        self.open_log(id).map_or_else(String::new, OpenLog::name)
+        let name = self.open_log(id).map_or_else(String::new, OpenLog::name);
+        quoted(&name)
     }
 
     /// Puts the logs into the order of an earlier moment; those opened since stay at the end.

@@ -22,6 +22,7 @@ mod logs;
 mod map_layers;
 mod measuring;
 mod mounting;
+mod notices;
 mod object_table;
 mod objects;
 mod open_log;
@@ -29,6 +30,7 @@ mod options;
 mod picture;
 mod preview;
 mod print;
+mod print_text;
 mod profile_line;
 mod project;
 mod reviewing;
@@ -51,21 +53,23 @@ pub use logs::ShownLog;
 pub use map_layers::{LayerShown, LayerStack, MapLayer};
 pub use measuring::{Figure, Measure, Measuring};
 pub use mounting::Mountings;
+pub use notices::Notice;
 pub use object_table::{ObjectColumn, ObjectFilter, ObjectSummary, ObjectTable};
 pub use objects::{ObjectState, SurveyObject};
 pub use open_log::{LogBox, LogId, OpenLog};
 pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
-    SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
+    PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
 pub use print::{Paper, PrintOptions, Sheet};
+pub use print_text::PrintText;
 pub use profile_line::ProfileLine;
 pub use project::is_project;
 pub use reviewing::{
     BoxEdge, Judging, MistakeSort, Nudge, PIXEL_M, Placed, ReviewCounts, Reviewing, SearchStatus,
     Tool, border_m, middle,
 };
-pub use state::{App, CloseUp, Mark, Notice, Reveal};
+pub use state::{App, CloseUp, Enlarged, Mark, Reveal};
 pub use swipe::{Swipe, SwipeSide};
 
 pub use crate::pipeline::{Jobs, Outcome, Task};

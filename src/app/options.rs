@@ -184,6 +184,8 @@ pub struct WaterfallOptions {
     pub boxes: bool,
     /// A bottom edit on one side is made on the other too.
     pub bottom_both_sides: bool,
+    /// The next box of the queue is shown one to one, with what lies around it.
+    pub zooms_to_boxes: bool,
 }
 
 impl WaterfallOptions {
@@ -212,6 +214,7 @@ impl Default for WaterfallOptions {
             flat_stretches: true,
             boxes: true,
             bottom_both_sides: false,
+            zooms_to_boxes: true,
         }
     }
 }
@@ -281,12 +284,36 @@ impl Default for CloudOptions {
     }
 }
 
+/// Whether a panel beside the views is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PanelShown {
+    /// Where the window is wide enough for it and the views.
+    #[default]
+    WithRoom,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// The panels beside the views.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PanelOptions {
+    /// The paper's steps, left.
+    pub steps: PanelShown,
+    /// What is selected, right.
+    pub details: PanelShown,
+}
+
 /// All display options.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewOptions {
     /// Dark or light.
     pub theme: ThemeChoice,
+    /// The panels beside the views.
+    pub panels: PanelOptions,
     /// Colours of the two sides.
     pub side_colours: SideColours,
     /// How positions are written.

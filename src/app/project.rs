@@ -8,6 +8,7 @@ use crate::detection::review::{Queue, Sort};
 use crate::export::is_same_file;
 use crate::geo::LocalFrame;
 use crate::pipeline::Settings;
+use crate::printable::quoted;
 use crate::progress::Progress;
 use crate::project::{
     ENDING, Found, LogFile, Opened, Project, ProjectLog, Store, StoreError, Written, find,
@@ -478,13 +479,13 @@ fn read(path: &Path, progress: &Progress) -> Result<OpenedLogs, String> {
         let log = match found {
             Found::Here => log.clone(),
             Found::Moved(path) => {
-                notes.push(format!("Found {} at {}", log.name, path.display()));
+                notes.push(format!("Found {} at {}", quoted(&log.name), path.display()));
                 Arc::new(log.at(&path))
             }
             Found::Missing | Found::Replaced => {
                 notes.push(format!(
                     "the log {} is not there any more; put it back, or below the folder of the project, and open the project again: {}",
-                    log.name,
+                    quoted(&log.name),
                     log.file.path.display()
                 ));
                 continue;

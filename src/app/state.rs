@@ -9,12 +9,13 @@ use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
 use super::mounting::Mountings;
+use super::notices::{Notice, Said};
 use super::objects::Objects;
 use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::{Search, Step};
 use super::tabulating::Tabulating;
-use super::{Action, Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
+use super::{Jobs, LoadStatus, LogId, OpenLog, ViewOptions};
 use crate::base_map::BaseMap;
 use crate::first_return::FirstReturns;
 use crate::geo::LocalFrame;
@@ -65,9 +66,21 @@ pub struct Reveal {
     pub close_up: Option<CloseUp>,
 }
 
-/// An object that fills about a third of each view.
+/// How large an object is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Enlarged {
+    /// It fills about a third of the view.
+    Third,
+    /// A sample of the picture is a point of the screen; what does not fit in so, with what lies around it, is smaller. For the
+    /// waterfall alone: the other views only bring it into view.
+    OneToOne,
+}
+
+/// An object that the views enlarge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CloseUp {
+    /// How large.
+    pub enlarged: Enlarged,
     /// First ping of its box, and the first one after it.
     pub pings: [usize; 2],
     /// Slant ranges of the edges of its box by the recorder's scale, port negative, metres.
@@ -76,17 +89,6 @@ pub struct CloseUp {
     pub place_m: Option<[f64; 3]>,
     /// Its longer side on the ground, metres.
     pub size_m: f64,
-}
-
-/// A sentence for the analyst.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// What happened and what to do.
-    pub text: String,
-    /// Something could not be done (otherwise: something was).
-    pub is_error: bool,
-    /// What can be done about it.
-    pub offer: Option<Action>,
 }
 
 /// Everything that the window shows.
@@ -118,8 +120,9 @@ pub struct App {
     pub options: ViewOptions,
     /// Logs opened before, newest first.
     pub recent: Vec<PathBuf>,
-    /// The text.
+    /// What is said on the screen.
     pub notices: Vec<Notice>,
+    pub(super) said: Said,
     /// The analyst's own picture under the map.
     pub base_map: Option<Arc<BaseMap>>,
     /// What the points are held against.
@@ -170,6 +173,7 @@ impl App {
             options: ViewOptions::default(),
             recent: Vec::new(),
             notices: Vec::new(),
+            said: Said::default(),
             base_map: None,
             comparing: Comparing::default(),
             measuring: Measuring::default(),

@@ -4,13 +4,12 @@ use super::bottom::ReadBottom;
 use super::figures::Figures;
 use super::loader::{Loading, Opened, Place, Request};
 use super::preview::Request as PreviewRequest;
-use super::{Action, App, Notice, Origin, Outcome, Task};
+use super::{Action, App, Origin, Outcome, Task};
 use crate::export::is_same_file;
 use crate::pipeline::Products;
-use crate::printable::one_line;
+use crate::printable::quoted;
 use crate::project::LogFile;
 use crate::survey::Survey;
-use crate::system_words::in_plain_words;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -99,13 +98,11 @@ impl App {
                 }
             }
             Ok(Opened::Known(name)) => {
-                let text = format!(
-                    "This recording is open already, as {name}: {}",
-                    origin.name()
-                );
+                let (name, origin) = (quoted(&name), quoted(&origin.name()));
+                let text = format!("This recording is open already, as {name}: {origin}");
                 self.notify(text, false);
             }
-            Err(text) => self.notify(text, true),
+            Err(text) => self.notify(with_name_quoted(text, &origin), true),
         }
         self.load_next();
     }
@@ -224,15 +221,6 @@ impl App {
         self.each_log(|app| app.log.external.stop_reading());
     }
 
-    /// Notifies the analyst in a sentence.
-    pub(super) fn notify(&mut self, text: String, is_error: bool) {
-        self.notices.push(Notice {
-            text: one_line(&in_plain_words(&text)),
-            is_error,
-            offer: None,
-        });
-    }
-
     /// Whether a file that is to be written is one of an open log's, which nothing is written over; says so.
     pub(super) fn refuses_log(&mut self, path: &Path) -> bool {
         let is_this = |file: &PathBuf| is_same_file(file, path);
@@ -246,20 +234,6 @@ impl App {
             );
         }
         is_log
-    }
-
-    /// Notifies the analyst, with what can be done about it.
-    pub(super) fn offer(&mut self, text: String, action: Action) {
-        self.notices.push(Notice {
-            text: one_line(&text),
-            is_error: false,
-            offer: Some(action),
-        });
-    }
-
-    /// Takes an offer back that was accepted or makes no sense any more.
-    pub(super) fn withdraw(&mut self, action: Action) {
-        self.notices.retain(|notice| notice.offer != Some(action));
     }
 
     /// Opens a log in the place of those that are open; one that is still being opened is dropped.
@@ -286,6 +260,17 @@ impl App {
             let in_project = self.project_path().is_some();
             self.loading = Some(Loading::start(request, open, in_project, &self.jobs));
         }
+    }
+}
+
+/// A sentence in which a relative path is seen as one.
+fn with_name_quoted(text: String, origin: &Origin) -> String {
+    match origin {
+        Origin::Path(path) if path.is_relative() => {
+            let path = path.display().to_string();
+            text.replace(&path, &quoted(&path))
+        }
+        _ => text,
     }
 }
 

@@ -7,6 +7,7 @@ mod panels;
 mod place;
 mod shell;
 pub mod theme;
+mod toggle;
 pub mod views;
 mod window;
 

@@ -5,7 +5,7 @@ use crate::cloud::Reduction;
 use crate::detection;
 use crate::geo::{LonLat, UtmZone};
 use crate::pipeline::Products;
-use crate::survey::{Side, SidePing};
+use crate::survey::{HeadingSource, Side, SidePing};
 use crate::ui::text;
 
 /// What samples and recorded depths are in metres by the last results; as recorded while there are none.
@@ -49,6 +49,33 @@ pub fn depth(app: &App, ping: &SidePing) -> String {
             reduction(app).reference().name()
         ),
         false => text::NONE.to_owned(),
+    }
+}
+
+/// Heading of the boat at a ping, clockwise from north, and where it comes from.
+pub fn heading(app: &App, ping: usize) -> String {
+    let products = app.log.products.as_ref();
+    let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
+    let Some((products, here)) = here else {
+        return text::NONE.to_owned();
+    };
+    let source = match products.settings.heading.source {
+        HeadingSource::Steps => "fix to fix",
+        HeadingSource::TrackFit => "track",
+        HeadingSource::Cog => "recorded course",
+        HeadingSource::Compass => "compass",
+    };
+    let offset_deg = products.settings.mounting.heading_offset_deg;
+    let source = match products.settings.heading.source {
+        HeadingSource::Compass if offset_deg != 0.0 => format!("{source} {offset_deg:+.1}°"),
+        _ => source.to_owned(),
+    };
+    match here.heading_rad.is_finite() {
+        true => {
+            let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
+            format!("{degrees:.0}° ({source})")
+        }
+        false => format!("none ({source})"),
     }
 }
 

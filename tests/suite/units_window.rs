@@ -40,7 +40,7 @@ fn said(window: &Window) -> Vec<String> {
 }
 
 /// What is painted, and where.
-fn painted(window: &Window) -> Vec<(String, Pos2)> {
+pub(crate) fn painted(window: &Window) -> Vec<(String, Pos2)> {
     fn take(shape: &Shape, into: &mut Vec<(String, Pos2)>) {
         match shape {
             Shape::Text(text) => into.push((text.galley.text().to_owned(), text.pos)),
@@ -265,7 +265,8 @@ fn a_number_typed_in_feet_sets_metres() {
     window.run();
     let draft_m = app(&window).log.settings.draft_m;
     assert!((draft_m - 0.4572).abs() < 1e-12, "{draft_m}");
-    assert_eq!(app(&window).undo_label(), Some("draft 1.50 ft"));
+    let label = app(&window).undo_label().map(|label| FEET.sentence(label));
+    assert_eq!(label.as_deref(), Some("draft 1.50 ft"));
     // The greatest draft, 20 m, is no whole hundredth of a foot.
     window
         .get_by_role_and_label(Role::Slider, "Draft")

@@ -4,6 +4,7 @@ use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::review::Review;
 use crate::export;
 use crate::outputs::write_boxes;
+use crate::printable::quoted;
 use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -51,7 +52,7 @@ impl App {
             self.with_log(id, |app| match app.review_path() {
                 Some(path) => app.save_review(path),
                 None => {
-                    let name = app.log.name();
+                    let name = quoted(&app.log.name());
                     let text =
                         format!("{name} is no file; save its review while it is shown alone");
                     app.notify(text, true);

@@ -1,7 +1,7 @@
 //! A box enlarged in all views.
 
 use super::Reviewing;
-use crate::app::{App, CloseUp, LogBox};
+use crate::app::{App, CloseUp, Enlarged, LogBox};
 use crate::detection::review::{BoxId, Reviewed};
 use crate::survey::Side;
 
@@ -12,17 +12,38 @@ impl App {
     /// Shows the log of a box, if it is another one, and has all views enlarge the box.
     pub(in crate::app) fn fly_to(&mut self, id: LogBox) {
         self.select_log_box(id);
-        let Some(one) = self.log.reviewing.selected_box() else {
-            return;
-        };
-        let close_up = close_up(&self.log.reviewing, one, id.id);
+        self.enlarge(Enlarged::Third);
+    }
+
+    /// Shows the log of the next box of the queue, if it is another one, and the box: one to one in the waterfall, where that is
+    /// wished for.
+    pub(in crate::app) fn come_to(&mut self, id: LogBox) {
+        self.select_log_box(id);
+        if self.options.waterfall.zooms_to_boxes {
+            self.enlarge(Enlarged::OneToOne);
+        }
+    }
+
+    /// Has the boxes of the queue come one to one, or in the scale that the waterfall has.
+    pub(in crate::app) fn toggle_zoom_to_boxes(&mut self) {
+        let zooms = &mut self.options.waterfall.zooms_to_boxes;
+        *zooms = !*zooms;
+        if let Some(id) = self.selected_log_box() {
+            self.come_to(id);
+        }
+    }
+
+    fn enlarge(&mut self, enlarged: Enlarged) {
+        let reviewing = &self.log.reviewing;
+        let one = reviewing.selected_box();
+        let close_up = one.map(|one| close_up(reviewing, one, one.id, enlarged));
         if let Some(reveal) = &mut self.reveal {
-            reveal.close_up = Some(close_up);
+            reveal.close_up = close_up;
         }
     }
 }
 
-fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId) -> CloseUp {
+fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId, enlarged: Enlarged) -> CloseUp {
     let mark = &one.mark;
     let middle_m = 0.5 * (mark.near_m + mark.far_m);
     let half_m = (0.5 * (mark.far_m - mark.near_m)).max(0.5 * LEAST_M);
@@ -34,6 +55,7 @@ fn close_up(reviewing: &Reviewing, one: &Reviewed, id: BoxId) -> CloseUp {
     let target = reviewing.placed(id).map(|placed| &placed.target);
     let size_m = target.map_or(f64::NAN, |target| target.length_m.max(target.width_m));
     CloseUp {
+        enlarged,
         pings: [mark.pings.start, mark.pings.end],
         across_m,
         place_m: target.map(|target| [target.east_m, target.north_m, -target.depth_m]),

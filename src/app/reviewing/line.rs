@@ -97,7 +97,7 @@ impl App {
             None => line.iter().position(is_shown).unwrap_or(0),
         };
         if let Some(id) = line.get(next).copied() {
-            self.select_log_box(id);
+            self.come_to(id);
         }
     }
 
@@ -153,7 +153,7 @@ impl App {
         let boxes = self.object_of(here).map(|object| object.boxes.clone());
         let boxes = boxes.unwrap_or_default();
         if let Some(at) = boxes.iter().position(|one| *one == here) {
-            self.select_log_box(boxes[(at + 1) % boxes.len()]);
+            self.come_to(boxes[(at + 1) % boxes.len()]);
         }
     }
 
@@ -170,7 +170,7 @@ impl App {
         };
         let next = after.iter().chain(before).copied().find(|one| is_open(one));
         if let Some(next) = next {
-            self.select_log_box(next);
+            self.come_to(next);
         }
     }
 

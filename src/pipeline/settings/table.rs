@@ -79,6 +79,16 @@ impl Number {
         self.without.is_some() && self.range[0] > 0.0
     }
 
+    /// What its control shows without a value: `none` where nothing is done then, else `automatic`. `None` where it always has one.
+    pub fn none_word(&self) -> Option<&'static str> {
+        let does_nothing = |without: &str| without.starts_with("no ");
+        let word = |without| match does_nothing(without) {
+            true => "none",
+            false => "automatic",
+        };
+        self.without.map(word)
+    }
+
     /// The ends of its control.
     pub fn ends(&self) -> [f64; 2] {
         match self.zero_is_none() {

@@ -21,9 +21,13 @@ impl Units {
     }
 
     /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned into the units in use. A figure is a
-    /// number, a space and the unit; of `1 to 2 m` and `1 × 2 m` both numbers are. All else stays as it is, pixels per metre too.
+    /// number, a space and the unit; of `1 to 2 m` and `1 × 2 m` both numbers are. All else stays as it is, pixels per metre too, and
+    /// so do names: what stands between “ and ”, and paths.
     pub fn sentence(self, text: &str) -> String {
-        let numbers = numbers(text);
+        let names = names(text);
+        let is_name = |number: &Range<usize>| names.iter().any(|name| name.contains(&number.start));
+        let mut numbers = numbers(text);
+        numbers.retain(|number| !is_name(number));
         let mut units = vec![None; numbers.len()];
         for (index, number) in numbers.iter().enumerate().rev() {
             let between = numbers.get(index + 1);
@@ -86,6 +90,35 @@ impl Units {
         };
         Some((shown, symbol))
     }
+}
+
+/// Where names stand: between “ and ”, and from the beginning of an absolute path to the end of its part of the sentence.
+fn names(text: &str) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut from = 0;
+    while let Some(start) = text[from..].find(is_quote_or_root).map(|at| from + at) {
+        let rest = &text[start..];
+        let is_path = !rest.starts_with('“');
+        // A root in the middle of a word is a share, `px/m`, or the rest of a path.
+        let before = text[..start].chars().next_back();
+        if is_path && before.is_some_and(|c| !(c.is_whitespace() || "(“\"'".contains(c))) {
+            from = start + 1;
+            continue;
+        }
+        let ends: &[&str] = if is_path { &[": ", "; "] } else { &["”"] };
+        let end = ends.iter().filter_map(|end| rest.find(end)).min();
+        let end = end.map_or(text.len(), |end| start + end);
+        found.push(start..end);
+        from = end.max(start + 1);
+        while !text.is_char_boundary(from) {
+            from += 1;
+        }
+    }
+    found
+}
+
+fn is_quote_or_root(c: char) -> bool {
+    matches!(c, '“' | '/')
 }
 
 /// Where plain numbers stand, without their signs: not the digits of a name or of a time of day.
@@ -165,6 +198,27 @@ mod tests {
         ] {
             assert_eq!(FEET.sentence(metric), feet);
             assert_eq!(Units::default().sentence(metric), metric);
+        }
+    }
+
+    #[test]
+    fn names_stay_as_they_are() {
+        for (metric, feet) in [
+            (
+                "“lake 5 m deep” is 5 m deep",
+                "“lake 5 m deep” is 16.4 ft deep",
+            ),
+            (
+                "no sonar log: /data/lake 5 m deep.sl2",
+                "no sonar log: /data/lake 5 m deep.sl2",
+            ),
+            (
+                "Wrote into /data/at 3 m: 2 m of it",
+                "Wrote into /data/at 3 m: 6.6 ft of it",
+            ),
+            ("20 px/m at 2 m; “open", "20 px/m at 6.6 ft; “open"),
+        ] {
+            assert_eq!(FEET.sentence(metric), feet);
         }
     }
 

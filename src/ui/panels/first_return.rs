@@ -5,7 +5,7 @@ use crate::app::{Action, Command, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;
 use crate::survey::Side;
-use crate::ui::{ViewContext, text, theme};
+use crate::ui::{ViewContext, text, theme, toggle};
 use egui::{Button, Response, RichText, Ui};
 
 /// Draws the section.
@@ -54,7 +54,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
         let share = 100.0 * found as f64 / pings as f64;
         format!("A first return was found to {side} in {share:.1} % of all pings.")
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (side, short, found) in [
             (Side::Port, "port", figures.port_picks),
             (Side::Starboard, "stbd", figures.starboard_picks),
@@ -85,7 +85,7 @@ fn bottom_edits(ui: &mut Ui, context: &mut ViewContext<'_>) {
         let holds = app.log.reviewing.tool == Tool::Bottom;
         let mut both = app.options.waterfall.bottom_both_sides;
         let pen = Button::new("Draw bottom").selected(holds);
-        let pen = action(ui.add(pen), Action::DrawBottom);
+        let pen = action(toggle::underline(ui, holds, pen), Action::DrawBottom);
         let sides = action(
             ui.checkbox(&mut both, "Both sides"),
             Action::BottomBothSides,

@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section, warning};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::presentation::units::Units;
-use crate::ui::{ViewContext, left_out_words, text, theme};
+use crate::ui::{ViewContext, left_out_words, text, theme, toggle};
 use egui::{Button, Color32, RichText, Sense, Ui};
 
 /// Draws the section while a log is open.
@@ -92,8 +92,9 @@ fn row(ui: &mut Ui, app: &App, log: &OpenLog, [can_rise, can_sink]: [bool; 2]) -
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let title = RichText::new(&name);
-                let label = Button::selectable(id == app.log.id, title).truncate();
-                let label = ui.add(label);
+                let is_it = id == app.log.id;
+                let label = Button::selectable(is_it, title).truncate();
+                let label = toggle::underline(ui, is_it, label);
                 let label = accessible(label, egui::Role::Button, &format!("Log {name}"));
                 let shown = label.on_hover_ui(|ui| describe(ui, log, app.options.units));
                 ask(shown.clicked(), Command::ShowLog(id));

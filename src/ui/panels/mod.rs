@@ -26,7 +26,7 @@ pub mod water;
 /// Height of the line of words at the bottom of the window, points.
 pub const STATUS_HEIGHT: f32 = 24.0;
 
-pub use parts::of_given_width;
+pub use parts::{Section, focus_section, of_given_width, section, unfold_section};
 
 use super::ViewContext;
 

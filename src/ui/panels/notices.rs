@@ -1,38 +1,40 @@
-//! Sentences for the analyst, until they are dismissed. They lie over the time line: a line that came and went below the views
-//! would move what is being clicked, and one over a view would hide its buttons.
+//! Sentences for the analyst, until they are dismissed or, where nothing is wrong and nothing to do, have been there for a while: the
+//! list of notices keeps them. They lie over the upper right corner of the views, where a view has no buttons, and not in a line of
+//! their own: one that came and went would move what is being clicked.
 
-use super::STATUS_HEIGHT;
+use super::parts::severity;
 use crate::app::{Command, Notice};
-use crate::ui::{ViewContext, theme};
+use crate::ui::ViewContext;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align, Align2, Area, FontSelection, Frame, Id, Label, Layout, Rangef, RichText, Ui, pos2, vec2,
+    Align, Align2, Area, FontSelection, Frame, Id, Label, Layout, Rect, RichText, Ui, vec2,
 };
+use std::time::Duration;
 
 /// Notices shown at once.
 const SHOWN: usize = 4;
 /// Lines of a notice; what is longer is shown whole under the pointer.
 const LINES: usize = 4;
 /// Widest that a notice becomes, points.
-const WIDEST: f32 = 720.0;
+const WIDEST: f32 = 460.0;
+/// How long a notice stays that says what was done.
+const PATIENCE: Duration = Duration::from_secs(15);
+/// Room above them for the titles of the views, points.
+const TITLES: f32 = 30.0;
 
-/// Draws them over the lower edge of the time line, which reaches `across` the window: the panels beside it stay free, however wide they
-/// are. Nothing when there is no notice.
-pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, across: Rangef) {
+/// Draws them over the upper right corner of the views, which cover `views`. Nothing when there is no notice.
+pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, views: Rect) {
     let app = context.app;
     if app.notices.is_empty() {
         return;
     }
-    let above = STATUS_HEIGHT + 6.0;
-    // Beside it stay the buttons that play along the survey.
-    let room = (across.span() - 160.0).max(260.0).min(across.span());
-    let foot = pos2(across.center(), ctx.content_rect().bottom() - above);
+    let room = (views.width() - 16.0).clamp(160.0, WIDEST);
     let area = Area::new(Id::unique("notices"))
-        .pivot(Align2::CENTER_BOTTOM)
-        .fixed_pos(foot);
+        .pivot(Align2::RIGHT_TOP)
+        .fixed_pos(views.right_top() + vec2(-8.0, TITLES));
     let shown = area.show(ctx, |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
-            ui.set_width(room.min(WIDEST));
+            ui.set_width(room);
             let hidden = app.notices.len().saturating_sub(SHOWN);
             for (index, notice) in app.notices.iter().enumerate().skip(hidden) {
                 line(ui, context, index, notice);
@@ -43,29 +45,35 @@ pub fn show(ctx: &egui::Context, context: &mut ViewContext<'_>, across: Rangef) 
             }
         });
     });
-    // It stands on its lower edge, and its height is known once it has been drawn: where that is another, it is placed anew at once
-    // and does not wait for the pointer to come.
-    let (id, size) = (
-        Id::unique("size of the notices"),
-        shown.response.rect.size(),
-    );
-    let before = ctx.data_mut(|data| data.get_temp::<egui::Vec2>(id));
-    if before != Some(size) {
-        ctx.data_mut(|data| data.insert_temp(id, size));
-        ctx.request_repaint();
+    // Whoever reads one keeps it.
+    if !shown.response.contains_pointer() {
+        forget_old(ctx, context);
+    }
+}
+
+/// Takes notices off the screen that say what was done and have been there for a while.
+fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
+    let mut next = None;
+    // From the last: an index holds while those behind it go.
+    for (index, notice) in context.app.notices.iter().enumerate().rev() {
+        if notice.is_error || notice.offer.is_some() {
+            continue;
+        }
+        // A clock that was set back says nothing: the notice stays until it has caught up.
+        let age = notice.at.elapsed().unwrap_or_default();
+        match PATIENCE.checked_sub(age).filter(|left| !left.is_zero()) {
+            None => context.commands.push(Command::Dismiss(index)),
+            Some(left) => next = Some(next.map_or(left, |next: Duration| next.min(left))),
+        }
+    }
+    if let Some(next) = next {
+        ctx.request_repaint_after(next);
     }
 }
 
 fn line(ui: &mut Ui, context: &mut ViewContext<'_>, index: usize, notice: &Notice) {
-    let look = context.app.options.theme;
-    let colour = if notice.is_error {
-        theme::error_colour(look)
-    } else {
-        theme::accent_colour(look)
-    };
     ui.horizontal_top(|ui| {
-        let (rect, _) = ui.allocate_exact_size(vec2(4.0, 18.0), egui::Sense::hover());
-        ui.painter().rect_filled(rect, 1.0, colour);
+        severity(ui, context.app.options.theme, notice.is_error);
         ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
             if ui.small_button("Dismiss").clicked() {
                 context.push(Command::Dismiss(index));

@@ -46,6 +46,27 @@ fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
     }
 }
 
+fn folded_id(title: &str) -> egui::Id {
+    egui::Id::unique(("folded", title))
+}
+
+fn wanted_id() -> egui::Id {
+    egui::Id::unique("section that gets the keyboard")
+}
+
+/// Has the title of a section take the keyboard when it is drawn next.
+pub fn focus_section(ctx: &egui::Context, title: &'static str) {
+    ctx.data_mut(|data| data.insert_temp(wanted_id(), title));
+}
+
+/// Opens a section.
+pub fn unfold_section(ctx: &egui::Context, title: &str) {
+    ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
+}
+
+/// Height of a window below which steps begin folded, points.
+const LOW_WINDOW: f32 = 600.0;
+
 /// A titled part of a panel; a click on the title folds it.
 pub fn section(
     ui: &mut Ui,
@@ -53,15 +74,33 @@ pub fn section(
     section: &Section,
     body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
 ) {
-    let folded_id = egui::Id::unique(("folded", section.title));
-    let mut folded = ui.data_mut(|data| *data.get_persisted_mut_or(folded_id, false));
+    let folded_id = folded_id(section.title);
+    // In a low window the settings of the steps begin folded: what was found stays in sight.
+    let begins_folded = section.number.is_some() && ui.content_rect().height() < LOW_WINDOW;
+    let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
+    let mut folded = known.unwrap_or(begins_folded);
     let freshness = freshness(context, section.stage);
-    if heading(ui, context, section, folded, freshness).clicked() {
+    let title = heading(ui, context, section, folded, freshness);
+    let wanted = ui.data_mut(|data| {
+        let is_this = data.get_temp(wanted_id()) == Some(section.title);
+        is_this.then(|| data.remove::<&'static str>(wanted_id()))
+    });
+    if wanted.is_some() {
+        title.request_focus();
+        title.scroll_to_me(None);
+    }
+    if title.clicked() {
         folded = !folded;
         ui.data_mut(|data| data.insert_persisted(folded_id, folded));
     }
     if !folded {
-        body(ui, context);
+        // A row that is too wide widens no other part of the panel.
+        let area = ui.available_rect_before_wrap();
+        let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
+        body(&mut inner, context);
+        let foot = inner.min_rect().bottom().max(area.top());
+        let used = egui::Rect::from_min_max(area.min, egui::pos2(area.right(), foot));
+        ui.advance_cursor_after_rect(used);
         ui.add_space(2.0);
     }
     ui.add(egui::Separator::default().spacing(5.0));
@@ -80,6 +119,13 @@ fn heading(
     let painter = ui.painter();
     let strong = ui.visuals().strong_text_color();
     let mut x = rect.left();
+    triangle(
+        painter,
+        egui::pos2(x + 4.0, rect.center().y),
+        folded,
+        strong,
+    );
+    x += 14.0;
     if let Some(number) = section.number {
         painter.text(
             egui::pos2(x, rect.center().y),
@@ -125,8 +171,50 @@ fn heading(
         _ => "",
     };
     let name = format!("{} section{state}", section.title);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, !folded, &name));
+    if response.has_focus() {
+        let stroke = ui.visuals().widgets.hovered.fg_stroke;
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(rect, 2.0, stroke, kind);
+    }
     response.on_hover_cursor(egui::CursorIcon::PointingHand)
+}
+
+/// Points down while a part is open, to the right while it is folded.
+fn triangle(painter: &egui::Painter, at: egui::Pos2, folded: bool, ink: egui::Color32) {
+    let corners = match folded {
+        true => [[-2.5, -4.0], [3.5, 0.0], [-2.5, 4.0]],
+        false => [[-4.0, -2.5], [4.0, -2.5], [0.0, 3.5]],
+    };
+    let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
+    painter.add(egui::Shape::convex_polygon(points, ink, egui::Stroke::NONE));
+}
+
+/// Whether a notice says what could not be done, as a triangle with `!`, or what was, as a circle with `i`.
+pub fn severity(ui: &mut Ui, look: crate::app::ThemeChoice, is_error: bool) {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::hover());
+    let (colour, sign, name) = match is_error {
+        true => (theme::error_colour(look), "!", "could not be done"),
+        false => (theme::accent_colour(look), "i", "was done"),
+    };
+    let (at, painter) = (rect.center(), ui.painter());
+    let stroke = egui::Stroke::new(1.4, colour);
+    let below = match is_error {
+        true => {
+            let corners = [[0.0, -7.0], [7.5, 6.0], [-7.5, 6.0]];
+            let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
+            painter.add(egui::Shape::closed_line(points, stroke));
+            1.0
+        }
+        false => {
+            painter.circle_stroke(at, 6.5, stroke);
+            0.0
+        }
+    };
+    let font = egui::FontId::proportional(theme::SMALL);
+    let centre = egui::Align2::CENTER_CENTER;
+    painter.text(at + egui::vec2(0.0, below), centre, sign, font, colour);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
 }
 
 /// A name on the left and a control on the right that carries the name for screen readers and tests.
@@ -256,15 +344,17 @@ pub fn warning(ui: &mut Ui, context: &ViewContext<'_>, text: &str) {
 }
 
 /// Width of the value beside a slider: a unit as long as `m/s` must find room, or the row is wider than its panel.
-fn value_width(ui: &Ui, number: &ShownNumber<'_>) -> f32 {
+fn value_width(ui: &Ui, number: &ShownNumber<'_>, none_word: Option<&str>) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
-    let width = |value: f64| {
-        let text = format!("{value:.*}{}", number.decimals, number.suffix);
+    let width = |text: String| {
         let colour = egui::Color32::PLACEHOLDER;
         let galley = ui.painter().layout_no_wrap(text, font.clone(), colour);
         galley.size().x
     };
-    let widest = number.ends.map(width).into_iter().fold(0.0, f32::max);
+    let ends = number.ends.into_iter();
+    let ends = ends.map(|value| format!("{value:.*}{}", number.decimals, number.suffix));
+    let texts = ends.chain(none_word.map(str::to_owned));
+    let widest = texts.map(width).fold(0.0, f32::max);
     (widest + 2.0 * ui.spacing().button_padding.x)
         .ceil()
         .max(58.0)
@@ -306,17 +396,40 @@ fn number(
         None => setting.hint.to_owned(),
     };
     let hint = units.sentence(&hint);
+    let is_none = (number.get)(&context.app.log.settings).is_none();
+    let none_word = number
+        .none_word()
+        .filter(|_| is_none || number.zero_is_none());
+    let shows_word = none_word.is_some() && requested == 0.0;
+    let suffix = if shows_word { "" } else { &shown.suffix };
+    // Zero is written as what it stands for.
+    let written = |value: f64| match none_word.filter(|_| value == 0.0) {
+        Some(word) => word.to_owned(),
+        None => format!("{value:.*}", shown.decimals),
+    };
+    let read = |text: &str| {
+        let text = text.trim();
+        let is_word = text.is_empty() || none_word.is_some_and(|word| word == text);
+        let text = text.replace('\u{2212}', "-");
+        let text = text.trim_end_matches(shown.suffix.trim()).replace(' ', "");
+        match is_word && none_word.is_some() {
+            true => Some(0.0),
+            false => text.parse().ok(),
+        }
+    };
     let response = row(ui, setting.label, &hint, |ui| {
         if number.control == Control::Drag {
             let value = DragValue::new(&mut requested)
                 .range(least..=most)
                 // Showing must change nothing.
                 .clamp_existing_to_range(false)
-                .speed(2.0 * shown.step);
-            return ui.add(value.fixed_decimals(shown.decimals).suffix(&shown.suffix));
+                .speed(2.0 * shown.step)
+                .custom_formatter(|value, _| written(value))
+                .custom_parser(read);
+            return ui.add(value.suffix(suffix));
         }
-        let value_width = value_width(ui, &shown);
-        ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
+        let value_width = value_width(ui, &shown, none_word);
+        ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(24.0);
         ui.spacing_mut().interact_size.x = value_width;
         ui.add(
             egui::Slider::new(&mut requested, least..=most)
@@ -325,8 +438,9 @@ fn number(
                 // A value is rounded when it is edited, not when it is shown: showing must change nothing.
                 .clamping(egui::SliderClamping::Edits)
                 .step_by(shown.step)
-                .fixed_decimals(shown.decimals)
-                .suffix(&shown.suffix),
+                .custom_formatter(|value, _| written(value))
+                .custom_parser(read)
+                .suffix(suffix),
         )
     });
     if response.changed() || response.drag_stopped() {

@@ -3,7 +3,7 @@
 use super::parts::{Section, fact, remark, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
-use crate::survey::{HeadingSource, Side, Survey, arm_in_words, nearest_in_time};
+use crate::survey::{Side, Survey, arm_in_words, nearest_in_time};
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
@@ -145,23 +145,7 @@ fn heading(ui: &mut Ui, context: &ViewContext<'_>, ping: usize) {
     let Some(here) = products.navigation.pings.get(ping) else {
         return;
     };
-    let source = match products.settings.heading.source {
-        HeadingSource::Steps => "fix to fix",
-        HeadingSource::TrackFit => "track",
-        HeadingSource::Cog => "recorded course",
-        HeadingSource::Compass => "compass",
-    };
-    let offset_deg = products.settings.mounting.heading_offset_deg;
-    let source = match products.settings.heading.source {
-        HeadingSource::Compass if offset_deg != 0.0 => format!("{source} {offset_deg:+.1}°"),
-        _ => source.to_owned(),
-    };
-    let value = if here.heading_rad.is_finite() {
-        let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
-        format!("{degrees:.0}° ({source})")
-    } else {
-        format!("none ({source})")
-    };
+    let value = place::heading(context.app, ping);
     fact(
         ui,
         "Heading",

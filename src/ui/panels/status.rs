@@ -3,65 +3,95 @@
 use crate::app::{Action, Command, Mark};
 use crate::pipeline::EngineStatus;
 use crate::survey::Side;
-use crate::ui::{ViewContext, place, theme};
+use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
 
 /// A job that takes longer than this is shown.
 const PATIENCE_S: f64 = 0.4;
 
+/// Room at the right for a job with its button, and without one, points.
+const JOB_ROOM: f32 = 330.0;
+const REST_ROOM: f32 = 150.0;
+
 /// Draws the line.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
+        let is_busy = !context.app.is_idle() || context.app.is_stopped();
+        let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
+        let room = (ui.available_width() - taken).max(120.0);
         match context.app.hover.or(context.app.selection) {
-            Some(mark) => cursor(ui, context, mark),
+            Some(mark) => cursor(ui, context, mark, room),
             None => {
                 ui.label(RichText::new("Nothing under the pointer").weak());
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
+            said(ui, context);
             jobs(ui, context);
             rest(ui, context);
         });
     });
 }
 
-fn cell(ui: &mut Ui, text: String) {
-    ui.add(egui::Label::new(RichText::new(text).monospace()));
+/// Opens the list of all that was said.
+fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let action = Action::Notices;
+    let count = context.app.said().len();
+    let title = RichText::new(format!("Notices {count}")).small();
+    let button = ui.button(title).accessible_name(action.label());
+    let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
+    if button.on_hover_text(hint).clicked() {
+        context.push(Command::Do(action));
+    }
 }
 
-fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
+/// The place under the pointer: as many of its cells as there is room for, the first ones first.
+fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark, room: f32) {
+    let mut left = room;
+    for text in cells(context, mark) {
+        let font = egui::TextStyle::Monospace.resolve(ui.style());
+        let colour = ui.visuals().text_color();
+        let width = ui.painter().layout_no_wrap(text.clone(), font, colour);
+        left -= width.size().x + ui.spacing().item_spacing.x;
+        if left < 0.0 {
+            return;
+        }
+        ui.add(egui::Label::new(RichText::new(text).monospace()));
+    }
+}
+
+fn cells(context: &ViewContext<'_>, mark: Mark) -> Vec<String> {
     let app = context.app;
     let units = app.options.units;
-    let Some(ping) = app
-        .log
-        .survey
-        .as_ref()
-        .and_then(|survey| survey.side_scan.get(mark.ping))
-    else {
-        return;
+    let survey = app.log.survey.as_ref();
+    let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
+        return Vec::new();
     };
-    if let Some(at) = place::lon_lat(app, mark) {
-        cell(ui, place::written(app, at));
-    }
-    cell(ui, format!("ping {}", mark.ping));
+    let mut cells = Vec::new();
+    let position = place::lon_lat(app, mark).map(|at| place::written(app, at));
+    cells.extend(position);
+    cells.push(format!("ping {}", mark.ping));
     if let Some(range) = place::range_m(app, mark) {
         let side = match mark.side {
             Some(Side::Port) => " port",
             Some(Side::Starboard) => " stbd",
             None => "",
         };
-        cell(ui, format!("range {}{side}", units.measure(range, 2)));
+        cells.push(format!("range {}{side}", units.measure(range, 2)));
     }
-    cell(ui, format!("depth {}", place::depth(app, ping)));
-    let speed = app
-        .log
-        .products
-        .as_ref()
-        .and_then(|products| products.navigation.pings.get(mark.ping))
-        .map_or(f64::NAN, |here| here.speed_mps);
-    cell(ui, units.speed(speed, 1));
+    cells.push(format!("depth {}", place::depth(app, ping)));
+    let products = app.log.products.as_ref();
+    let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
+    let speed = here.map_or(f64::NAN, |here| here.speed_mps);
+    cells.push(units.speed(speed, 1));
+    cells.push(format!("heading {}", place::heading(app, mark.ping)));
+    cells.push(text::clock(
+        survey.and_then(|survey| survey.start_unix_s),
+        ping.time_s,
+    ));
+    cells
 }
 
 fn rest(ui: &mut Ui, context: &ViewContext<'_>) {

@@ -7,7 +7,7 @@ use crate::pipeline::Preset;
 use crate::presentation::units::Units;
 use crate::printable::one_line;
 use crate::survey::{SideScanState, Survey};
-use crate::ui::{ViewContext, text};
+use crate::ui::{ViewContext, text, toggle};
 use egui::Ui;
 
 /// Warnings shown at once; a damaged log can have thousands.
@@ -229,7 +229,7 @@ fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
                 "The paper's formulas to the digit, so that its figures can be reproduced.",
             ),
         ] {
-            let chip = ui.selectable_label(in_force == Some(preset), label);
+            let chip = toggle::chip(ui, in_force == Some(preset), label);
             let chip = chip.accessible_name(format!("Preset {label}"));
             if chip.on_hover_text(hint).clicked() {
                 context.push(Command::UsePreset(preset));

@@ -1,8 +1,10 @@
 //! What the shell itself does about a command; the rest goes to the state.
 
+use super::sides::SidePanel;
 use super::{Shell, ViewRequest};
 use crate::app::{Action, Command, LayoutPreset, View};
 use crate::ui::dialogs::Purpose;
+use crate::ui::panels;
 use std::path::PathBuf;
 
 /// Said when there is nothing to save or write.
@@ -64,6 +66,11 @@ impl Shell {
             Action::Palette => self.palette.open(),
             Action::Manual => self.manual.open = !self.manual.open,
             Action::History => self.history.open = !self.history.open,
+            Action::Notices => self.notices.open = !self.notices.open,
+            Action::FocusPanels => self.focus_panels(ctx),
+            Action::NameBox => self.name_box(ctx),
+            Action::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
+            Action::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
             Action::Play => self.play.toggle(&self.app),
             Action::FocusWaterfall => self.layout.focus(View::Waterfall),
             Action::FocusMap => self.layout.focus(View::Map),
@@ -96,6 +103,51 @@ impl Shell {
             other => self.app.apply(Command::Do(other)),
         }
         ctx.request_repaint();
+    }
+
+    fn toggle_panel(&mut self, panel: SidePanel, ctx: &egui::Context) {
+        let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+        let is_shown = panel.is_shown(panels, width);
+        self.app.options.panels = panel.set_shown(panels, !is_shown, width);
+    }
+
+    /// Moves the keyboard on: to the steps, to the details, back to the views.
+    fn focus_panels(&mut self, ctx: &egui::Context) {
+        let focused = ctx.memory(|memory| memory.focused());
+        let width = ctx.content_rect().width();
+        let from = self.keyboard_in.filter(|_| focused.is_some());
+        let rest: &[SidePanel] = match from {
+            None => &[SidePanel::Steps, SidePanel::Details],
+            Some(SidePanel::Steps) => &[SidePanel::Details],
+            Some(SidePanel::Details) => &[],
+        };
+        let panels = self.app.options.panels;
+        let next = rest.iter().find(|panel| panel.is_shown(panels, width));
+        self.keyboard_in = next.copied();
+        let title = match next {
+            Some(SidePanel::Steps) => "Survey",
+            Some(SidePanel::Details) if self.app.has_boxes() => "Review",
+            Some(SidePanel::Details) => "Selection",
+            None => {
+                let leave = |id| ctx.memory_mut(|memory| memory.surrender_focus(id));
+                return focused.map_or((), leave);
+            }
+        };
+        panels::focus_section(ctx, title);
+    }
+
+    /// Moves the keyboard to the name of the selected box.
+    fn name_box(&mut self, ctx: &egui::Context) {
+        if self.app.log.reviewing.selected.is_none() {
+            let text = "select a box first, with Tab or a click";
+            return self.app.apply(Command::Notify(text.to_owned()));
+        }
+        let (panels, width) = (self.app.options.panels, ctx.content_rect().width());
+        if !SidePanel::Details.is_shown(panels, width) {
+            self.app.options.panels = SidePanel::Details.set_shown(panels, true, width);
+        }
+        panels::unfold_section(ctx, "Review");
+        self.review.name_box();
     }
 
     /// Asks where the project is to be kept.

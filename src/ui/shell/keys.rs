@@ -90,6 +90,10 @@ fn drop_repeats(ui: &Ui) {
 
 /// Pushes a command for each key of the table that was pressed, and for those of the selected box, which go first.
 pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Command>) {
+    if asks_for_palette(ui) {
+        // What was typed after it in the same frame, on a busy machine, is for its field.
+        return commands.push(Command::Do(Action::Palette));
+    }
     let typing = ui.text_edit_focused();
     // A focused slider or button steps with arrows and acts on Space.
     let control_focused = ui.memory(|memory| memory.focused().is_some());
@@ -121,6 +125,22 @@ pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Com
     }
 }
 
+/// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers hold its letter too.
+fn asks_for_palette(ui: &Ui) -> bool {
+    let Some(shortcut) = Action::Palette.keys().and_then(parse) else {
+        return false;
+    };
+    let is_it = |event: &Event| {
+        matches!(event, Event::Key { key, pressed: true, modifiers, .. }
+            if *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers))
+    };
+    ui.input_mut(|input| {
+        let before = input.events.len();
+        input.events.retain(|event| !is_it(event));
+        input.events.len() < before
+    })
+}
+
 /// Whether a key that others want too is for boxes now: Tab walks through the controls while there are no boxes, or once a
 /// control has the keyboard; Escape closes the manual.
 fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bool) -> bool {
@@ -133,9 +153,9 @@ fn has_meaning(app: &App, action: Action, control_focused: bool, manual_open: bo
         }
         Action::SetCorner | Action::EndFigure => app.measuring.tool.is_some(),
         Action::TakeCornerBack => app.measuring.tool.is_some() && app.measuring.figure.is_some(),
-        // With a measuring tool in hand the arrows move its cross.
+        // With a tool for corners or targets in hand the arrows move its cross.
         Action::PreviousPing | Action::NextPing | Action::Back25 | Action::Forward25 => {
-            app.measuring.tool.is_none()
+            app.measuring.tool.is_none() && reviewing.tool != Tool::Point
         }
         _ => true,
     }

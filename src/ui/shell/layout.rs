@@ -5,8 +5,8 @@ use crate::app::{LayoutPreset, View};
 use crate::ui::{ViewContext, theme};
 use egui::{Color32, Stroke, Ui};
 use egui_tiles::{
-    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tabs, Tile, TileId,
-    Tiles, Tree, UiResponse,
+    Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tabs,
+    Tile, TileId, Tiles, Tree, UiResponse,
 };
 use serde::{Deserialize, Serialize};
 
@@ -16,10 +16,16 @@ pub(super) struct Layout {
     tree: Tree<View>,
     focus: View,
     maximised: Option<View>,
+    /// Nobody has arranged the views: they lie as the window has room.
+    #[serde(default)]
+    is_automatic: bool,
     /// The view under the pointer in the last frame.
     #[serde(skip)]
     hovered: Option<View>,
 }
+
+/// Height of the centre from which three views lie side by side; below it each has the whole of it, and they are chosen by their titles.
+const ROOM: f32 = 400.0;
 
 impl Default for Layout {
     fn default() -> Self {
@@ -27,9 +33,19 @@ impl Default for Layout {
             tree: tree(LayoutPreset::Survey),
             focus: View::Waterfall,
             maximised: None,
+            is_automatic: true,
             hovered: None,
         }
     }
+}
+
+/// Whether all views lie behind each other.
+fn is_stacked(tree: &Tree<View>) -> bool {
+    tree.active_tiles()
+        .iter()
+        .filter(|tile| tree.tiles.get_pane(tile).is_some())
+        .count()
+        == 1
 }
 
 fn tree(preset: LayoutPreset) -> Tree<View> {
@@ -62,6 +78,7 @@ impl Layout {
     pub fn arrange(&mut self, preset: LayoutPreset) {
         self.tree = tree(preset);
         self.maximised = None;
+        self.is_automatic = false;
         if let LayoutPreset::Only(view) = preset {
             self.focus = view;
         }
@@ -109,8 +126,23 @@ impl Layout {
         }
     }
 
+    /// Lays the views out anew where the window has become low or high, and nobody has arranged them.
+    fn follow_window(&mut self, height: f32) {
+        if !self.is_automatic || is_stacked(&self.tree) == (height < ROOM) {
+            return;
+        }
+        self.tree = match height < ROOM {
+            true => Tree::new_tabs(egui::Id::unique("views"), View::ALL.to_vec()),
+            false => tree(LayoutPreset::Survey),
+        };
+        let focus = self.focus;
+        self.tree
+            .make_active(|_, tile| matches!(tile, Tile::Pane(pane) if *pane == focus));
+    }
+
     /// Draws the tiles.
     pub fn ui(&mut self, ui: &mut Ui, views: &mut Views, context: &mut ViewContext<'_>) {
+        self.follow_window(ui.available_height());
         let mut panes = Panes {
             views,
             context,
@@ -118,6 +150,7 @@ impl Layout {
             hovered: None,
             pressed: None,
             maximise: None,
+            is_edited: false,
         };
         match self.maximised {
             Some(view) => {
@@ -127,6 +160,7 @@ impl Layout {
             None => self.tree.ui(&mut panes, ui),
         }
         let (hovered, pressed, maximise) = (panes.hovered, panes.pressed, panes.maximise);
+        self.is_automatic &= !panes.is_edited;
         self.hovered = hovered;
         if let Some(view) = pressed {
             self.focus = view;
@@ -145,6 +179,8 @@ struct Panes<'a, 'c> {
     hovered: Option<View>,
     pressed: Option<View>,
     maximise: Option<View>,
+    /// A view was moved, or a border between two.
+    is_edited: bool,
 }
 
 impl Behavior<View> for Panes<'_, '_> {
@@ -176,6 +212,13 @@ impl Behavior<View> for Panes<'_, '_> {
         response: egui::Response,
     ) -> egui::Response {
         if let Some(&view) = tiles.get_pane(&tile) {
+            if view == self.focus {
+                // Underlined, so that no colour alone says which view has the keyboard.
+                let colour = theme::accent_colour(self.context.app.options.theme);
+                let painter = response.ctx.layer_painter(response.layer_id);
+                let line = response.rect.shrink(6.0);
+                painter.hline(line.x_range(), response.rect.bottom() - 3.0, (1.5, colour));
+            }
             if response.double_clicked() {
                 self.maximise = Some(view);
             } else if response.clicked() {
@@ -197,6 +240,10 @@ impl Behavior<View> for Panes<'_, '_> {
         if let Some(&view) = active {
             toolbar::ui(ui, view, self.context);
         }
+    }
+
+    fn on_edit(&mut self, action: EditAction) {
+        self.is_edited |= action != EditAction::TabSelected;
     }
 
     fn simplification_options(&self) -> SimplificationOptions {

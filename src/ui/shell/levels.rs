@@ -5,7 +5,7 @@ use crate::picture::Histogram;
 use crate::pipeline::Settings;
 use crate::pipeline::settings::{Kind, Row, rows};
 use crate::ui::panels::parts;
-use crate::ui::{ViewContext, theme};
+use crate::ui::{ViewContext, theme, toggle};
 use egui::{Color32, CursorIcon, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 
 /// Width of the panel, points.
@@ -63,7 +63,7 @@ fn names(ui: &mut Ui, context: &mut ViewContext<'_>, setting: &'static Row) {
     parts::row(ui, setting.label, setting.hint, |ui| {
         let names = ui.horizontal(|ui| {
             for name in choice.names {
-                let item = ui.selectable_label(name.value == current, name.label);
+                let item = toggle::chip(ui, name.value == current, name.label);
                 let hint = format!("{} {}", setting.hint, name.meaning);
                 if item.on_hover_text(hint).clicked() && name.value != current {
                     let mut settings = Settings::clone(&context.app.log.settings);

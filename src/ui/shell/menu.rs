@@ -1,5 +1,6 @@
 //! The menu bar. Entries come from the command table.
 
+use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
 use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
@@ -38,6 +39,9 @@ const LAYOUTS: &[Action] = &[
     Action::LayoutMap,
     Action::LayoutCloud,
     Action::Maximise,
+    Action::FocusPanels,
+    Action::StepsPanel,
+    Action::DetailsPanel,
 ];
 const CAMERAS: &[Action] = &[
     Action::Fit,
@@ -115,6 +119,8 @@ const BOXES: &[Action] = &[
     Action::UndecideObject,
     Action::NextSighting,
     Action::FlyToBox,
+    Action::ZoomToBoxes,
+    Action::NameBox,
     Action::EditBox,
     Action::NextEdge,
     Action::FindEdges,
@@ -124,24 +130,48 @@ const BOXES: &[Action] = &[
     Action::RemoveBox,
 ];
 
+/// What draws the entries of a menu.
+type Contents = fn(&mut Ui, &mut ViewContext<'_>);
+
 /// Draws the bar.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     egui::containers::menu::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file(ui, context));
-        ui.menu_button("Edit", |ui| edit(ui, context));
-        ui.menu_button("View", |ui| view(ui, context));
-        ui.menu_button("Survey", |ui| survey(ui, context));
-        ui.menu_button("Review", |ui| review(ui, context));
-        ui.menu_button("Help", |ui| {
-            entries(ui, context, &[Action::Palette, Action::Manual]);
-        });
+        let menus: [(&str, Contents); 6] = [
+            ("File", file),
+            ("Edit", edit),
+            ("View", view),
+            ("Survey", survey),
+            ("Review", review),
+            ("Help", help),
+        ];
+        for (title, contents) in menus {
+            ui.menu_button(title, |ui| scrolled(ui, |ui| contents(ui, context)));
+        }
         ui.separator();
         buttons(ui, context);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            SidePanel::Details.button(ui, context);
+            SidePanel::Steps.button(ui, context);
             theme_button(ui, context);
             palette_field(ui, context);
         });
     });
+}
+
+/// A menu that is longer than the window is tall is scrolled.
+fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let most = ui.content_rect().bottom() - ui.cursor().top() - 16.0;
+    egui::ScrollArea::vertical()
+        .max_height(most.max(120.0))
+        .show(ui, add);
+}
+
+fn help(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    entries(
+        ui,
+        context,
+        &[Action::Palette, Action::Notices, Action::Manual],
+    );
 }
 
 fn entry(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action) {
@@ -363,10 +393,17 @@ fn theme_button(ui: &mut Ui, context: &mut ViewContext<'_>) {
 
 fn palette_field(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let action = Action::Palette;
-    let text = egui::RichText::new("Search or run a command").weak();
-    let button = Button::new(text)
-        .shortcut_text(action.keys().unwrap_or_default())
-        .min_size(egui::vec2(280.0, 20.0))
+    let room = (ui.available_width() - 8.0).min(280.0);
+    // The menus have the rest of a narrow bar: there the key alone opens the palette.
+    let (title, keys) = match room {
+        240.0.. => ("Search or run a command", action.keys()),
+        130.0.. => ("Search", action.keys()),
+        60.0.. => ("Search", None),
+        _ => return,
+    };
+    let button = Button::new(egui::RichText::new(title).weak())
+        .shortcut_text(keys.unwrap_or_default())
+        .min_size(egui::vec2(room, 20.0))
         .fill(ui.visuals().extreme_bg_color);
     if ui.add(button).accessible_name(action.label()).clicked() {
         context.push(Command::Do(action));

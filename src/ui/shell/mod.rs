@@ -9,26 +9,30 @@ mod levels;
 mod manual;
 mod map_layers;
 mod menu;
+mod notice_list;
 mod palette;
 mod persist;
 mod play;
 mod printing;
+mod sides;
 mod swipe;
 mod toolbar;
 
 use super::dialogs::Dialogs;
-use super::panels::{self, review::ReviewPanel, timeline::TimeLine};
+use super::panels::{self, Section, review::ReviewPanel, timeline::TimeLine};
 use super::views::{CloudView, MapView, ProfileView, WaterfallView};
 use super::{ViewContext, ViewRequest, theme};
-use crate::app::{App, Command, View};
+use crate::app::{Action, App, Command, PrintText, View};
 use eframe::egui_wgpu::RenderState;
 use egui::{CentralPanel, Frame, Panel, Ui};
 use history::HistoryList;
 use layout::Layout;
 use manual::Manual;
+use notice_list::NoticeList;
 use palette::Palette;
 use play::Play;
 use printing::Printing;
+use sides::{SidePanel, scrolled, time_line_height};
 
 /// A view that fills the whole picture, for `bathyscope snapshot`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,8 +111,13 @@ pub struct Shell {
     printing: Printing,
     manual: Manual,
     history: HistoryList,
+    notices: NoticeList,
     alone: Option<Alone>,
+    /// Words around it, on a print.
+    text_around: Option<PrintText>,
     started: bool,
+    /// The panel that the keyboard was moved to.
+    keyboard_in: Option<SidePanel>,
     /// The analyst knows that closing loses decisions.
     warned_of_loss: bool,
     /// The survey that the play head ran over.
@@ -132,8 +141,11 @@ impl Shell {
             printing: Printing::default(),
             manual: Manual::default(),
             history: HistoryList::default(),
+            notices: NoticeList::default(),
             alone: None,
+            text_around: None,
             started: false,
+            keyboard_in: None,
             warned_of_loss: false,
             met: 0,
             title: String::new(),
@@ -166,6 +178,11 @@ impl Shell {
         self.app.is_idle() && views_settled
     }
 
+    /// Writes title and facts around the one view that is shown.
+    fn frame_with(&mut self, text: PrintText) {
+        self.text_around = Some(text);
+    }
+
     /// Share of the map's tiles that is drawn, 0 to 1.
     pub fn drawn_share(&self) -> f32 {
         match self.views.map.missing() {
@@ -185,6 +202,10 @@ impl Shell {
         drop::collect(ui, self.app.log_count() > 0, &mut commands);
         if !self.palette.is_open() && !self.dialogs.is_open() && !self.printing.is_open() {
             keys::collect(ui, &self.app, self.manual.open, &mut commands);
+        }
+        if commands.contains(&Command::Do(Action::Palette)) {
+            commands.retain(|command| *command != Command::Do(Action::Palette));
+            self.palette.open();
         }
         self.play.advance(ui, &self.app, &mut commands);
         let names_print = self.draw(ui, render_state, &mut commands);
@@ -274,6 +295,9 @@ impl Shell {
             commands,
         };
         if let Some(alone) = self.alone {
+            if let Some(text) = &self.text_around {
+                printing::frame(ui, context.app, text);
+            }
             draw_alone(ui, &mut self.views, &mut context, alone);
             return false;
         }
@@ -287,47 +311,33 @@ impl Shell {
             .exact_size(panels::STATUS_HEIGHT)
             .frame(bar)
             .show(ui, |ui| panels::status::ui(ui, &mut context));
-        // On a small screen the views keep half of the width.
-        let side_width = (ui.available_width() / 4.0).min(theme::SIDE_PANEL_WIDTH);
-        // What an earlier run saved is held to that as well.
-        let widest = |most: f32| (ui.available_width() / 3.0).clamp(240.0, most);
-        let [left_most, right_most] = [480.0, 560.0].map(widest);
         let side = bar.inner_margin(egui::Margin::symmetric(10, 6));
-        Panel::left("steps")
-            .default_size(side_width)
-            .size_range(240.0..=left_most)
-            .frame(side)
-            .show(ui, |ui| {
-                panels::of_given_width(ui, |ui| {
-                    egui::ScrollArea::vertical()
-                        .auto_shrink([false, false])
-                        .show(ui, |ui| panels::steps(ui, &mut context));
-                });
+        SidePanel::Steps.ui(ui, &mut context, side, |ui, context| {
+            panels::of_given_width(ui, |ui| {
+                scrolled(ui, "scrolled steps", |ui| panels::steps(ui, context));
             });
-        Panel::right("details")
-            .default_size(side_width)
-            .size_range(220.0..=right_most)
-            .frame(side)
-            .show(ui, |ui| {
-                panels::of_given_width(ui, |ui| {
-                    details(ui, &mut context, &mut self.review, &mut self.views.profile);
-                });
+        });
+        SidePanel::Details.ui(ui, &mut context, side, |ui, context| {
+            panels::of_given_width(ui, |ui| {
+                details(ui, context, &mut self.review, &mut self.views.profile);
             });
-        let across = ui.available_rect_before_wrap().x_range();
+        });
         Panel::bottom("time line")
-            .exact_size(panels::timeline::HEIGHT)
+            .exact_size(time_line_height(ui.content_rect().height()))
             .frame(bar)
             .show(ui, |ui| {
                 self.timeline.ui(ui, &mut context);
                 self.play.ui(ui, &mut context);
             });
+        let centre = ui.available_rect_before_wrap();
         CentralPanel::no_frame().show(ui, |ui| {
             self.layout.ui(ui, &mut self.views, &mut context);
         });
-        panels::notices::show(ui.ctx(), &mut context, across);
+        panels::notices::show(ui.ctx(), &mut context, centre);
         self.palette.ui(ui.ctx(), &mut context);
         self.manual.ui(ui.ctx());
         self.history.ui(ui.ctx(), &mut context);
+        self.notices.ui(ui.ctx(), &mut context);
         self.dialogs.ui(ui.ctx(), &mut context);
         drop::overlay(ui);
         self.printing.ui(ui.ctx(), &mut context, &self.views)
@@ -351,26 +361,23 @@ fn details(
     review: &mut ReviewPanel,
     profile: &mut ProfileView,
 ) {
-    if !context.app.has_boxes() {
+    let height = ui.available_height();
+    scrolled(ui, "scrolled details", |ui| {
         review.ui(ui, context);
-        return selection(ui, context, profile);
-    }
-    egui::ScrollArea::vertical()
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            review.ui(ui, context);
-            selection(ui, context, profile);
+        panels::shadow::ui(ui, context);
+        panels::selection::ui(ui, context);
+        let heading = Section {
+            number: None,
+            title: "Profile",
+            stage: None,
+        };
+        panels::section(ui, context, &heading, |ui, context| {
+            // Taller, the curve would be all spikes.
+            let left = (height - ui.min_rect().height() - 24.0).clamp(200.0, 400.0);
+            let size = egui::vec2(ui.available_width(), left);
+            ui.allocate_ui(size, |ui| profile.ui(ui, context));
         });
-}
-
-fn selection(ui: &mut Ui, context: &mut ViewContext<'_>, profile: &mut ProfileView) {
-    panels::shadow::ui(ui, context);
-    panels::selection::ui(ui, context);
-    let title = egui::RichText::new("PROFILE").size(12.0).strong();
-    ui.add(egui::Label::new(title).selectable(false));
-    // Taller, the curve would be all spikes.
-    let size = egui::vec2(ui.available_width(), ui.available_height().min(420.0));
-    ui.allocate_ui(size, |ui| profile.ui(ui, context));
+    });
 }
 
 impl eframe::App for Shell {

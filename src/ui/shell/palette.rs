@@ -2,7 +2,8 @@
 
 use crate::app::{Action, Command};
 use crate::ui::ViewContext;
-use egui::{Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::text::{CCursor, CCursorRange};
+use egui::{Event, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 /// The palette; closed at the start.
 #[derive(Default)]
@@ -10,6 +11,8 @@ pub(super) struct Palette {
     open: bool,
     query: String,
     chosen: usize,
+    /// Its field has the keyboard: before that what is typed is taken here.
+    has_keyboard: bool,
 }
 
 /// What can be run.
@@ -40,9 +43,10 @@ impl Palette {
             return;
         }
         let id = egui::Id::unique("command palette");
-        let area = Modal::default_area(id).anchor(egui::Align2::CENTER_TOP, [0.0, 60.0]);
+        let top = (0.06 * ctx.content_rect().height()).min(60.0);
+        let area = Modal::default_area(id).anchor(egui::Align2::CENTER_TOP, [0.0, top]);
         let modal = Modal::new(id).area(area).show(ctx, |ui| {
-            ui.set_width(520.0);
+            ui.set_width((ctx.content_rect().width() - 40.0).min(520.0));
             self.contents(ui, context)
         });
         if modal.inner || modal.should_close() {
@@ -50,15 +54,43 @@ impl Palette {
         }
     }
 
+    /// Takes what was typed since the palette was asked for: its field does not take anything in the frame in which it appears.
+    fn take_typed(&mut self, ui: &Ui) {
+        ui.input_mut(|input| {
+            input.events.retain(|event| match event {
+                Event::Text(text) => {
+                    self.query += text;
+                    false
+                }
+                _ => true,
+            });
+        });
+    }
+
     /// Draws the field and the list; returns whether something was run.
     fn contents(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) -> bool {
         let down = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowDown));
         let up = ui.input_mut(|input| input.consume_key(Default::default(), Key::ArrowUp));
         let enter = ui.input(|input| input.key_pressed(Key::Enter));
-        let field = TextEdit::singleline(&mut self.query)
+        let id = egui::Id::unique("field of the command palette");
+        if !self.has_keyboard {
+            self.take_typed(ui);
+            // Asked for before the field is drawn, it has the keyboard in this frame.
+            ui.memory_mut(|memory| memory.request_focus(id));
+        }
+        let mut field = TextEdit::singleline(&mut self.query)
+            .id(id)
             .hint_text("Type a command")
-            .desired_width(f32::INFINITY);
-        let field = ui.add(field).accessible_name("Command");
+            .desired_width(f32::INFINITY)
+            .show(ui);
+        if !self.has_keyboard {
+            let end = CCursor::new(self.query.chars().count());
+            let cursor = &mut field.state.cursor;
+            cursor.set_char_range(Some(CCursorRange::one(end)));
+            field.state.store(ui.ctx(), id);
+        }
+        let field = field.response.response.accessible_name("Command");
+        self.has_keyboard |= field.has_focus();
         field.request_focus();
         if field.changed() {
             self.chosen = 0;
@@ -73,7 +105,8 @@ impl Palette {
             ui.label(RichText::new("No command has these letters.").weak());
         }
         let mut run = None;
-        ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+        let height = (ui.content_rect().height() - 140.0).clamp(80.0, 360.0);
+        ScrollArea::vertical().max_height(height).show(ui, |ui| {
             for (index, item) in found.into_iter().enumerate() {
                 let chosen = index == self.chosen;
                 if line(ui, &item, chosen, down || up) || (chosen && enter) {

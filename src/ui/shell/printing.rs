@@ -1,13 +1,15 @@
 //! Printing a view: the dialog that asks for the size, and the picture that is drawn off screen while the window goes on.
 
 use super::{Alone, Shell, Views};
-use crate::app::{App, Command, Paper, PrintOptions, Sheet, ThemeChoice, View};
+use crate::app::{App, Command, Paper, PrintOptions, PrintText, Sheet, ThemeChoice, View};
 use crate::progress::Progress;
 use crate::ui::ViewContext;
 use crate::ui::dialogs::Purpose;
 use crate::ui::offscreen::{Studio, write_picture};
-use egui::{ComboBox, DragValue, Id, Modal, Ui};
+use crate::ui::theme;
+use egui::{ComboBox, DragValue, Id, Label, Modal, Panel, RichText, Ui};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Said while a picture cannot be started.
 const BUSY: &str = "products are still being written; wait, or cancel that first";
@@ -117,20 +119,78 @@ fn choices(ui: &mut Ui, view: &mut View, options: &mut PrintOptions) {
 fn sheet_summary(view: View, sheet: Sheet, views: &Views) -> String {
     let [width, height] = sheet.size_px;
     let size = format!("{width} x {height} pixels");
-    let points = sheet
-        .size_px
-        .map(|side| side as f32 / sheet.pixels_per_point);
-    match views
-        .map
-        .metres_per_point_on(points)
-        .filter(|_| view == View::Map)
-    {
-        Some(metres) => {
-            let denominator = metres / PrintOptions::POINT_M;
-            format!("{size}, about 1 : {denominator:.0} on paper")
-        }
+    match map_scale(sheet, views).filter(|_| view == View::Map) {
+        Some(denominator) => format!("{size}, about 1 : {denominator:.0} on paper"),
         None => size,
     }
+}
+
+/// By how much the map is smaller than the ground on a sheet of [`PrintOptions::POINT_M`] points; `None` while there is no map.
+fn map_scale(sheet: Sheet, views: &Views) -> Option<f64> {
+    let [width, height] = sheet
+        .size_px
+        .map(|side| side as f32 / sheet.pixels_per_point);
+    let inside = [width, (height - ABOVE - BELOW).max(1.0)];
+    let metres = views.map.metres_per_point_on(inside)?;
+    Some(metres / PrintOptions::POINT_M)
+}
+
+/// The scale of a printed view in a sentence.
+fn scale(app: &App, view: View, sheet: Sheet, views: &Views) -> String {
+    let is_paper = app.options.print.paper != Paper::Pixels;
+    match view {
+        View::Map => match map_scale(sheet, views).filter(|_| is_paper) {
+            Some(denominator) => {
+                let paper = app.options.print.paper.name();
+                format!("Scale about 1 : {denominator:.0} on {paper}; the bar holds in any size.")
+            }
+            None => "Scale as the bar says.".to_owned(),
+        },
+        View::Waterfall => {
+            let across = match app.options.waterfall.ground_range {
+                true => "distance on level ground",
+                false => "slant range",
+            };
+            format!(
+                "Scale across the track as the range lines say, {across}; along it by ping and time."
+            )
+        }
+        View::Cloud => format!(
+            "Seen in perspective: scale as the axes say, elevations x{}.",
+            app.options.cloud.vertical_exaggeration
+        ),
+    }
+}
+
+/// Height of the title of a print, and of the facts below its view, points.
+const ABOVE: f32 = 30.0;
+const BELOW: f32 = 70.0;
+
+/// Title and facts of a print, above and below its view.
+pub(super) fn frame(ui: &mut Ui, app: &App, text: &PrintText) {
+    let fill = theme::canvas_colour(&app.options);
+    let ink = theme::canvas_text_colour(&app.options);
+    let frame = egui::Frame::new()
+        .fill(fill)
+        .inner_margin(egui::Margin::symmetric(10, 6));
+    Panel::top("print title")
+        .frame(frame)
+        .exact_size(ABOVE)
+        .show(ui, |ui| {
+            let title = RichText::new(&text.title).size(16.0).strong().color(ink);
+            ui.add(Label::new(title).truncate());
+        });
+    Panel::bottom("print facts")
+        .frame(frame)
+        .min_size(BELOW)
+        .resizable(false)
+        .show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for fact in &text.facts {
+                let fact = RichText::new(fact).size(theme::SMALL).color(ink);
+                ui.add(Label::new(fact).wrap());
+            }
+        });
 }
 
 impl Shell {
@@ -175,24 +235,25 @@ impl Shell {
         if options.light {
             copy.options.theme = ThemeChoice::Light;
         }
-        let views = self.views.for_picture(&self.app);
+        let scale = scale(&self.app, view, sheet, &self.views);
+        let text = self.app.print_text(view, scale, SystemTime::now());
+        let mut shell = Shell::new(copy);
+        shell.views = self.views.for_picture(&self.app);
+        shell.show_alone(Alone::View(view));
+        shell.frame_with(text);
         self.app
-            .write(move |progress| draw(copy, views, view, sheet, &path, progress));
+            .write(move |progress| draw(shell, view, sheet, &path, progress));
     }
 }
 
 /// Draws a view on a device of its own and writes it; what was written, in a sentence.
 fn draw(
-    app: App,
-    views: Views,
+    mut shell: Shell,
     view: View,
     sheet: Sheet,
     path: &Path,
     progress: &Progress,
 ) -> Result<String, String> {
-    let mut shell = Shell::new(app);
-    shell.views = views;
-    shell.show_alone(Alone::View(view));
     let studio = Studio::new()?;
     let picture = studio.draw(&mut shell, sheet.size_px, sheet.pixels_per_point, progress)?;
     if let Some(error) = shell.app.notices.iter().find(|notice| notice.is_error) {

@@ -4,7 +4,7 @@ use super::{levels, map_layers, swipe};
 use crate::app::{
     Action, CloudColour, ColourMap, Command, EchogramChannel, View, ViewOptions, WaterfallOptions,
 };
-use crate::ui::ViewContext;
+use crate::ui::{ViewContext, toggle};
 use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
 
@@ -59,8 +59,7 @@ fn button(ui: &mut Ui, context: &mut ViewContext<'_>, action: Action, label: &st
 }
 
 fn switch(ui: &mut Ui, on: &mut bool, label: &str, hint: &str) {
-    let text = egui::RichText::new(label).small();
-    ui.toggle_value(on, text).on_hover_text(hint);
+    toggle::switch(ui, on, label).on_hover_text(hint);
 }
 
 fn waterfall(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) {

@@ -18,6 +18,11 @@ pub fn has_room(rect: Rect) -> bool {
     rect.size().min_elem() >= 240.0
 }
 
+/// Whether a view is wide enough for a line of words.
+pub fn has_width(rect: Rect) -> bool {
+    rect.width() >= 150.0
+}
+
 /// Small text on a view.
 pub fn font() -> FontId {
     FontId::proportional(11.0)

@@ -49,27 +49,14 @@ fn measured(app: &App, figure: &Measurement) -> Option<String> {
     }
 }
 
-/// What is measured, or else what the tool waits for.
-pub fn words(app: &App, shown: Option<&Measurement>) -> Option<String> {
-    let measured = shown.and_then(|figure| Some((figure.kind, measured(app, figure)?)));
-    if let Some((kind, measured)) = measured {
-        return Some(match kind {
-            MeasurementKind::Distance => format!("Distance {measured}"),
-            MeasurementKind::Area => format!("Area {measured}"),
-            MeasurementKind::Profile => format!("Depth profile over {measured}"),
-            MeasurementKind::Height => format!("Height from shadow: {measured}"),
-        });
-    }
-    app.measuring.tool.map(|kind| {
-        let what = match kind {
-            MeasurementKind::Distance => "Measure distance: click the corners of a line.",
-            MeasurementKind::Area => "Measure area: click its corners.",
-            MeasurementKind::Profile => "Depth profile: click the corners of a line.",
-            MeasurementKind::Height => {
-                "Height from shadow: drag in the waterfall from the top of the object, where its shadow begins, to the shadow's end."
-            }
-        };
-        what.to_owned()
+/// What is measured, with its name; `None` while there is nothing between the corners.
+fn words(app: &App, figure: &Measurement) -> Option<String> {
+    let measured = measured(app, figure)?;
+    Some(match figure.kind {
+        MeasurementKind::Distance => format!("Distance {measured}"),
+        MeasurementKind::Area => format!("Area {measured}"),
+        MeasurementKind::Profile => format!("Depth profile over {measured}"),
+        MeasurementKind::Height => format!("Height from shadow: {measured}"),
     })
 }
 
@@ -88,10 +75,8 @@ pub fn height(found: &Result<ShadowHeight, ShadowError>, units: Units) -> String
     }
 }
 
-/// What is measured or how to, and what can be done with it.
-pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: Option<&Measurement>) {
-    const KEYS: &str =
-        "Enter or a double-click ends it, Backspace takes a corner back, Esc leaves.";
+/// What is measured, and what can be done with it. How to measure stands in the banner of the tool.
+pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: &Measurement) {
     let Some(text) = words(context.app, shown) else {
         return;
     };
@@ -103,12 +88,8 @@ pub fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, shown: Opti
         legend::frame(&context.app.options).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(&text).size(11.5))
-                    .on_hover_text(KEYS);
-                if is_drawing && legend::has_room(rect) && rect.width() > 560.0 {
-                    ui.label(RichText::new(KEYS).size(11.5).weak());
-                }
-                if is_drawing || shown.is_none() || context.app.is_picture {
+                ui.label(RichText::new(&text).size(11.5));
+                if is_drawing || context.app.is_picture {
                     return;
                 }
                 let copy = ui

@@ -8,6 +8,7 @@ mod map;
 pub(super) mod measured;
 mod picture;
 mod profile;
+mod tool_banner;
 pub(super) mod waterfall;
 
 use crate::presentation::ticks;

@@ -3,11 +3,11 @@
 use super::super::parts::name_cell;
 use crate::app::{App, Command, LogBox};
 use crate::detection::review::{Confidence, Edit, Reviewed};
-use crate::ui::ViewContext;
-use egui::{Button, TextEdit, Ui};
+use crate::ui::{ViewContext, toggle};
+use egui::{TextEdit, Ui};
 
 /// A text of a box.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 enum Line {
     Name,
     Class,
@@ -67,6 +67,8 @@ impl Line {
 #[derive(Default)]
 pub struct Lines {
     written: Option<(LogBox, [String; 3])>,
+    /// The name is to get the keyboard.
+    pub wants_name: bool,
 }
 
 impl Lines {
@@ -86,6 +88,10 @@ impl Lines {
                 ui.add(field).accessible_name(line.label())
             });
             let field = field.inner;
+            if line == Line::Name && std::mem::take(&mut self.wants_name) {
+                field.request_focus();
+                field.scroll_to_me(None);
+            }
             if field.lost_focus() && *text != now {
                 context.push(line.edit(*id, text.clone()));
             } else if !field.has_focus() {
@@ -125,7 +131,7 @@ fn confidence(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Revi
         name_cell(ui, "Sure", hint);
         for word in Confidence::ALL {
             let chosen = one.confidence == Some(word);
-            let button = ui.add(Button::selectable(chosen, word.name()));
+            let button = toggle::chip(ui, chosen, word.name());
             let button = button.accessible_name(format!("Confidence {}", word.name()));
             if button.clicked() {
                 let rated = (!chosen).then_some(word);

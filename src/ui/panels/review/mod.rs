@@ -32,6 +32,11 @@ impl ReviewPanel {
         !self.chip.is_running() && self.object.is_settled()
     }
 
+    /// Moves the keyboard to the name of the selected box.
+    pub fn name_box(&mut self) {
+        self.lines.wants_name = true;
+    }
+
     /// Draws the section; nothing while there are no boxes.
     pub fn ui(&mut self, ui: &mut Ui, context: &mut ViewContext<'_>) {
         if !context.app.has_boxes() {

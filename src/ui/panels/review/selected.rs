@@ -8,8 +8,8 @@ use crate::detection::ObjectExtent;
 use crate::detection::review::{Edit, Reviewed};
 use crate::detection::targets::Target;
 use crate::presentation::units::Units;
-use crate::ui::{ViewContext, place, theme};
-use egui::{Button, RichText, Ui};
+use crate::ui::{ViewContext, place, theme, toggle};
+use egui::{RichText, Ui};
 
 /// Classes that have a key.
 const KEYED: usize = 9;
@@ -134,9 +134,7 @@ fn classes(ui: &mut Ui, context: &mut ViewContext<'_>, one: &Reviewed) {
                 false => (name.clone(), String::new()),
             };
             let chosen = class == one.class;
-            let chip = ui
-                .add(Button::selectable(chosen, label))
-                .accessible_name(format!("Class {name}"));
+            let chip = toggle::chip(ui, chosen, label).accessible_name(format!("Class {name}"));
             let chip = match hint.is_empty() {
                 true => chip,
                 false => chip.on_hover_text(hint),

@@ -94,6 +94,13 @@ impl Frame {
         let weak = ui.visuals().weak_text_color();
         let y = strip.center().y;
         let right = egui::Align2::RIGHT_CENTER;
+        if strip.height() < 27.0 {
+            // One line in a low window: there is no room for two.
+            let text = format!("{name} {}", reach.trim_start_matches("to "));
+            ui.painter()
+                .text(egui::pos2(x, y), right, text, small, strong);
+            return;
+        }
         ui.painter()
             .text(egui::pos2(x, y - 7.0), right, name, small.clone(), strong);
         ui.painter()

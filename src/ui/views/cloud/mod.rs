@@ -8,7 +8,7 @@ mod pointer;
 mod scene;
 
 use super::empty;
-use crate::app::{App, CloudColour, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{App, CloudColour, Enlarged, SideColours, ThemeChoice, ViewOptions};
 use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
@@ -207,7 +207,9 @@ impl CloudView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            let close_up = reveal.close_up.and_then(|close_up| {
+            let close_up = reveal.close_up;
+            let close_up = close_up.filter(|close_up| close_up.enlarged == Enlarged::Third);
+            let close_up = close_up.and_then(|close_up| {
                 let [east_m, north_m, z_m] = close_up.place_m?;
                 Some((scene.local(east_m, north_m, z_m), close_up.size_m))
             });

@@ -28,14 +28,15 @@ mod track_picture;
 mod transform;
 mod warp;
 
-use super::empty;
-use crate::app::{App, Command, MapLayer, Reviewing};
+use super::tool_banner::Banner;
+use super::{empty, legend};
+use crate::app::{App, Command, Enlarged, MapLayer, Reviewing, View};
 use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::render::Uploader;
 use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
-use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo};
+use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
 use stack::Layers;
 use std::sync::Arc;
@@ -205,9 +206,27 @@ impl MapView {
         swipe::ui(ui, context, &scene);
         if !context.app.is_picture {
             toolbar::show(ui, context, rect, &mut self.request, &mut self.pointer);
+            self.banner(ui, context.app, rect);
         }
         let name = name(context.app, &products, &track) + &mounting::name(context.app);
         name + &boxes(context) + &layers(context)
+    }
+
+    /// The banner of the tool in hand below the buttons; what it covers lies above the read-out.
+    fn banner(&mut self, ui: &mut Ui, app: &App, rect: Rect) {
+        let banner = match self.pointer.calibrating {
+            true => Some(Banner::of_calibration()),
+            false => Banner::of(app, View::Map),
+        };
+        // Right of it stands the north arrow.
+        let room = Rect::from_min_max(rect.min + vec2(4.0, 36.0), rect.max - vec2(56.0, 4.0));
+        let shown = banner.filter(|_| legend::has_width(room));
+        let placed = shown.map(|banner| banner.place(ui, room));
+        if let Some(placed) = &placed {
+            placed.draw(ui);
+        }
+        let height = placed.map_or(0.0, |placed| placed.plate.height() + 4.0);
+        self.pointer.banner_height = height;
     }
 
     fn ask_for_layers(
@@ -272,7 +291,9 @@ impl MapView {
             && reveal.serial != self.seen_reveal
         {
             self.seen_reveal = reveal.serial;
-            let close_up = reveal.close_up.and_then(|close_up| {
+            let close_up = reveal.close_up;
+            let close_up = close_up.filter(|close_up| close_up.enlarged == Enlarged::Third);
+            let close_up = close_up.and_then(|close_up| {
                 let [east_m, north_m, _] = close_up.place_m?;
                 Some(([east_m, north_m], close_up.size_m))
             });

@@ -110,7 +110,10 @@ fn log_names(painter: &Painter, scene: &Scene<'_>) -> Vec<Rect> {
 
 /// The scales of depths and of residuals, side by side from the right; what they cover.
 fn scales(painter: &Painter, scene: &Scene<'_>, mut corner: Pos2) -> Vec<Rect> {
+    // Below the north arrow, with the title and the edge of its plate.
+    let below_arrow = scene.rect.height() - BELOW_ARROW - 58.0;
     let height = (scene.rect.height() * 0.4).clamp(50.0, 160.0);
+    let height = height.min(below_arrow).max(24.0);
     let coloured = scene.shows(MapLayer::DepthMap) || scene.shows(MapLayer::Track);
     let reference = scene.products.reduction().reference();
     let depths = scene.range_m().filter(|_| coloured);

@@ -26,6 +26,8 @@ const ONE_LINE: f32 = 720.0;
 pub struct Pointer {
     /// The next click calibrates.
     pub calibrating: bool,
+    /// Room that the banner of a tool takes below the buttons, points.
+    pub banner_height: f32,
     /// The hover in the app is ours to take back.
     hovering: bool,
     /// Position, log and ping under the pointer when the menu was opened.
@@ -213,7 +215,7 @@ impl Pointer {
     ) {
         let painter = ui.painter_at(scene.rect);
         let text = read_out(context.app, scene, at, near);
-        let corner = scene.rect.left_top() + vec2(6.0, 34.0);
+        let corner = scene.rect.left_top() + vec2(6.0, 34.0 + self.banner_height);
         let colour = theme::canvas_text_colour(scene.options);
         let plate = legend::plate(
             &painter,

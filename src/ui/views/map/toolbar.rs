@@ -4,7 +4,7 @@ use super::pointer::Pointer;
 use crate::app::{Action, Command};
 use crate::project::MeasurementKind;
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, ViewRequest, theme};
+use crate::ui::{ViewContext, ViewRequest, theme, toggle};
 use egui::{Rect, Ui, UiBuilder, vec2};
 
 /// Fit, the calibration tool and the measuring tools.
@@ -43,8 +43,9 @@ fn buttons(ui: &mut Ui, request: &mut Option<ViewRequest>, pointer: &mut Pointer
     {
         *request = Some(ViewRequest::Fit);
     }
-    let tool = ui.toggle_value(&mut pointer.calibrating, "Calibrate by click");
+    let tool = toggle::chip(ui, pointer.calibrating, "Calibrate by click");
     let was_clicked = tool.clicked();
+    pointer.calibrating ^= was_clicked;
     tool.on_hover_text(
         "The next click on the track or on a numbered stretch measures the scale there. \
          C does it at the selected ping; Esc leaves the tool.",
@@ -67,8 +68,10 @@ fn measure(ui: &mut Ui, context: &mut ViewContext<'_>) {
     };
     ui.menu_button(title, |ui| {
         for (action, kind) in tools {
-            let button = egui::Button::selectable(tool == Some(kind), action.label());
-            let button = ui.add(button.shortcut_text(action.keys().unwrap_or_default()));
+            let is_it = tool == Some(kind);
+            let button = egui::Button::selectable(is_it, action.label());
+            let button = button.shortcut_text(action.keys().unwrap_or_default());
+            let button = toggle::underline(ui, is_it, button);
             if button.on_hover_text(action.hint()).clicked() {
                 context.push(Command::Do(action));
                 ui.close();

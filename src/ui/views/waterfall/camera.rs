@@ -77,6 +77,8 @@ impl Axis {
 
 /// Size of the view over that of an object that it shows close up.
 const CLOSE_UP: f64 = 3.0;
+/// Size of the view over that of an object that would not fit into it one to one, with what lies around it.
+const FITS: f64 = 2.0;
 
 /// Where the view looks. Along: ping numbers. Across: metres, port negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -199,6 +201,34 @@ impl Camera {
             let larger_m = per_point[1].max(per_point[0] * metres);
             per_point = [larger_m / metres, larger_m];
         }
+        let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
+            centre: 0.5 * (from + to),
+            per_point,
+            fitted: false,
+        };
+        self.is_one_to_one = false;
+        self.along = axis(pings, per_point[0]);
+        self.across = axis(across_m, per_point[1]);
+    }
+
+    /// Shows these pings and ranges in the middle with a sample to a point of the screen, a metre along as long as one across where it
+    /// is known how many metres a ping is; smaller where they would fill more than half of the view.
+    pub fn sample_to_point(
+        &mut self,
+        (pings, across_m): ([f64; 2], [f64; 2]),
+        metres_per_ping: Option<f64>,
+        extent: &Extent,
+        size: Size,
+    ) {
+        let [ping_count, range_m] = [pings, across_m].map(|[from, to]| to - from);
+        let fits = [FITS * ping_count / size.along, FITS * range_m / size.across];
+        let per_point = match metres_per_ping {
+            Some(metres) => {
+                let across = extent.bin_m.max(fits[1]).max(fits[0] * metres);
+                [across / metres, across]
+            }
+            None => [fits[0].max(1.0), fits[1].max(extent.bin_m)],
+        };
         let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
             centre: 0.5 * (from + to),
             per_point,

@@ -51,6 +51,11 @@ pub(super) fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
     paint(painter, galley, rect, INK);
 }
 
+/// What [`text`] covers.
+pub(super) fn covered(painter: &Painter, at: Pos2, anchor: Align2, text: &str) -> Rect {
+    ground(lay_out(painter, at, anchor, text).1)
+}
+
 fn lay_out(painter: &Painter, at: Pos2, anchor: Align2, text: &str) -> (Arc<Galley>, Rect) {
     let font = FontId::proportional(TEXT_POINTS);
     let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);

@@ -1,13 +1,14 @@
 //! Measuring in the waterfall: corners on the ground under the picture, and the height of what casts a shadow.
 
+use super::cross::Cross;
 use super::labels;
 use super::lens::{Lens, Place, across_m};
-use crate::app::{Action, App, Command, Measure, View};
+use crate::app::{Action, App, Command, Measure};
 use crate::project::{Measurement, MeasurementKind, Pick};
 use crate::survey::{Identity, Side, Survey};
 use crate::ui::views::{drag, measured};
 use crate::ui::{ViewContext, theme};
-use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, Vec2, vec2};
+use egui::{Align2, CursorIcon, Painter, Pos2, Rect, Response, Shape, Stroke, Ui, vec2};
 
 /// Half of the stroke that ends a shadow, points.
 const TICK: f32 = 7.0;
@@ -16,7 +17,7 @@ const TICK: f32 = 7.0;
 #[derive(Default)]
 pub(super) struct MeasureTool {
     /// Where the arrow keys have moved the cross; the pointer takes over when it moves.
-    cross: Option<Place>,
+    cross: Cross,
     /// A corner was asked for by key.
     wants_corner: bool,
     /// A drag along a shadow is under way.
@@ -48,7 +49,8 @@ impl MeasureTool {
         if response.hovered() {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
-        let place = self.next_place(ui, response, lens, context);
+        self.cross.follow(ui, response, lens, context);
+        let place = self.cross.or_pointer(response, lens);
         let pick = |place: Place| Some(context.app.on_one_ping(pick_at(survey, place)?));
         self.next = place.and_then(pick);
         let set = |at: Option<Pos2>| pick(lens.place_at(at?));
@@ -81,42 +83,10 @@ impl MeasureTool {
         held
     }
 
-    /// Where the next corner would be: under the pointer, or at the cross once the arrow keys have moved it.
-    fn next_place(
-        &mut self,
-        ui: &mut Ui,
-        response: &Response,
-        lens: &Lens,
-        context: &ViewContext<'_>,
-    ) -> Option<Place> {
-        let hover = response.hover_pos();
-        if hover.is_some() && ui.input(|input| input.pointer.delta() != Vec2::ZERO) {
-            self.cross = None;
-        }
-        let under = hover.map(|at| lens.place_at(at));
-        let moved = match context.target {
-            View::Waterfall => measured::arrows(ui),
-            View::Map | View::Cloud => [0.0; 2],
-        };
-        if moved != [0.0; 2] {
-            let from = self.cross.or(under);
-            let from = from.map_or(lens.rect.center(), |place| lens.screen_at(place));
-            // Up on the screen is less of its y.
-            let to = from + vec2(moved[0] as f32, -moved[1] as f32);
-            self.cross = Some(lens.place_at(to));
-        }
-        self.cross.or(under)
-    }
-
     /// Draws what is measured in this log, on to the next corner while it is drawn.
     pub fn draw(&self, painter: &Painter, lens: &Lens, app: &App) {
-        if let Some(place) = self.cross.filter(|_| app.measuring.tool.is_some()) {
-            let at = lens.screen_at(place);
-            let stroke = Stroke::new(1.5, theme::measure_colour());
-            for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
-                painter.line_segment([at - arm, at - 0.3 * arm], stroke);
-                painter.line_segment([at + 0.3 * arm, at + arm], stroke);
-            }
+        if app.measuring.tool.is_some() {
+            self.cross.draw(painter, lens);
         }
         let Some(shown) = self.shown(app) else {
             return;
@@ -127,14 +97,20 @@ impl MeasureTool {
         }
     }
 
-    /// The strip that says what is measured, where it was measured in a waterfall or is about to be.
+    /// The strip that says what is measured, where it was measured in a waterfall.
     pub fn strip(&self, ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect) {
         let shown = self.shown(context.app);
-        let is_picked = |shown: &Measurement| !shown.picks.is_empty();
-        let waits = context.app.measuring.tool.is_some() && shown.is_none();
-        if waits || shown.as_ref().is_some_and(is_picked) {
-            measured::strip(ui, context, rect, shown.as_ref());
+        if let Some(shown) = shown.filter(|shown| !shown.picks.is_empty()) {
+            measured::strip(ui, context, rect, &shown);
         }
+    }
+
+    /// What the figure in hand covers of the screen; `None` while nothing is drawn.
+    pub fn area(&self, lens: &Lens, app: &App) -> Option<Rect> {
+        let shown = self.shown(app).filter(|_| app.measuring.is_drawing())?;
+        let places = on_screen(lens, app, &shown);
+        let points: Vec<Pos2> = places.into_iter().map(|(_, at)| at).collect();
+        (!points.is_empty()).then(|| Rect::from_points(&points))
     }
 
     /// The figure as it is: with the next corner while it is being drawn.

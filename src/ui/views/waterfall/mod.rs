@@ -4,6 +4,7 @@ mod accessibility;
 mod bottom;
 mod boxes;
 mod camera;
+mod cross;
 mod drawing;
 mod echogram;
 mod flat_spots;
@@ -23,10 +24,12 @@ mod tone;
 
 pub use boxes::outline;
 
-use crate::app::{App, ColourMap, Command, Mark, Orientation, Tool};
+use super::tool_banner;
+use crate::app::{App, ColourMap, Command, Enlarged, Mark, Orientation, Tool, View};
 use crate::picture::Geometry;
 use crate::presentation::colours;
 use crate::render::waterfall::WaterfallPicture;
+use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, theme};
 use crate::waterfall::RangeAxis;
 use camera::{Camera, Extent, Size};
@@ -55,6 +58,8 @@ pub struct WaterfallView {
     pen: bottom::BottomPen,
     leave_out: left_out::LeaveOutTool,
     measure: measure::MeasureTool,
+    /// Where the arrow keys would mark a target.
+    cross: cross::Cross,
     echogram: echogram::EchogramPart,
     settled: bool,
 }
@@ -133,6 +138,9 @@ impl WaterfallView {
             draws | before.is_some_and(|lens| self.leave_out.follow(ui, &response, lens, context));
         let draws = draws
             | before.is_some_and(|lens| self.measure.follow(ui, &response, lens, &survey, context));
+        if let Some(lens) = before {
+            self.aim_at_target(ui, &response, lens, &survey, context);
+        }
         let extent = extent(&axis);
         let drag_moves = !holds_box && !draws;
         let lens = self.aim(ui, &response, &extent, &arrangement, context, drag_moves);
@@ -144,6 +152,8 @@ impl WaterfallView {
         {
             camera.equal_scales(metres, ping as f64 + 0.5);
         }
+        let banner = tool_banner::in_view(ui, context.app, View::Waterfall, rect);
+        let covered = banner.as_ref().map(|banner| banner.plate);
         let boxes = boxes::in_view(&lens, context.app);
         let missed = boxes::Missed::in_view(&lens, context.app);
         overlay::draw(
@@ -159,6 +169,7 @@ impl WaterfallView {
                 boxes: &boxes,
                 missed: &missed,
                 has_gpu: context.render_state.is_some(),
+                banner: covered,
                 stretch: self.camera.and_then(|camera| camera.stretch(&extent)),
             },
         );
@@ -166,13 +177,22 @@ impl WaterfallView {
         self.pen.draw(&painter, &lens, context.app);
         self.leave_out.draw(&painter, &lens, context.app);
         self.measure.draw(&painter, &lens, context.app);
+        self.cross.draw(&painter, &lens);
         self.measure.strip(ui, context, rect);
+        if let Some(banner) = &banner {
+            banner.draw(ui);
+        }
         let read_out = (followed.place)
             .and_then(|place| pointer::describe(context.app, &survey, &lens, place));
         // A hand that draws wants to see what lies ahead.
         let reads = response.hover_pos().filter(|_| !draws);
         if let Some((at, text)) = reads.zip(read_out.as_ref()) {
-            pointer::read_out(&painter, &lens, at, text);
+            let edited = boxes.iter().filter_map(|shown| shown.edited());
+            let measured = self.measure.area(&lens, context.app);
+            let clear: Vec<egui::Rect> =
+                covered.into_iter().chain(edited).chain(measured).collect();
+            let has_tool = banner.is_some();
+            pointer::read_out(&painter, &lens, (at, has_tool), text, &clear);
         }
         let visible = lens.visible(survey.side_scan.len());
         let seen = boxes::words(&boxes, &missed, context.app);
@@ -186,6 +206,30 @@ impl WaterfallView {
         );
         if context.app.visible != visible {
             context.push(Command::Visible(visible));
+        }
+    }
+
+    /// With the tool for targets in hand, the place under the cross that the arrow keys move is what keys are about.
+    fn aim_at_target(
+        &mut self,
+        ui: &mut egui::Ui,
+        response: &egui::Response,
+        lens: &Lens,
+        survey: &Survey,
+        context: &mut ViewContext<'_>,
+    ) {
+        if context.app.log.reviewing.tool != Tool::Point {
+            if std::mem::take(&mut self.cross).place().is_some() {
+                context.push(Command::Hover(None));
+            }
+            return;
+        }
+        if self.cross.follow(ui, response, lens, context) {
+            let mark = self
+                .cross
+                .place()
+                .map(|place| pointer::mark_at(survey, place));
+            context.push(Command::Hover(mark.flatten()));
         }
     }
 
@@ -300,7 +344,12 @@ impl WaterfallView {
                     let metres = survey.and_then(|survey| {
                         pointer::metres_per_ping(context.app, survey, reveal.mark.ping)
                     });
-                    camera.close_up(pings, shown_m, metres, size);
+                    match close_up.enlarged {
+                        Enlarged::Third => camera.close_up(pings, shown_m, metres, size),
+                        Enlarged::OneToOne => {
+                            camera.sample_to_point((pings, shown_m), metres, extent, size);
+                        }
+                    }
                 }
                 None => camera.reveal(reveal.mark.ping as f64 + 0.5, size),
             }

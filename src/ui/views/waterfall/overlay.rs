@@ -27,6 +27,8 @@ pub(super) struct Shown<'a> {
     /// The missed objects in view.
     pub missed: &'a [boxes::Missed<'a>],
     pub has_gpu: bool,
+    /// What the banner of a tool covers.
+    pub banner: Option<egui::Rect>,
     /// How many times longer a metre along is drawn than one across, where that is known.
     pub stretch: Option<f64>,
 }
@@ -72,9 +74,16 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
         shown_box.draw(painter, lens, &shown.app.log.reviewing);
     }
     let mut labels = Labels::new(painter);
-    if let Some(text) = banner(shown) {
-        labels.keep_clear(marks::banner(painter, lens.rect, &text));
+    let mut below = lens.rect;
+    if let Some(banner) = shown.banner {
+        labels.keep_clear(banner);
+        below.min.y = banner.bottom();
     }
+    if let Some(text) = warning(shown) {
+        labels.keep_clear(marks::banner(painter, below, &text));
+    }
+    // What is across comes before the ranges themselves.
+    scales::geometry(&mut labels, lens, shown.stretch);
     if let Some(lines) = &range_lines {
         lines.label(&mut labels, lens);
     }
@@ -89,7 +98,6 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     if let Some(change) = products.and_then(|products| products.calibration.range_change()) {
         scales::range_change(&mut labels, lens, &units.sentence(&change));
     }
-    scales::geometry(&mut labels, lens, shown.stretch);
     scales::ticks(painter, &mut labels, lens, shown.survey, ink);
     for stretch in &veiled {
         stretch.label(&mut labels);
@@ -100,7 +108,7 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
 }
 
 /// What keeps the picture from being one, if anything does.
-fn banner(shown: &Shown<'_>) -> Option<String> {
+fn warning(shown: &Shown<'_>) -> Option<String> {
     let no_gpu = || "no picture: there is no graphics adapter that can draw it".to_owned();
     marks::warning(shown.survey, shown.app.options.units).or_else(|| (!shown.has_gpu).then(no_gpu))
 }

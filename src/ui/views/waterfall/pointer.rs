@@ -5,7 +5,7 @@ use super::{boxes, labels};
 use crate::app::{App, Command, Leave, Mark, Tool};
 use crate::survey::{Side, SidePing, Survey};
 use crate::ui::{ViewContext, left_out_words, place, text, theme};
-use egui::{Align2, Painter, Pos2, Response, vec2};
+use egui::{Align2, Painter, Pos2, Rect, Response, pos2, vec2};
 
 /// The mark at a place; `None` before the first and after the last ping.
 pub(super) fn mark_at(survey: &Survey, place: Place) -> Option<Mark> {
@@ -162,21 +162,73 @@ pub(super) fn metres_per_ping(app: &App, survey: &Survey, ping: usize) -> Option
     (metres.is_finite() && metres > 0.0).then_some(metres)
 }
 
-/// The read-out beside the pointer, on the side where there is room.
-pub(super) fn read_out(painter: &Painter, lens: &Lens, at: Pos2, text: &str) {
-    let centre = lens.rect.center();
-    let (right, below) = (at.x < centre.x, at.y < centre.y);
-    let anchor = match (right, below) {
+/// Room between the read-out and what it keeps off, points.
+const APART: f32 = 10.0;
+
+/// The read-out beside the pointer, on the side where there is room, off what lies in `clear`. With a tool in hand, or where every side
+/// is taken, it stands in a corner of the view: a hand that works wants to see what it does.
+pub(super) fn read_out(
+    painter: &Painter,
+    lens: &Lens,
+    (at, has_tool): (Pos2, bool),
+    text: &str,
+    clear: &[Rect],
+) {
+    let (at, anchor) = read_out_place(lens.rect, at, has_tool, clear, |at, anchor| {
+        labels::covered(painter, at, anchor, text)
+    });
+    labels::text(painter, at, anchor, text);
+}
+
+/// Where the read-out stands; `covered` is what it covers at a place.
+fn read_out_place(
+    view: Rect,
+    pointer: Pos2,
+    has_tool: bool,
+    clear: &[Rect],
+    covered: impl Fn(Pos2, Align2) -> Rect,
+) -> (Pos2, Align2) {
+    let centre = view.center();
+    let (right, below) = (pointer.x < centre.x, pointer.y < centre.y);
+    let sides = [
+        (right, below),
+        (right, !below),
+        (!right, below),
+        (!right, !below),
+    ];
+    let beside = sides.map(|(right, below)| {
+        let shift = |on: bool| if on { 14.0 } else { -14.0 };
+        (
+            pointer + vec2(shift(right), shift(below)),
+            anchor(right, below),
+        )
+    });
+    // The corner across from the pointer first: it is the farthest.
+    let inner = view.shrink(8.0);
+    let corners = sides.map(|(right, below)| {
+        let x = if right { inner.right() } else { inner.left() };
+        let y = if below { inner.bottom() } else { inner.top() };
+        (pos2(x, y), anchor(!right, !below))
+    });
+    let beside = beside.into_iter().filter(|_| !has_tool);
+    let is_free = |(at, anchor): &(Pos2, Align2)| {
+        let area = covered(*at, *anchor);
+        let hides_pointer = area.expand(4.0).contains(pointer);
+        let is_clear = |taken: &Rect| !taken.expand(APART).intersects(area);
+        view.contains_rect(area) && !hides_pointer && clear.iter().all(is_clear)
+    };
+    let free = beside.chain(corners).find(is_free);
+    free.unwrap_or(corners[0])
+}
+
+/// The corner of a text that stands at a place, when the text lies right of it and below.
+fn anchor(right: bool, below: bool) -> Align2 {
+    match (right, below) {
         (true, true) => Align2::LEFT_TOP,
         (true, false) => Align2::LEFT_BOTTOM,
         (false, true) => Align2::RIGHT_TOP,
         (false, false) => Align2::RIGHT_BOTTOM,
-    };
-    let shift = vec2(
-        if right { 14.0 } else { -14.0 },
-        if below { 14.0 } else { -14.0 },
-    );
-    labels::text(painter, at + shift, anchor, text);
+    }
 }
 
 /// Why a line is dashed at a ping.
@@ -241,4 +293,30 @@ pub(super) fn describe(app: &App, survey: &Survey, lens: &Lens, at: Place) -> Op
         lines += &format!("\n{}", place::written(app, at));
     }
     Some(lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_read_out_keeps_off_the_pointer_and_what_is_edited() {
+        let view = Rect::from_min_size(pos2(0.0, 0.0), vec2(800.0, 400.0));
+        let size = vec2(160.0, 90.0);
+        let covered = |at: Pos2, anchor: Align2| anchor.anchor_size(at, size);
+        let place = |pointer: Pos2, has_tool: bool, clear: &[Rect]| {
+            let (at, anchor) = read_out_place(view, pointer, has_tool, clear, covered);
+            covered(at, anchor)
+        };
+        let pointer = pos2(200.0, 100.0);
+        // Beside the pointer, towards the middle.
+        assert_eq!(place(pointer, false, &[]).min, pointer + vec2(14.0, 14.0));
+        // With a tool in hand across from it.
+        assert_eq!(place(pointer, true, &[]).max, pos2(792.0, 392.0));
+        let edited = Rect::from_min_size(pos2(210.0, 110.0), vec2(80.0, 60.0));
+        let there = place(pointer, false, &[edited]);
+        assert!(!there.intersects(edited.expand(APART)), "{there}");
+        // Whatever is taken, it stands in the view.
+        assert!(view.contains_rect(place(pointer, true, &[view])));
+    }
 }

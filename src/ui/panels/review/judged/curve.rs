@@ -14,8 +14,10 @@ use egui::{
 
 /// Height of the picture, points.
 const HEIGHT: f32 = 138.0;
-/// Its width, points.
+/// Its greatest width, points.
 const WIDTH: f32 = 166.0;
+/// Width of the figures beside it, points.
+const FIGURES: f32 = 116.0;
 
 /// Draws the curve, and the figures beside it. A click on the curve moves the slider there.
 pub fn ui(
@@ -24,8 +26,9 @@ pub fn ui(
     comparison: &Comparison,
     standing: &Standing,
 ) {
+    let width = (ui.available_width() - FIGURES).clamp(96.0, WIDTH);
     ui.horizontal(|ui| {
-        let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, HEIGHT), Sense::click());
+        let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
         let painter = ui.painter_at(rect);
         let plot = shares(&painter, rect);
         draw(&painter, &plot, comparison, standing, &context.app.options);

@@ -63,9 +63,8 @@ impl MeasureTool {
         if let Some(station) = hovered {
             figure::station(&painter, scene, station);
         }
-        let picked = |shown: &Measurement| !shown.picks.is_empty();
-        if !shown.as_ref().is_some_and(picked) {
-            measured::strip(ui, context, scene.rect, shown.as_ref());
+        if let Some(shown) = shown.filter(|shown| shown.picks.is_empty()) {
+            measured::strip(ui, context, scene.rect, &shown);
         }
     }
 

@@ -62,6 +62,11 @@ fn on_screen(lens: &Lens, mark: &Mark) -> Rect {
 }
 
 impl Shown<'_> {
+    /// What it covers of the screen while keys and drags are about it.
+    pub fn edited(&self) -> Option<Rect> {
+        self.is_selected.then_some(self.rect)
+    }
+
     /// Draws its outline, and the handles of the one that is edited.
     pub fn draw(&self, painter: &Painter, lens: &Lens, reviewing: &Reviewing) {
         let style = Style::of(self.one.state);

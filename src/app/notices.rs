@@ -1,0 +1,102 @@
+//! What the program says to the analyst: what is on screen, and all of it since the program was started.
+
+use super::{Action, App};
+use crate::printable::one_line;
+use crate::system_words::in_plain_words;
+use std::collections::VecDeque;
+use std::time::SystemTime;
+
+/// Notices kept of one run of the program.
+const KEPT: usize = 500;
+
+/// A sentence for the analyst.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// What happened and what to do.
+    pub text: String,
+    /// Something could not be done (otherwise: something was).
+    pub is_error: bool,
+    /// What can be done about it.
+    pub offer: Option<Action>,
+    /// When it was said.
+    pub at: SystemTime,
+}
+
+/// The notices of one run of the program.
+#[derive(Default)]
+pub(super) struct Said {
+    all: VecDeque<Notice>,
+}
+
+impl App {
+    /// All that was said since the program was started, the newest first; the oldest of very many are forgotten.
+    pub fn said(&self) -> impl ExactSizeIterator<Item = &Notice> {
+        self.said.all.iter().rev()
+    }
+
+    /// Notifies the analyst in a sentence.
+    pub(super) fn notify(&mut self, text: String, is_error: bool) {
+        self.say(in_plain_words(&text).as_ref(), is_error, None);
+    }
+
+    /// Notifies the analyst, with what can be done about it.
+    pub(super) fn offer(&mut self, text: String, action: Action) {
+        self.say(&text, false, Some(action));
+    }
+
+    fn say(&mut self, text: &str, is_error: bool, offer: Option<Action>) {
+        let notice = Notice {
+            text: one_line(text),
+            is_error,
+            offer,
+            at: SystemTime::now(),
+        };
+        self.said.all.push_back(notice.clone());
+        if self.said.all.len() > KEPT {
+            self.said.all.pop_front();
+        }
+        self.notices.push(notice);
+    }
+
+    /// Takes an offer back that was accepted or makes no sense any more.
+    pub(super) fn withdraw(&mut self, action: Action) {
+        self.notices.retain(|notice| notice.offer != Some(action));
+        for notice in &mut self.said.all {
+            notice.offer = notice.offer.filter(|offer| *offer != action);
+        }
+    }
+
+    /// Takes a notice off the screen; the list keeps it.
+    pub(super) fn dismiss(&mut self, index: usize) {
+        if index < self.notices.len() {
+            self.notices.remove(index);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Command, Jobs};
+
+    #[test]
+    fn what_was_dismissed_is_still_listed_and_an_offer_is_taken_back() {
+        let mut app = App::new(Jobs::Inline);
+        app.notify("one".to_owned(), true);
+        app.offer("two".to_owned(), Action::TakeUpUnsaved);
+        app.apply(Command::Dismiss(0));
+        app.apply(Command::Dismiss(7));
+        assert_eq!(app.notices.len(), 1);
+        let said: Vec<&str> = app.said().map(|notice| notice.text.as_str()).collect();
+        assert_eq!(said, ["two", "one"]);
+        app.withdraw(Action::TakeUpUnsaved);
+        assert!(app.notices.is_empty());
+        assert!(app.said().all(|notice| notice.offer.is_none()));
+        for number in 0..2 * KEPT {
+            app.notify(number.to_string(), false);
+        }
+        assert_eq!(app.said().len(), KEPT);
+        let newest = app.said().next().map(|notice| notice.text.clone());
+        assert_eq!(newest.as_deref(), Some("999"));
+    }
+}

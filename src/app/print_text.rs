@@ -1,0 +1,128 @@
+//! What stands around a printed view: title, dates, coordinate system, what depths count from, scale.
+
+use super::{App, View};
+use crate::calendar;
+use crate::geo::{CoordinateFormat, UtmZone};
+use crate::pipeline::Products;
+use crate::printable::one_line;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Logs that a title names; of more it says how many.
+const NAMED: usize = 3;
+
+/// The words around a printed view.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PrintText {
+    /// Above the view.
+    pub title: String,
+    /// Below it, a sentence a line.
+    pub facts: Vec<String>,
+}
+
+impl App {
+    /// What stands around a print of a view. `scale` says how large it is on paper; printed at `now`.
+    pub fn print_text(&self, view: View, scale: String, now: SystemTime) -> PrintText {
+        let facts = [
+            self.recorded(now),
+            self.system(view),
+            self.datum(),
+            Some(scale),
+        ];
+        let facts = facts.into_iter().flatten();
+        PrintText {
+            title: format!("{} · {}", one_line(&self.print_name()), view.title()),
+            facts: facts.map(|fact| one_line(&fact)).collect(),
+        }
+    }
+
+    /// The project, or the logs.
+    fn print_name(&self) -> String {
+        if let Some(project) = self.project_path().and_then(|path| path.file_stem()) {
+            return project.to_string_lossy().into_owned();
+        }
+        let names: Vec<String> = self.visible_logs().map(|log| log.name()).collect();
+        match names.len() {
+            0..=NAMED => names.join(", "),
+            count => format!("{count} logs, {} and others", names[..NAMED].join(", ")),
+        }
+    }
+
+    /// Days of the recordings, and of the print.
+    fn recorded(&self, now: SystemTime) -> Option<String> {
+        let starts = self.visible_logs().filter_map(|log| {
+            let survey = log.survey.as_ref()?;
+            let (from_s, _) = survey.time_span_s()?;
+            Some(survey.start_unix_s? + from_s)
+        });
+        let days: Vec<f64> = starts.collect();
+        let first = days.iter().copied().reduce(f64::min).map(calendar::date);
+        let last = days.iter().copied().reduce(f64::max).map(calendar::date);
+        let recorded = match (first, last) {
+            (Some(first), Some(last)) if first == last => format!("Recorded {first} UTC"),
+            (Some(first), Some(last)) => format!("Recorded {first} to {last} UTC"),
+            _ => "Recorded on an unknown day".to_owned(),
+        };
+        let now_s = now.duration_since(UNIX_EPOCH).unwrap_or_default();
+        let printed = calendar::date(now_s.as_secs_f64());
+        Some(format!(
+            "{recorded}, printed {printed} by Bathyscope {}.",
+            env!("CARGO_PKG_VERSION")
+        ))
+    }
+
+    /// What positions are written in, and what lengths are.
+    fn system(&self, view: View) -> Option<String> {
+        let survey = self.log.survey.as_ref()?;
+        let zone = UtmZone::of(survey.track.frame.origin());
+        let positions = match self.options.coordinates {
+            CoordinateFormat::Utm => format!("{} (EPSG:{})", zone.name(), zone.epsg()),
+            other => format!("WGS 84 (EPSG:4326), {}", other.name()),
+        };
+        let lengths = self.options.units.length.name();
+        Some(match view {
+            View::Map => format!("Coordinates: {positions}. Lengths in {lengths}."),
+            View::Waterfall | View::Cloud => {
+                format!("Lengths in {lengths}. Positions: {positions}.")
+            }
+        })
+    }
+
+    /// What depths count from, what was corrected, and what was not.
+    fn datum(&self) -> Option<String> {
+        let products: &Products = self.log.products.as_ref()?;
+        let statement = products.correction.statement();
+        Some(self.options.units.sentence(&statement))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Command, Jobs};
+
+    #[test]
+    fn a_print_says_what_when_where_and_from_where_depths_count() {
+        let mut app = App::new(Jobs::Inline);
+        app.apply(Command::OpenDemo);
+        for _ in 0..50 {
+            app.poll();
+        }
+        let day = UNIX_EPOCH + std::time::Duration::from_secs(1_700_000_000);
+        let text = app.print_text(View::Map, "Scale 1 : 500.".to_owned(), day);
+        assert_eq!(text.title, "demo · Map");
+        let [when, system, datum, scale] = &text.facts[..] else {
+            panic!("{text:?}");
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        let printed = format!("printed 2023-11-14 by Bathyscope {version}.");
+        assert!(when.starts_with("Recorded 2021-10-12 UTC"), "{when}");
+        assert!(when.ends_with(&printed), "{when}");
+        assert!(system.contains("WGS 84 (EPSG:4326), decimal degrees"));
+        assert!(system.contains("metres"), "{system}");
+        assert!(datum.starts_with("Depths are below"), "{datum}");
+        assert_eq!(scale, "Scale 1 : 500.");
+        app.options.coordinates = CoordinateFormat::Utm;
+        let text = app.print_text(View::Map, String::new(), day);
+        assert!(text.facts[1].contains("EPSG:326"), "{}", text.facts[1]);
+    }
+}

@@ -1,0 +1,181 @@
+//! The panels left and right of the views: whether they are shown, how wide they are, and the buttons that show and hide them.
+
+use crate::app::{Action, Command, PanelOptions, PanelShown};
+use crate::ui::{ViewContext, theme};
+use egui::{Button, Frame, Id, Panel, Rect, Stroke, Ui, vec2};
+
+/// A panel beside the views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SidePanel {
+    /// The paper's steps, left.
+    Steps,
+    /// What is selected, right.
+    Details,
+}
+
+impl SidePanel {
+    /// Width of the window from which it is shown where nobody has decided about it, points.
+    fn room(self) -> f32 {
+        match self {
+            SidePanel::Steps => 700.0,
+            SidePanel::Details => 1200.0,
+        }
+    }
+
+    fn choice(self, options: PanelOptions) -> PanelShown {
+        match self {
+            SidePanel::Steps => options.steps,
+            SidePanel::Details => options.details,
+        }
+    }
+
+    fn choose(self, options: &mut PanelOptions, shown: bool) {
+        let chosen = match shown {
+            true => PanelShown::Always,
+            false => PanelShown::Never,
+        };
+        match self {
+            SidePanel::Steps => options.steps = chosen,
+            SidePanel::Details => options.details = chosen,
+        }
+    }
+
+    fn other(self) -> Self {
+        match self {
+            SidePanel::Steps => SidePanel::Details,
+            SidePanel::Details => SidePanel::Steps,
+        }
+    }
+
+    /// Whether it is shown in a window of this width, points.
+    pub fn is_shown(self, options: PanelOptions, width: f32) -> bool {
+        match self.choice(options) {
+            PanelShown::WithRoom => width >= self.room(),
+            PanelShown::Always => true,
+            PanelShown::Never => false,
+        }
+    }
+
+    /// The choice after it was shown or hidden by hand. In a window without room for both, the other one goes.
+    pub fn set_shown(self, options: PanelOptions, shown: bool, width: f32) -> PanelOptions {
+        let mut options = options;
+        self.choose(&mut options, shown);
+        if shown && width < SidePanel::BOTH && self.other().is_shown(options, width) {
+            self.other().choose(&mut options, false);
+        }
+        options
+    }
+
+    /// Width of the window from which both are shown at once, points.
+    const BOTH: f32 = 900.0;
+
+    fn action(self) -> Action {
+        match self {
+            SidePanel::Steps => Action::StepsPanel,
+            SidePanel::Details => Action::DetailsPanel,
+        }
+    }
+
+    /// Draws the panel while it is shown; it is hidden and shown by a drag of its edge too.
+    pub fn ui(
+        self,
+        ui: &mut Ui,
+        context: &mut ViewContext<'_>,
+        frame: Frame,
+        add: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
+    ) {
+        let width = ui.content_rect().width();
+        let options = context.app.options.panels;
+        let was_shown = self.is_shown(options, width);
+        let mut is_shown = was_shown;
+        // What an earlier run saved is held to that as well: on a small screen the views keep half of the width.
+        let widest = |most: f32| (width / 3.0).clamp(240.0, most);
+        let (panel, sizes) = match self {
+            SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
+            SidePanel::Details => (Panel::right("details"), 220.0..=widest(560.0)),
+        };
+        panel
+            .default_size((0.1875 * width).clamp(240.0, theme::SIDE_PANEL_WIDTH))
+            .size_range(sizes)
+            .frame(frame)
+            .show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
+        if is_shown != was_shown {
+            show(context, self.set_shown(options, is_shown, width));
+        }
+    }
+
+    /// The button that shows and hides it: a window whose side is filled while the panel is shown.
+    pub fn button(self, ui: &mut Ui, context: &mut ViewContext<'_>) {
+        let action = self.action();
+        let is_shown = self.is_shown(context.app.options.panels, ui.content_rect().width());
+        let button = ui.add(Button::new("").min_size(vec2(26.0, 18.0)));
+        let hint = format!("{} ({})", action.hint(), action.keys().unwrap_or_default());
+        button.widget_info(|| {
+            egui::WidgetInfo::selected(egui::Role::Button, true, is_shown, action.label())
+        });
+        let stroke = ui.style().interact(&button).fg_stroke;
+        let window = Rect::from_center_size(button.rect.center(), vec2(15.0, 11.0));
+        let mut side = window.shrink(2.5);
+        match self {
+            SidePanel::Steps => side.max.x = side.min.x + 4.0,
+            SidePanel::Details => side.min.x = side.max.x - 4.0,
+        }
+        let outline = Stroke::new(1.2, stroke.color);
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(window, 2.0, outline, kind);
+        match is_shown {
+            true => ui.painter().rect_filled(side, 0.0, stroke.color),
+            false => ui
+                .painter()
+                .rect_stroke(side, 0.0, Stroke::new(1.0, stroke.color), kind),
+        };
+        if button.on_hover_text(hint).clicked() {
+            context.push(Command::Do(action));
+        }
+    }
+}
+
+fn show(context: &mut ViewContext<'_>, panels: PanelOptions) {
+    let mut options = context.app.options.clone();
+    options.panels = panels;
+    context.push(Command::Show(Box::new(options)));
+}
+
+/// Height of the time line in a window of this height, points.
+pub(super) fn time_line_height(window: f32) -> f32 {
+    (0.104 * window).clamp(52.0, crate::ui::panels::timeline::HEIGHT)
+}
+
+/// The scroll area of a panel, which is scrolled whatever it holds.
+pub(super) fn scrolled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    egui::ScrollArea::vertical()
+        .id_salt(Id::unique(name))
+        .auto_shrink([false, false])
+        .show(ui, add);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_narrow_window_begins_without_panels_and_shows_one_at_a_time() {
+        let shown = |options: PanelOptions, width: f32| {
+            [SidePanel::Steps, SidePanel::Details].map(|side| side.is_shown(options, width))
+        };
+        let options = PanelOptions::default();
+        assert_eq!(shown(options, 1600.0), [true, true]);
+        assert_eq!(shown(options, 1280.0), [true, true]);
+        assert_eq!(shown(options, 960.0), [true, false]);
+        assert_eq!(shown(options, 640.0), [false, false]);
+        let steps = SidePanel::Steps.set_shown(options, true, 640.0);
+        assert_eq!(shown(steps, 640.0), [true, false]);
+        let details = SidePanel::Details.set_shown(steps, true, 640.0);
+        assert_eq!(shown(details, 640.0), [false, true]);
+        let both = SidePanel::Details.set_shown(options, true, 960.0);
+        assert_eq!(shown(both, 960.0), [true, true]);
+        // What was chosen holds in a wide window too.
+        let hidden = SidePanel::Steps.set_shown(options, false, 1600.0);
+        assert_eq!(shown(hidden, 1600.0), [false, true]);
+    }
+}

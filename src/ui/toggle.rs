@@ -1,0 +1,93 @@
+//! Buttons that are on or off. Their state is a shape as well as a colour: the knob of a switch lies right or left, and the one of
+//! several that is chosen is underlined.
+
+use egui::{Button, Response, Role, Stroke, StrokeKind, Ui, WidgetInfo, WidgetText, pos2, vec2};
+
+/// Width and height of the slot that the knob of a switch moves in, points.
+const SLOT: egui::Vec2 = vec2(18.0, 10.0);
+
+/// A switch with its name; a click turns it on or off.
+pub fn switch(ui: &mut Ui, on: &mut bool, name: &str) -> Response {
+    // Room for the slot, in spaces of the font: the button then has its size by itself.
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let colour = egui::Color32::PLACEHOLDER;
+    let space = ui
+        .painter()
+        .layout_no_wrap("    ".to_owned(), font, colour)
+        .size()
+        .x
+        / 4.0;
+    let room = " ".repeat((SLOT.x / space.max(1.0)).ceil() as usize + 1);
+    let text = egui::RichText::new(format!("{room}{name}")).small();
+    let button = ui.add(Button::new(text));
+    if button.clicked() {
+        *on = !*on;
+    }
+    let is_on = *on;
+    button.widget_info(|| WidgetInfo::selected(Role::Button, true, is_on, name));
+    let ink = ui.style().interact(&button).fg_stroke.color;
+    let left = button.rect.left() + ui.spacing().button_padding.x;
+    let centre = pos2(left + 0.5 * SLOT.x, button.rect.center().y);
+    let slot = egui::Rect::from_center_size(centre, SLOT);
+    let knob = |x: f32| pos2(x, centre.y);
+    let (reach, painter) = (0.5 * SLOT.y, ui.painter());
+    match is_on {
+        true => {
+            painter.rect_filled(slot, reach, ui.visuals().selection.bg_fill);
+            painter.circle_filled(knob(slot.right() - reach), reach - 1.0, ink);
+        }
+        false => {
+            painter.circle_stroke(
+                knob(slot.left() + reach),
+                reach - 2.5,
+                Stroke::new(1.2, ink),
+            );
+        }
+    }
+    painter.rect_stroke(slot, reach, Stroke::new(1.0, ink), StrokeKind::Inside);
+    button
+}
+
+/// One of several to choose from, or a tool: underlined while it is the one.
+pub fn chip(ui: &mut Ui, chosen: bool, name: impl Into<WidgetText>) -> Response {
+    let name: WidgetText = name.into();
+    underline(ui, chosen, Button::selectable(chosen, name))
+}
+
+/// A button, underlined while it is the one that is chosen or in hand.
+pub fn underline(ui: &mut Ui, chosen: bool, button: Button<'_>) -> Response {
+    let response = ui.add(button);
+    if chosen {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
+        let line = response.rect.shrink2(vec2(3.0, 0.0));
+        ui.painter()
+            .hline(line.x_range(), response.rect.bottom() - 1.0, stroke);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::{NodeT as _, Queryable as _};
+
+    #[test]
+    fn a_switch_says_its_state_and_turns() {
+        let mut panel = Harness::new_ui_state(
+            |ui, on| {
+                switch(ui, on, "Range lines");
+            },
+            false,
+        );
+        let state = |panel: &Harness<'_, bool>| {
+            let node = panel.get_by_label("Range lines");
+            node.accesskit_node().toggled()
+        };
+        assert_eq!(state(&panel), Some(egui::accesskit::Toggled::False));
+        panel.get_by_label("Range lines").click();
+        panel.run();
+        assert!(*panel.state());
+        assert_eq!(state(&panel), Some(egui::accesskit::Toggled::True));
+    }
+}

@@ -1,0 +1,217 @@
+//! The banner at the top of a view while a tool is in hand: what it is called, what to do next, and its keys.
+
+use super::legend;
+use crate::app::{App, BoxEdge, Tool, View};
+use crate::project::MeasurementKind;
+use crate::ui::theme;
+use egui::text::LayoutJob;
+use egui::{Color32, FontId, Galley, Rect, Role, Sense, TextFormat, Ui, WidgetInfo, vec2};
+use std::sync::Arc;
+
+/// Room around the words, points.
+const MARGIN: egui::Vec2 = vec2(7.0, 3.0);
+/// Lowest view that has room for the keys, points.
+const ROOM_FOR_KEYS: f32 = 170.0;
+
+/// What a banner says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Banner {
+    name: &'static str,
+    next: String,
+    keys: &'static str,
+}
+
+impl Banner {
+    fn new(name: &'static str, next: impl Into<String>, keys: &'static str) -> Self {
+        Self {
+            name,
+            next: next.into(),
+            keys,
+        }
+    }
+
+    /// Of the tool that picks a flat spot on the map.
+    pub fn of_calibration() -> Self {
+        let next = "click the track, or a numbered stretch";
+        Self::new(
+            "Calibrate by click",
+            next,
+            "C: at the selected ping · Esc leaves",
+        )
+    }
+
+    /// Of the tool in hand that is of use in a view; `None` without one.
+    pub fn of(app: &App, view: View) -> Option<Self> {
+        if let Some(kind) = app.measuring.tool {
+            return measuring(app, kind, view);
+        }
+        match (app.log.reviewing.tool, view) {
+            (Tool::LeaveOut, View::Waterfall | View::Map) => Some(Self::new(
+                "Leave stretches out",
+                "drag along the pings; a click takes a stretch back in",
+                "Ctrl: they count whatever is found · Alt: as found · K or Esc leaves",
+            )),
+            (tool, View::Waterfall) => of_picture(app, tool),
+            _ => None,
+        }
+    }
+
+    /// The whole of it in one line.
+    fn words(&self) -> String {
+        format!("{}: {}. {}", self.name, self.next, self.keys)
+    }
+
+    /// Lays it out in the upper left corner of `room`.
+    pub fn place(&self, ui: &Ui, room: Rect) -> Placed {
+        let font = FontId::proportional(12.0);
+        let mut job = LayoutJob::default();
+        let mut add = |text: &str, colour: Color32| {
+            job.append(text, 0.0, TextFormat::simple(font.clone(), colour));
+        };
+        // On a dark ground in any theme, as all words on the picture are.
+        add(self.name, theme::measure_colour());
+        add(&format!("  {}", self.next), Color32::from_gray(240));
+        if room.height() >= ROOM_FOR_KEYS {
+            add(&format!("   {}", self.keys), Color32::from_gray(178));
+        }
+        job.wrap.max_width = (room.width() - 2.0 * MARGIN.x).max(80.0);
+        let galley = ui.painter().layout_job(job);
+        Placed {
+            plate: Rect::from_min_size(room.min, galley.size() + 2.0 * MARGIN),
+            galley,
+            words: self.words(),
+        }
+    }
+}
+
+/// A banner in its place.
+pub struct Placed {
+    /// What it covers.
+    pub plate: Rect,
+    galley: Arc<Galley>,
+    words: String,
+}
+
+impl Placed {
+    /// Draws it.
+    pub fn draw(&self, ui: &Ui) {
+        let plate = self.plate;
+        let painter = ui.painter();
+        painter.rect_filled(plate, 3.0, Color32::from_black_alpha(225));
+        let edge = Rect::from_min_size(plate.min, vec2(3.0, plate.height()));
+        painter.rect_filled(edge, 0.0, theme::measure_colour());
+        painter.galley(
+            plate.min + MARGIN,
+            self.galley.clone(),
+            Color32::PLACEHOLDER,
+        );
+        let response = ui.interact(plate, ui.scope_id().with("tool banner"), Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &self.words));
+    }
+}
+
+/// Of a tool that is of use in the waterfall alone.
+fn of_picture(app: &App, tool: Tool) -> Option<Banner> {
+    Some(match tool {
+        Tool::Look | Tool::LeaveOut => return None,
+        Tool::Edit => {
+            let edge = app.log.reviewing.edge;
+            let next = match edge {
+                BoxEdge::Whole => "drag the box or one of its edges".to_owned(),
+                edge => format!("the arrow keys move the {}", edge.name()),
+            };
+            Banner::new(
+                "Edit box",
+                next,
+                "Arrows move it, Ctrl+arrows its edges · Shift+E: next edge · E or Esc leaves",
+            )
+        }
+        Tool::Draw => Banner::new(
+            "New box",
+            "drag from one corner of echo and shadow to the other",
+            "Space or the middle button moves the picture · N or Esc leaves",
+        ),
+        Tool::Point => Banner::new(
+            "Mark target",
+            "click the target",
+            "Arrows move the cross, T marks there or at the pointer · Esc leaves",
+        ),
+        Tool::Bottom => Banner::new(
+            "Draw the bottom",
+            "drag along the first echo of the bottom",
+            "Ctrl: there is none · Alt: as found · Up, Down: at the selected ping · M or Esc leaves",
+        ),
+    })
+}
+
+fn measuring(app: &App, kind: MeasurementKind, view: View) -> Option<Banner> {
+    let is_drawing = app.measuring.is_drawing();
+    let (name, next) = match (kind, view) {
+        (_, View::Cloud) => return None,
+        (MeasurementKind::Distance, _) => ("Measure distance", "click the corners of a line"),
+        (MeasurementKind::Area, _) => ("Measure area", "click the corners around it"),
+        (MeasurementKind::Profile, _) => ("Depth profile", "click the corners of a line"),
+        (MeasurementKind::Height, View::Map) => (
+            "Height from shadow",
+            "drag along the shadow in the waterfall",
+        ),
+        (MeasurementKind::Height, View::Waterfall) => (
+            "Height from shadow",
+            match is_drawing {
+                true => "now the end of the shadow",
+                false => "drag from the object's top, where its shadow begins, to the shadow's end",
+            },
+        ),
+    };
+    let keys = match (kind, is_drawing) {
+        (MeasurementKind::Height, _) => {
+            "Arrows move the cross, X sets an end · Backspace takes it back · H or Esc leaves"
+        }
+        (_, true) => {
+            "Arrows and X: a corner by key · Enter or a double-click ends it · Backspace: one back · Esc leaves"
+        }
+        (_, false) => "Arrows move the cross, X sets a corner · Esc leaves",
+    };
+    Some(Banner::new(name, next, keys))
+}
+
+/// The banner of the tool in hand at the top of a view, if there is one and there is room.
+pub fn in_view(ui: &Ui, app: &App, view: View, rect: Rect) -> Option<Placed> {
+    let banner = Banner::of(app, view).filter(|_| !app.is_picture)?;
+    let room = rect.shrink2(vec2(4.0, 4.0));
+    legend::has_width(room).then(|| banner.place(ui, room))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Command, Jobs};
+
+    #[test]
+    fn every_tool_says_what_to_do_and_how_to_leave_it() {
+        let tools = [
+            (Action::MeasureDistance, "Measure distance"),
+            (Action::MeasureArea, "Measure area"),
+            (Action::DepthProfile, "Depth profile"),
+            (Action::HeightFromShadow, "Height from shadow"),
+            (Action::NewBox, "New box"),
+            (Action::MarkTarget, "Mark target"),
+            (Action::DrawBottom, "Draw the bottom"),
+            (Action::LeaveOut, "Leave stretches out"),
+        ];
+        let mut app = App::new(Jobs::Inline);
+        app.apply(Command::OpenDemo);
+        for _ in 0..50 {
+            app.poll();
+        }
+        assert_eq!(Banner::of(&app, View::Waterfall), None);
+        for (action, name) in tools {
+            app.apply(Command::Do(action));
+            let banner = Banner::of(&app, View::Waterfall).expect(name);
+            assert_eq!(banner.name, name);
+            assert!(banner.keys.ends_with("Esc leaves"), "{}", banner.keys);
+            app.apply(Command::Do(Action::LeaveTool));
+            assert_eq!(Banner::of(&app, View::Waterfall), None, "{name}");
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The cross that the arrow keys move over the waterfall with a tool in hand.
+
+use super::lens::{Lens, Place};
+use crate::app::View;
+use crate::ui::views::measured;
+use crate::ui::{ViewContext, theme};
+use egui::{Painter, Response, Stroke, Ui, Vec2, vec2};
+
+/// Where it stands; nowhere before a key has moved it, and after the pointer has.
+#[derive(Default)]
+pub(super) struct Cross {
+    place: Option<Place>,
+}
+
+impl Cross {
+    /// Moves it by the keys of this frame; whether they moved it.
+    pub fn follow(
+        &mut self,
+        ui: &mut Ui,
+        response: &Response,
+        lens: &Lens,
+        context: &ViewContext<'_>,
+    ) -> bool {
+        let hover = response.hover_pos();
+        if hover.is_some() && ui.input(|input| input.pointer.delta() != Vec2::ZERO) {
+            self.place = None;
+        }
+        let moved = match context.target {
+            View::Waterfall => measured::arrows(ui),
+            View::Map | View::Cloud => [0.0; 2],
+        };
+        if moved == [0.0; 2] {
+            return false;
+        }
+        let from = self.place.or(hover.map(|at| lens.place_at(at)));
+        let from = from.map_or(lens.rect.center(), |place| lens.screen_at(place));
+        // Up on the screen is less of its y.
+        let to = from + vec2(moved[0] as f32, -moved[1] as f32);
+        self.place = Some(lens.place_at(to));
+        true
+    }
+
+    /// Where it stands, or else the pointer.
+    pub fn or_pointer(&self, response: &Response, lens: &Lens) -> Option<Place> {
+        let under = response.hover_pos().map(|at| lens.place_at(at));
+        self.place.or(under)
+    }
+
+    /// Where it stands.
+    pub fn place(&self) -> Option<Place> {
+        self.place
+    }
+
+    /// Draws it.
+    pub fn draw(&self, painter: &Painter, lens: &Lens) {
+        let Some(place) = self.place else {
+            return;
+        };
+        let at = lens.screen_at(place);
+        let stroke = Stroke::new(1.5, theme::measure_colour());
+        for arm in [vec2(9.0, 0.0), vec2(0.0, 9.0)] {
+            painter.line_segment([at - arm, at - 0.3 * arm], stroke);
+            painter.line_segment([at + 0.3 * arm, at + arm], stroke);
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! A window that stays out of the way: room for the views in a small one, notices that are kept, banners of tools, knobs that say what
+//! they stand for.
+
+use crate::review::{detections, propose};
+use crate::support::snapshot_options;
+use crate::units_window::painted;
+use crate::window::{Window, app, demo_window, drop_file, empty_window, press, settle};
+use bathyscope::app::{Action, App, Command, Jobs, Mark, ThemeChoice, View};
+use bathyscope::presentation::units::{LengthUnit, Units};
+use bathyscope::ui::Shell;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, Rect};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+
+/// A window of so many pixels, with so many of them to a point.
+fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) -> Window {
+    let builder = Harness::builder()
+        .with_pixels_per_point(pixels_per_point)
+        .with_size(pixels.map(|side| side / pixels_per_point))
+        .with_max_steps(24)
+        .with_options(snapshot_options())
+        .with_render_cursor(false);
+    let shell = |_: &mut eframe::CreationContext<'_>| Shell::new(App::new(Jobs::Inline));
+    let mut window = match draws {
+        true => builder.wgpu().build_eframe(shell),
+        false => builder.build_eframe(shell),
+    };
+    window.run();
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.run();
+    window
+}
+
+/// Where the views are, with their titles.
+fn views(window: &Window) -> Rect {
+    let names = ["Waterfall, pings", "Map, track of", "3D point cloud"];
+    let nodes = names.into_iter().flat_map(|name| {
+        let nodes = window.query_all_by_label_contains(name);
+        nodes.map(|node| node.rect()).collect::<Vec<_>>()
+    });
+    let all = nodes.reduce(Rect::union).expect("a view");
+    all.with_min_y(all.top() - 26.0)
+}
+
+/// Labels and controls that reach beyond the right edge of the window or of their panel.
+fn cut_off(window: &Window) -> Vec<(String, Rect)> {
+    let width = window.ctx.content_rect().width();
+    let height = window.ctx.content_rect().height();
+    let inner = |name: &str| window.query_by_label(name).map(|node| node.rect());
+    let panels: Vec<Rect> = ["Survey section", "Selection section"]
+        .into_iter()
+        .filter_map(inner)
+        .collect();
+    let nodes = window.query_all_by(|_| true);
+    let named = nodes.filter_map(|node| {
+        let accesskit = node.accesskit_node();
+        let roles = [
+            Role::Window,
+            Role::GenericContainer,
+            Role::Pane,
+            Role::ScrollBar,
+        ];
+        if roles.contains(&accesskit.role()) {
+            return None;
+        }
+        let name = accesskit.label().or(accesskit.value())?;
+        // The table of objects is scrolled sideways.
+        let is_cell = name.starts_with("Sort objects") || name.starts_with("Object ");
+        Some((name, node.rect())).filter(|_| !is_cell)
+    });
+    let is_cut = |rect: &Rect| {
+        let is_in_sight = rect.top() < height && rect.bottom() > 0.0;
+        let panel = panels.iter().find(|panel| {
+            (panel.left() - 1.0..panel.right()).contains(&rect.left())
+                && rect.width() < panel.width() + 200.0
+        });
+        let edge = panel.map_or(width, |panel| panel.right());
+        is_in_sight && rect.right() > edge + 1.5
+    };
+    named.filter(|(_, rect)| is_cut(rect)).collect()
+}
+
+#[test]
+fn a_small_window_leaves_half_of_it_to_the_views_and_cuts_nothing_off() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (pixels, scale) in [
+        ([1280.0, 720.0], 1.0),
+        ([1920.0, 1080.0], 2.0),
+        ([1280.0, 720.0], 2.0),
+    ] {
+        let mut window = window_of(pixels, scale, false);
+        let found = detections(&window, 6);
+        propose(&mut window, &found, folder.path());
+        window.state_mut().app.notices.clear();
+        press(&mut window, Modifiers::NONE, Key::Tab);
+        let whole = window.ctx.content_rect();
+        let share = views(&window).area() / whole.area();
+        println!("{pixels:?} at {scale}: views have {:.0} %", 100.0 * share);
+        assert!(share >= 0.5, "{pixels:?} at {scale}: {share}");
+        // With either panel, and what a busy bar says.
+        for key in [None, Some(Key::F7), Some(Key::F8)] {
+            if let Some(key) = key {
+                press(&mut window, Modifiers::NONE, key);
+            }
+            let cut = cut_off(&window);
+            assert!(cut.is_empty(), "{pixels:?} at {scale}, {key:?}: {cut:#?}");
+        }
+        // Every menu is reached, and the palette and the manual lie in the window.
+        for menu in ["File", "Edit", "View", "Survey", "Review", "Help"] {
+            let button = window.get_by_role_and_label(Role::Button, menu).rect();
+            assert!(button.right() < whole.right(), "{menu} at {button}");
+        }
+        press(&mut window, Modifiers::COMMAND, Key::P);
+        let field = window.get_by_label("Command").rect();
+        assert!(whole.contains_rect(field), "{field} in {whole}");
+        press(&mut window, Modifiers::NONE, Key::Escape);
+    }
+}
+
+#[test]
+fn the_panels_go_and_come_by_key_and_stay_so() {
+    let mut window = demo_window();
+    let before = views(&window).width();
+    press(&mut window, Modifiers::NONE, Key::F7);
+    assert!(window.query_by_label("First return section").is_none());
+    press(&mut window, Modifiers::NONE, Key::F8);
+    assert!(window.query_by_label("Selection section").is_none());
+    assert!(views(&window).width() > before + 450.0);
+    // As the window keeps it between runs.
+    let text = serde_json::to_string(&app(&window).options).expect("text");
+    let kept: bathyscope::app::ViewOptions = serde_json::from_str(&text).expect("options");
+    let mut next = demo_window();
+    next.state_mut().app.options = kept;
+    next.run();
+    assert!(next.query_by_label("First return section").is_none());
+    let button = Action::StepsPanel.label();
+    next.get_by_role_and_label(Role::Button, button).click();
+    next.run();
+    next.run();
+    assert!(next.query_by_label("First return section").is_some());
+    // A section folds by a click on its title.
+    assert!(next.query_by_label("Dead zone").is_some());
+    next.get_by_label("First return section").click();
+    next.run();
+    assert!(next.query_by_label("Dead zone").is_none());
+}
+
+#[test]
+fn notices_are_kept_in_a_list_and_lie_over_no_time_line() {
+    let mut window = demo_window();
+    let missing = std::env::temp_dir().join("lake 5 m deep.sl2");
+    window.state_mut().app.options.units = Units {
+        length: LengthUnit::Feet,
+        ..Units::default()
+    };
+    drop_file(&mut window, missing);
+    let shown = window.get_by_label_contains("lake 5 m deep").rect();
+    let line = window.get_by_label_contains("Time line, ping").rect();
+    assert!(!shown.intersects(line), "{shown} over {line}");
+    window.get_by_label("Dismiss").click();
+    window.run();
+    assert!(window.query_by_label_contains("lake 5 m deep").is_none());
+    press(&mut window, Modifiers::NONE, Key::F9);
+    window.run();
+    assert!(window.query_by_label_contains("lake 5 m deep").is_some());
+    assert!(window.query_by_label("could not be done").is_some());
+    assert!(window.query_by_label_contains(" UTC").is_some());
+    press(&mut window, Modifiers::NONE, Key::F9);
+    assert!(window.query_by_label_contains("lake 5 m deep").is_none());
+}
+
+#[test]
+fn what_is_typed_in_the_frame_of_the_palettes_key_goes_into_its_field() {
+    let mut window = demo_window();
+    let key = |key: Key, modifiers: Modifiers| Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    };
+    let typed = "turn the w".chars().flat_map(|letter| {
+        let pressed = Key::from_name(&letter.to_uppercase().to_string());
+        let text = Event::Text(letter.to_string());
+        let pressed = pressed.map(|pressed| key(pressed, Modifiers::NONE));
+        pressed.into_iter().chain([text])
+    });
+    let events: Vec<Event> = std::iter::once(key(Key::P, Modifiers::COMMAND))
+        .chain(typed)
+        .collect();
+    let before = app(&window).options.waterfall.orientation;
+    window.input_mut().events.extend(events);
+    window.step();
+    // T, N and W mean tools: none was taken.
+    assert!(app(&window).measuring.tool.is_none());
+    assert_eq!(app(&window).log.reviewing.tool, Default::default());
+    window.step();
+    let field = window.get_by_label("Command");
+    let value = field.accesskit_node().value();
+    assert_eq!(value.as_deref(), Some("turn the w"));
+    window.event(Event::Text("a".to_owned()));
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    assert_ne!(app(&window).options.waterfall.orientation, before);
+}
+
+#[test]
+fn each_tool_has_a_banner_in_the_views_that_it_is_of_use_in() {
+    let mut window = demo_window();
+    for (modifiers, key, name, count) in [
+        (Modifiers::NONE, Key::D, "Measure distance: ", 2),
+        (Modifiers::SHIFT, Key::D, "Measure area: ", 2),
+        (Modifiers::NONE, Key::P, "Depth profile: ", 2),
+        (Modifiers::NONE, Key::H, "Height from shadow: ", 2),
+        (Modifiers::NONE, Key::N, "New box: ", 1),
+        (Modifiers::NONE, Key::T, "Mark target: ", 1),
+        (Modifiers::NONE, Key::M, "Draw the bottom: ", 1),
+        (Modifiers::NONE, Key::K, "Leave stretches out: ", 2),
+    ] {
+        press(&mut window, modifiers, key);
+        let banners: Vec<Rect> = (window.query_all_by_label_contains(name))
+            .map(|node| node.rect())
+            .collect();
+        assert_eq!(banners.len(), count, "{name}");
+        let waterfall = window.get_by_label_contains("Waterfall, pings").rect();
+        assert!(waterfall.contains_rect(banners[0].intersect(waterfall)));
+        press(&mut window, Modifiers::NONE, Key::Escape);
+        assert!(window.query_by_label_contains(name).is_none(), "{name}");
+    }
+    window.get_by_label("Calibrate by click").click();
+    window.run();
+    let banner = "Calibrate by click: click the track";
+    assert!(window.query_by_label_contains(banner).is_some());
+    press(&mut window, Modifiers::NONE, Key::Escape);
+    assert!(window.query_by_label_contains(banner).is_none());
+}
+
+#[test]
+fn zero_that_stands_for_no_value_says_so() {
+    let mut window = demo_window();
+    let says = |window: &Window, word: &str| painted(window).iter().any(|(text, _)| text == word);
+    assert!(says(&window, "automatic"), "the interval of the isobaths");
+    // The window is as tall as its panels.
+    window.set_size(egui::vec2(1400.0, 2600.0));
+    window.run();
+    assert!(says(&window, "none"), "no turn is left out");
+    let turns = window.get_by_role_and_label(Role::Slider, "Turns from");
+    turns.set_value_accesskit(12.0);
+    window.run();
+    assert!(says(&window, "12.0 °/s"));
+    assert_eq!(app(&window).undo_label(), Some("turns left out 12.0 °/s"));
+}
+
+#[test]
+fn a_change_is_named_in_the_units_of_the_day_it_is_read() {
+    let mut window = demo_window();
+    let feet = Units {
+        length: LengthUnit::Feet,
+        ..Units::default()
+    };
+    window.state_mut().app.options.units = feet;
+    window.run();
+    let draft = window.get_by_role_and_label(Role::Slider, "Draft");
+    draft.set_value_accesskit(5.0);
+    window.run();
+    let label = app(&window).undo_label().expect("a change").to_owned();
+    assert_eq!(label, "draft 1.524 m");
+    assert_eq!(feet.sentence(&label), "draft 5.00 ft");
+}
+
+#[test]
+fn the_next_box_comes_one_to_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = demo_window();
+    let found = detections(&window, 6);
+    propose(&mut window, &found, folder.path());
+    let wide = app(&window).visible.len();
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    window.run();
+    let near = app(&window).visible.clone();
+    let shown = app(&window).log.reviewing.selected_box().expect("a box");
+    let pings = shown.mark.pings.clone();
+    assert!(near.start <= pings.start && pings.end <= near.end);
+    println!("{wide} pings before, {} one to one", near.len());
+    assert!(near.len() < wide && near.len() > 2 * pings.len());
+    // The same scale for the next one, and left alone when that is wished for.
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    window.run();
+    let next = app(&window).visible.len();
+    assert!(next.abs_diff(near.len()) <= near.len() / 4, "{next}");
+    press(&mut window, Modifiers::SHIFT, Key::Z);
+    assert!(!app(&window).options.waterfall.zooms_to_boxes);
+    press(&mut window, Modifiers::NONE, Key::F);
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    window.run();
+    assert!(app(&window).visible.len() > 1000);
+}
+
+#[test]
+fn an_empty_small_window_offers_what_would_fill_it() {
+    let mut window = empty_window();
+    window.set_size(egui::vec2(640.0, 360.0));
+    window.run();
+    let offers = window.query_all_by_label("Open the demo survey").count();
+    assert!(offers >= 1);
+}
+
+#[test]
+fn small_windows_look_as_they_did() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut window = window_of([1280.0, 720.0], 1.0, true);
+    let found = detections(&window, 12);
+    propose(&mut window, &found, folder.path());
+    window.state_mut().app.notices.clear();
+    window.state_mut().app.options.theme = ThemeChoice::Light;
+    press(&mut window, Modifiers::NONE, Key::Tab);
+    press(&mut window, Modifiers::NONE, Key::E);
+    settle(&mut window);
+    window.snapshot("window_1280x720_light");
+    let mut snapshots = window.take_snapshot_results();
+    let mut window = window_of([1280.0, 720.0], 2.0, true);
+    let place = Command::Reveal(Mark::ping(400));
+    window.state_mut().app.apply(place);
+    window
+        .state_mut()
+        .app
+        .apply(Command::Focus(View::Waterfall));
+    press(&mut window, Modifiers::NONE, Key::G);
+    press(&mut window, Modifiers::NONE, Key::D);
+    settle(&mut window);
+    window.snapshot("window_200_percent");
+    snapshots.extend(window.take_snapshot_results());
+}
