@@ -208,6 +208,7 @@ impl App {
         if !self.is_shown() {
             return;
         }
+        self.previewer.forget();
         for mark in [&mut self.selection, &mut self.hover].into_iter().flatten() {
             mark.side = mark.side.map(Side::other);
         }

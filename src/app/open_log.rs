@@ -126,9 +126,13 @@ impl OpenLog {
         (self.survey.as_ref()).map_or_else(String::new, |survey| survey.name())
     }
 
-    /// The first returns to draw: those under the slider if there are any, else those of the last result.
+    /// The first returns to draw: those under the slider if there are any, else those of the last result, but for those of the other
+    /// sides.
     pub fn returns(&self) -> Option<&Arc<FirstReturns>> {
-        let found = self.products.as_ref().map(|products| &products.returns);
+        let swapped = self.settings.mounting.swap_sides;
+        let products = self.products.as_ref();
+        let products = products.filter(|made| made.settings.mounting.swap_sides == swapped);
+        let found = products.map(|products| &products.returns);
         self.preview.as_ref().or(found)
     }
 

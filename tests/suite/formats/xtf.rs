@@ -20,7 +20,7 @@ fn altitude_is_depth_and_metres_are_local() {
     assert_eq!(survey.soundings.len(), 20);
     assert_eq!(survey.side_scan[3].depth_m, 7.5);
     assert_eq!(survey.range_source, RangeSource::SurveyRecorder);
-    assert!(says(&survey, "unknown zone"));
+    assert!(says(&survey, "set source.crs to its EPSG number"));
     let [_, north_m] = survey.track.frame.to_enu(survey.track.fixes[19].position);
     assert!((north_m - 19.0 * 0.5).abs() < 0.01, "{north_m}");
     assert!((survey.side_scan[19].time_s - 1.9).abs() < 1e-6);

@@ -4,7 +4,6 @@ use super::{off_m, scene};
 use crate::cli::run;
 use crate::handmade;
 use crate::logs_window::{change, settle};
-use crate::support::snapshot_options;
 use crate::truth::KnownSurvey;
 use crate::window::{Window, app, drawn_window, drop_file, empty_window, press};
 use bathyscope::app::{Action, BottomStroke, Command, Ink, Mark, Mountings};
@@ -85,7 +84,7 @@ fn an_arm_is_typed_shown_and_taken_back() {
     window.get_by_label("Mounting section").scroll_to_me();
     window.run();
     crate::window::settle(&mut window);
-    window.snapshot_options("window_mounting", &snapshot_options());
+    window.snapshot("window_mounting");
 
     act(&mut window, Action::Undo);
     act(&mut window, Action::Undo);
@@ -423,4 +422,38 @@ fn the_system_of_metres_is_typed_in_the_panel() {
     );
     act(&mut window, Action::Undo);
     assert!(places(&window).iter().all(|[lon, ..]| lon.abs() < 0.01));
+}
+
+#[test]
+fn the_waterfall_is_drawn_anew_when_sides_are_exchanged() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut drawn = Vec::new();
+    for mirrored in [false, true] {
+        let mut scene = scene();
+        scene.mounting.swap_sides = mirrored;
+        let path = folder.path().join("pond.sl2");
+        let log = KnownSurvey::new(&scene, 3).truth.sl2_bytes();
+        std::fs::write(&path, log).expect("a log");
+        let mut window = drawn_window([1400.0, 1000.0]);
+        open(&mut window, &path);
+        // The picture of the log as it was is there before its sides are exchanged.
+        crate::window::settle(&mut window);
+        if mirrored {
+            act(&mut window, Action::SwapSides);
+            crate::window::settle(&mut window);
+        }
+        let view = window.get_by_label_contains("Waterfall, pings").rect();
+        let image = window.render().expect("a picture");
+        let [left, top] = [view.left(), view.top()].map(|points| points.ceil() as u32);
+        let [width, height] = [view.width(), view.height()].map(|points| points as u32 - 1);
+        drawn.push(image::imageops::crop_imm(&image, left, top, width, height).to_image());
+    }
+    let [plain, exchanged] = &drawn[..] else {
+        panic!("two pictures")
+    };
+    assert_eq!(plain.dimensions(), exchanged.dimensions());
+    let pairs = plain.pixels().zip(exchanged.pixels());
+    let differ = pairs.filter(|(one, other)| one != other).count();
+    println!("{differ} of {} pixels differ", plain.pixels().len());
+    assert!(differ < 50, "{differ}");
 }

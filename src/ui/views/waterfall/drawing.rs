@@ -16,6 +16,8 @@ const UPLOADS: usize = 4;
 /// The picture of one survey.
 pub(super) struct Drawing {
     pub survey_serial: u64,
+    /// Whether port and starboard are exchanged in it.
+    pub swapped_sides: bool,
     tiler: Tiler,
     tiles: TileSet,
     arrived: VecDeque<Tile>,
@@ -38,6 +40,7 @@ impl Drawing {
         let waker = move || ctx.request_repaint_after(std::time::Duration::from_millis(1));
         Self {
             survey_serial,
+            swapped_sides: survey.swapped_sides,
             tiler: Tiler::start(survey, waker),
             tiles: TileSet::new(),
             arrived: VecDeque::new(),

@@ -266,12 +266,17 @@ impl WaterfallView {
         }
     }
 
-    /// Starts over when another survey is open.
+    /// Starts over when another survey is open; when its sides are exchanged, the camera stays where it is.
     fn follow_survey(&mut self, ctx: &egui::Context, context: &mut ViewContext<'_>) {
         let app = context.app;
         let serial = app.log.survey.as_ref().map(|_| app.survey_serial);
-        if self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial {
+        let is_other = self.drawing.as_ref().map(|drawing| drawing.survey_serial) != serial;
+        let sides = app.log.survey.as_ref().map(|survey| survey.swapped_sides);
+        let turned = self.drawing.as_ref().map(|drawing| drawing.swapped_sides) != sides;
+        if is_other {
             self.camera = None;
+        }
+        if is_other || turned {
             self.settled = false;
             self.drawing = app
                 .log
