@@ -94,13 +94,7 @@ pub fn section(
         ui.data_mut(|data| data.insert_persisted(folded_id, folded));
     }
     if !folded {
-        // A row that is too wide widens no other part of the panel.
-        let area = ui.available_rect_before_wrap();
-        let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
-        body(&mut inner, context);
-        let foot = inner.min_rect().bottom().max(area.top());
-        let used = egui::Rect::from_min_max(area.min, egui::pos2(area.right(), foot));
-        ui.advance_cursor_after_rect(used);
+        within(ui, |ui| body(ui, context));
         ui.add_space(2.0);
     }
     ui.add(egui::Separator::default().spacing(5.0));
@@ -369,6 +363,16 @@ pub fn of_given_width(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.advance_cursor_after_rect(area);
 }
 
+/// A part of a panel of which no row, however wide, widens what follows it.
+pub fn within(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+    let area = ui.available_rect_before_wrap();
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(area));
+    add(&mut inner);
+    let foot = inner.min_rect().bottom().max(area.top());
+    let used = egui::Rect::from_min_max(area.min, egui::pos2(area.right(), foot));
+    ui.advance_cursor_after_rect(used);
+}
+
 /// The control of a setting, as its row of the table has it; a whole drag is one undo step.
 pub fn setting(ui: &mut Ui, context: &mut ViewContext<'_>, row: &'static Row) {
     // A figure above that comes or goes with the results must not end a drag.
@@ -468,6 +472,7 @@ fn choice(
     row(ui, setting.label, setting.hint, |ui| {
         egui::ComboBox::from_id_salt(setting.key)
             .width(ui.available_width() - 2.0)
+            .truncate()
             .selected_text(shown.map_or(current.as_str(), |name| name.label))
             .show_ui(ui, |ui| {
                 for name in choice.names {

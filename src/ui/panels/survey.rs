@@ -215,7 +215,7 @@ fn warnings(ui: &mut Ui, context: &ViewContext<'_>, survey: &Survey) {
 fn preset_line(ui: &mut Ui, context: &mut ViewContext<'_>) {
     let in_force = context.app.log.settings.matching_preset();
     ui.add_space(2.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(egui::Label::new("Preset").selectable(false));
         for (preset, label, hint) in [
             (

@@ -95,7 +95,7 @@ impl SidePanel {
             SidePanel::Details => (Panel::right("details"), 220.0..=widest(560.0)),
         };
         panel
-            .default_size((0.1875 * width).clamp(240.0, theme::SIDE_PANEL_WIDTH))
+            .default_size(default_width(width))
             .size_range(sizes)
             .frame(frame)
             .show_collapsible(ui, &mut is_shown, |ui| add(ui, context));
@@ -133,6 +133,13 @@ impl SidePanel {
             context.push(Command::Do(action));
         }
     }
+}
+
+/// Width of a panel at first: in a window of 1280 points the views keep half of it, in one of 1400 nothing is short of room.
+fn default_width(window: f32) -> f32 {
+    let least = 240.0;
+    let share = ((window - 1280.0) / 120.0).clamp(0.0, 1.0);
+    least + share * (theme::SIDE_PANEL_WIDTH - least)
 }
 
 fn show(context: &mut ViewContext<'_>, panels: PanelOptions) {

@@ -135,6 +135,8 @@ fn a_click_selects_the_box_under_it_and_beside_it_a_ping() {
         review_of(&window).get(one.id).map(|one| one.state),
         Some(State::Accepted)
     );
+    // The next box has come one to one.
+    press(&mut window, Modifiers::NONE, Key::F);
     let beside = at(&window, middle, -5.0);
     window.drag_at(beside);
     window.drop_at(beside);

@@ -9,7 +9,7 @@ mod queue;
 mod selected;
 mod table;
 
-use super::parts::{Section, remark, section, warning};
+use super::parts::{Section, remark, section, warning, within};
 use crate::app::{Action, Command};
 use crate::pipeline::Background;
 use crate::presentation::units::Units;
@@ -53,9 +53,9 @@ impl ReviewPanel {
             if let Some(note) = context.app.search_note() {
                 warning(ui, context, &note);
             }
-            self.selected(ui, context);
-            self.object.ui(ui, context);
-            judged::at_slider(ui, context);
+            within(ui, |ui| self.selected(ui, context));
+            within(ui, |ui| self.object.ui(ui, context));
+            within(ui, |ui| judged::at_slider(ui, context));
             queue::ui(ui, context);
             files(ui, context);
         });

@@ -135,6 +135,7 @@ fn between(ui: &mut Ui, name: &str, hint: &str, mut value: impl FnMut(&mut Ui, u
 fn list(ui: &mut Ui, id: &str, shown: &str, items: impl FnOnce(&mut Ui)) -> Response {
     ComboBox::from_id_salt(id)
         .width(ui.available_width() - 2.0)
+        .truncate()
         .selected_text(shown)
         .show_ui(ui, items)
         .response

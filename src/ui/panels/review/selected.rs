@@ -1,6 +1,6 @@
 //! The selected box: picture, decision, class, and what is known of it.
 
-use super::super::parts::{fact, remark};
+use super::super::parts::{fact, remark, within};
 use super::chip::Chip;
 use super::{ReviewPanel, button, chip, size};
 use crate::app::{Action, Command, Tool};
@@ -34,7 +34,7 @@ impl ReviewPanel {
             return;
         };
         self.picture(ui, context, &one);
-        title(ui, context, &one);
+        within(ui, |ui| title(ui, context, &one));
         decisions(ui, context, &one);
         classes(ui, context, &one);
         facts(ui, context, &one);
@@ -59,7 +59,7 @@ impl ReviewPanel {
 
 fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
     let review = &context.app.log.reviewing.review;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let class = review.class_name(one.class);
         let title = if one.name.is_empty() {
             class
@@ -82,7 +82,7 @@ fn title(ui: &mut Ui, context: &ViewContext<'_>, one: &Reviewed) {
             _ => format!(" of {}", context.app.log.name()),
         };
         let name = format!("box {}{log}{corrected}", one.id.0);
-        ui.add(egui::Label::new(RichText::new(name).weak()).truncate());
+        ui.label(RichText::new(name).weak());
     });
 }
 
