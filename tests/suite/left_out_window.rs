@@ -112,7 +112,7 @@ fn a_drag_along_the_waterfall_leaves_pings_out_of_everything_as_one_step() {
         press(&mut window, Modifiers::COMMAND, Key::Z);
         assert_eq!(pings(&window).len(), expected);
     }
-    assert_eq!(points_in(&window, stretch), before);
+    assert_eq!(points_in(&window, [300, 400]), before);
     assert_eq!(app(&window).undo_label(), None);
     press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     assert_eq!(pings(&window), [stretch]);

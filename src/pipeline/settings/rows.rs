@@ -245,13 +245,13 @@ rows! {
     PICTURE_STRIPES: "picture.stripe_filter", "Stripes", "stripe filter",
         "Pings that are brighter or darker than those about them.",
         choice!(picture.stripe_filter, [
-            "false", "stay", "Pings are shown as they are.";
-            "true", "evened", "Each ping is brought to the median level of the pings about it.";
+            "false", "as recorded", "Pings are shown as they are.";
+            "true", "filtered", "Each ping is brought to the median level of the pings about it.";
         ]);
     PICTURE_DESPECKLE: "picture.despeckle", "Speckle", "despeckling",
         "Single bright and dark echoes.",
         choice!(picture.despeckle, [
-            "false", "stays", "Echoes are shown as they are.";
+            "false", "as recorded", "Echoes are shown as they are.";
             "true", "removed", "Each echo is the median of the 3 x 3 about it, on the screen's own scale.";
         ]);
     // With the greatest gain the brightest byte becomes 8000.

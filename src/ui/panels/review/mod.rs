@@ -9,7 +9,7 @@ mod queue;
 mod selected;
 mod table;
 
-use super::parts::{Section, remark, section, warning, within};
+use super::parts::{Section, section, warning, within};
 use crate::app::{Action, Command};
 use crate::pipeline::Background;
 use crate::presentation::units::Units;
@@ -97,7 +97,10 @@ fn progress(ui: &mut Ui, context: &ViewContext<'_>) {
         };
         parts.push(kept.to_owned());
     }
-    remark(ui, parts.join(" · "));
+    // On one line whatever it says: all that is clicked lies below it.
+    let said = parts.join(" · ");
+    let words = RichText::new(&said).weak().small();
+    ui.add(egui::Label::new(words).truncate());
 }
 
 fn files(ui: &mut Ui, context: &mut ViewContext<'_>) {
