@@ -77,8 +77,6 @@ fn what_is_missing_or_wrong_is_said_in_a_sentence_that_names_the_setting() {
         ("EPSG:4326", "has degrees"),
         ("EPSG:23032", "another datum"),
         ("EPSG:2263", "in metres"),
-        // A zone of the other side of the Earth takes any easting; the national grid of the Netherlands does not.
-        ("EPSG:2180", "lies outside of EPSG:2180"),
     ] {
         let said = refused(value);
         assert!(
@@ -87,6 +85,16 @@ fn what_is_missing_or_wrong_is_said_in_a_sentence_that_names_the_setting() {
         );
         assert!(!said.contains('\n'), "{said}");
     }
+    // Metres of web Mercator lie thousands of kilometres off the middle of any zone.
+    let mercator = log((-8_203_600.0, 5_271_000.0));
+    let made = pipeline::as_set(mercator, &settings(&["source.crs=EPSG:32618"]), None);
+    let said = made.expect_err("no zone reaches so far").to_string();
+    assert!(
+        said.starts_with(
+            "source.crs: the log's position -8203600 E 5271000 N lies outside of EPSG:32618"
+        ),
+        "{said}"
+    );
     // Degrees need no system, and are not touched by one.
     let bytes = handmade::xtf(20, 1, 3, (-73.6, 42.7), 0.0);
     let degrees = formats::open_bytes("line.xtf", bytes, &Progress::new()).expect("a log");
@@ -127,7 +135,9 @@ fn a_run_is_told_the_system_and_says_so() {
         report.contains("are taken for those of EPSG:32618"),
         "{report}"
     );
-    let wrong = [&args[..], &["--set", "source.crs=EPSG:2180"]].concat();
+    let bytes = handmade::xtf(60, 1, 0, (-8_203_600.0, 5_271_000.0), 7.5);
+    std::fs::write(folder.join("line.xtf"), bytes).expect("a log");
+    let wrong = [&args[..], &["--set", "source.crs=EPSG:32618"]].concat();
     let said = refusal(folder, &wrong, 1);
     assert!(
         said.contains("source.crs: the log's position") && said.contains("line.xtf"),
