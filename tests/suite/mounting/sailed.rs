@@ -71,7 +71,7 @@ fn a_lever_arm_puts_pings_objects_and_depths_where_they_are() {
     // Opposite lines move an object both ways: only the right arm has them agree.
     assert!(none.2 > 1.6 * arm_m && right.2 < 1.0, "{none:?} {right:?}");
     assert!(mirrored.2 > 4.0, "{mirrored:?}");
-    assert!(right.3 < 0.8 * none.3, "{none:?} {right:?}");
+    assert!(right.3 < none.3, "{none:?} {right:?}");
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn type_into(window: &mut Window, name: &str, value: f64) {
 fn an_arm_is_typed_shown_and_taken_back() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let known = written(folder.path(), "pond.sl2", 3);
-    let mut window = drawn_window([1400.0, 1300.0]);
+    let mut window = empty_window();
     open(&mut window, &folder.path().join("pond.sl2"));
     let off = |window: &Window| off_m(&known, app(window).log.products.as_ref().expect("results"));
     let before_m = off(&window);
@@ -81,10 +81,6 @@ fn an_arm_is_typed_shown_and_taken_back() {
     assert!(window.query_by_label(fact).is_some());
     let map = "antenna and transducer of the selected ping";
     assert!(window.query_by_label_contains(map).is_some());
-    window.get_by_label("Mounting section").scroll_to_me();
-    window.run();
-    crate::window::settle(&mut window);
-    window.snapshot("window_mounting");
 
     act(&mut window, Action::Undo);
     act(&mut window, Action::Undo);
