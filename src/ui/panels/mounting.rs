@@ -78,6 +78,9 @@ fn usual(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ),
     };
     remark(ui, said);
+    if actions.is_empty() {
+        return;
+    }
     ui.horizontal_wrapped(|ui| {
         for &action in actions {
             let label = match action {
