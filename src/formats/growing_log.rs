@@ -150,6 +150,25 @@ impl GrowingLog {
         self.files.iter().map(GrowingFile::length).sum()
     }
 
+    /// The bytes of what was known of the log when it was begun with, `lengths` of each file: no map of the log itself.
+    ///
+    /// # Errors
+    /// What the system says of the copy.
+    pub fn beginning(&self, lengths: &[usize]) -> Result<Vec<Bytes>, GrowingError> {
+        let each = self
+            .files
+            .iter()
+            .zip(lengths)
+            .map(|(file, known)| match &file.copied {
+                Copied::Log { copy, length } => {
+                    map::map_beginning(copy, (*known as u64).min(*length))
+                        .map_err(|source| GrowingError::NoRoom { source })
+                }
+                Copied::Whole(bytes) => Ok(Bytes::Held(bytes.clone())),
+            });
+        each.collect()
+    }
+
     /// The files with their bytes, the one to open first. The bytes stay as they are, whatever becomes of the log.
     ///
     /// # Errors

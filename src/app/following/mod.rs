@@ -13,7 +13,8 @@ mod whole;
 use super::{App, LogId, OpenLog, Outcome, Task};
 use crate::pipeline::EngineStatus;
 use crate::presentation::text::count;
-use crate::survey::Survey;
+use crate::printable::quoted;
+use crate::survey::{Bytes, Survey};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use step::{Ground, Grown, StepError, Tools};
@@ -166,7 +167,9 @@ impl App {
     /// Begins to follow the shown log, or ends it.
     pub(super) fn toggle_following(&mut self) {
         if let Some(other) = self.followed().filter(|id| *id != self.log.id) {
-            let name = self.open_log(other).map_or_else(String::new, OpenLog::name);
+            let name = self
+                .open_log(other)
+                .map_or_else(String::new, |log| quoted(&log.name()));
             let text = format!("{name} is followed already; end that first");
             return self.notify(text, true);
         }
@@ -241,9 +244,36 @@ impl App {
         };
         active.starting = None;
         match started {
-            Ok(tools) => active.tools = Some(tools),
-            Err(error) => self.fail_following(active, &error.to_string()),
+            Ok(mut tools) => {
+                let bytes = std::mem::take(&mut tools.beginning);
+                self.with_log(active.log, |app| app.leave_map(&bytes));
+                active.tools = Some(tools);
+            }
+            Err(error) => {
+                let name = self
+                    .open_log(active.log)
+                    .map_or_else(String::new, |log| quoted(&log.name()));
+                active.ends = Some(End::Failed);
+                self.notify(format!("{name} cannot be followed: {error}"), true);
+            }
         }
+    }
+
+    /// Reads the log from the copy from now on: a map of a log that its writer cuts short would end the program.
+    fn leave_map(&mut self, bytes: &[Bytes]) {
+        for survey in [&mut self.log.survey, &mut self.log.as_read] {
+            let is_as_long = |survey: &Arc<Survey>| {
+                let lengths = survey.bytes.iter().map(|bytes| bytes.len());
+                lengths.eq(bytes.iter().map(|bytes| bytes.len()))
+            };
+            if let Some(mapped) = survey.as_ref().filter(|survey| is_as_long(survey)) {
+                *survey = Some(Arc::new(Survey {
+                    bytes: bytes.to_vec(),
+                    ..Survey::clone(mapped)
+                }));
+            }
+        }
+        self.previewer.forget();
     }
 
     fn collect_step(&mut self, active: &mut Active) {
@@ -380,7 +410,7 @@ impl App {
             if app.log.whole.take().is_some() {
                 app.log.products = None;
             }
-            let name = app.log.name();
+            let name = quoted(&app.log.name());
             let text =
                 format!("{name} is not followed any more: its track is another receiver's now");
             app.notify(text, true);
@@ -392,7 +422,7 @@ impl App {
     fn fail_following(&mut self, active: &mut Active, why: &str) {
         let name = self
             .open_log(active.log)
-            .map_or_else(String::new, OpenLog::name);
+            .map_or_else(String::new, |log| quoted(&log.name()));
         let pings = self
             .open_log(active.log)
             .and_then(|log| log.survey.as_ref());

@@ -7,7 +7,8 @@ use crate::pipeline::{
     SourceKey, as_set, extend, run,
 };
 use crate::progress::{Cancelled, Progress};
-use crate::survey::Survey;
+use crate::survey::{Bytes, Survey};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// More is only shown once the log grew by this share: what is shown is a copy of the whole, and so the work for each ping stays the same
@@ -72,6 +73,8 @@ impl Ground {
 /// What goes from one step to the next: the copy of the log, and the scale that its picture was measured by.
 pub struct Tools {
     pub growing: GrowingLog,
+    /// The bytes of the log as it was when it began to be followed.
+    pub beginning: Vec<Bytes>,
     scale: Option<(Arc<Settings>, GrowingScale)>,
 }
 
@@ -88,8 +91,11 @@ pub enum Grown {
 impl Tools {
     /// Begins to follow a log: copies what there is of it.
     pub fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
+        let growing = GrowingLog::start(survey, progress)?;
+        let lengths: Vec<usize> = survey.bytes.iter().map(|bytes| bytes.len()).collect();
         Ok(Self {
-            growing: GrowingLog::start(survey, progress)?,
+            beginning: growing.beginning(&lengths)?,
+            growing,
             scale: None,
         })
     }
@@ -164,7 +170,7 @@ impl Tools {
 
 /// Reads all of a log that is still being written and runs every stage over it.
 pub fn whole(
-    files: Vec<(std::path::PathBuf, crate::survey::Bytes)>,
+    files: Vec<(PathBuf, Bytes)>,
     is_finished: bool,
     frame: Option<&LocalFrame>,
     ground: &Ground,

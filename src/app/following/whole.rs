@@ -6,6 +6,7 @@ use crate::app::Task;
 use crate::formats::{GrowingError, GrowingLog};
 use crate::pipeline::Settings;
 use crate::presentation::text::count;
+use crate::printable::quoted;
 
 impl App {
     /// Has results made of the whole log, when it has grown by enough, or has come to rest.
@@ -76,7 +77,7 @@ impl App {
                 let survey = log.and_then(|log| log.survey.as_ref());
                 if let Some(survey) = survey {
                     let pings = count(survey.side_scan.len());
-                    let text = format!("Read {} to its end: {pings} pings", survey.name());
+                    let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
                     self.notify(text, false);
                 }
             }

@@ -18,7 +18,9 @@ const REST_ROOM: f32 = 150.0;
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
-        let is_busy = !context.app.is_idle() || context.app.is_stopped();
+        // A log that is followed is looked at four times a second: the line must not change with that.
+        let follows = context.app.follow_status().is_some();
+        let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
         let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
         let room = (ui.available_width() - taken).max(120.0);
         match context.app.hover.or(context.app.selection) {

@@ -6,6 +6,8 @@ use bathyscope::app::{
     Action, App, BottomStroke, Command, FollowStatus, Ink, Jobs, Leave, Mark, is_project,
 };
 use bathyscope::detection::review::{Edit, State};
+use bathyscope::formats::open_bytes;
+use bathyscope::progress::Progress;
 use bathyscope::survey::{LogPart, Side};
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -161,10 +163,8 @@ fn follow(
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     let from = (whole.len() as f64 * share) as usize;
-    std::fs::write(&path, whole).expect("a log");
-    let finished = opened(&path);
     let (count, span_s) = {
-        let survey = finished.log.survey.as_ref().expect("a log");
+        let survey = open_bytes(name, whole.to_vec(), &Progress::new()).expect("a log");
         (survey.side_scan.len(), survey.time_span_s().expect("times"))
     };
     std::fs::write(&path, &whole[..from]).expect("a log");
