@@ -41,6 +41,7 @@ actions! {
     PreviousLog, "Previous log", Some("Ctrl+PageUp"), "Shows the log before it in the list.";
     OpenFolder, "Open folder…", None, "Opens all logs of a folder as one survey.";
     OpenPath, "Open path…", Some("Ctrl+Shift+P"), "Opens a log by its path: file or folder.";
+    FollowRecording, "Follow recording", Some("Ctrl+L"), "Shows new pings of this log as the recorder writes them; again, ends it with results of the whole log.";
     OpenDemo, "Open the demo survey", None, "Opens the simulated pond that comes with the program.";
     OpenBaseMap, "Open base map…", None, "Shows a GeoTIFF of your own under the map: an aerial picture or a chart.";
     CloseBaseMap, "Remove the base map", None, "Takes the picture under the map away.";

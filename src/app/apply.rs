@@ -244,6 +244,7 @@ impl App {
     fn act(&mut self, action: Action) {
         match action {
             Action::OpenDemo => self.start_loading(Origin::Demo),
+            Action::FollowRecording => self.toggle_following(),
             Action::Undo => self.undo(),
             Action::Redo => self.redo(),
             Action::Update => self.update(),

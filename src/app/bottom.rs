@@ -169,6 +169,7 @@ impl App {
         let kept = kept.with_sides(swapped);
         let pings = kept.ping_count();
         self.log.bottom_file.written = kept.clone();
+        Arc::make_mut(&mut self.log.own).bottom = kept.clone();
         Arc::make_mut(&mut self.log.settings).bottom = kept;
         let name = self
             .log

@@ -41,6 +41,7 @@ pub(super) struct Deriving {
 /// A histogram with what it was counted of.
 struct CountedLevels {
     of: (Same<LogPicture>, Tone),
+    log: LogId,
     histogram: Arc<Histogram>,
 }
 
@@ -71,7 +72,8 @@ impl App {
         if !(depths || mosaic) {
             return;
         }
-        let logs: Vec<ProcessedLog> = self.shown_logs().into_iter().map(|one| one.log).collect();
+        // What is made of all pings would be made anew with each that a followed log gets.
+        let logs: Vec<ProcessedLog> = self.settled_logs().collect();
         if mosaic {
             self.derive_mosaic(&logs);
         }
@@ -97,17 +99,27 @@ impl App {
         };
         let (results, id) = (self.deriving.results.clone(), self.log.id);
         let ask = &mut self.deriving.picture;
+        let whole = self.log.whole.clone();
         ask.ask(PictureKey::of(&log), &self.jobs, move |progress| {
-            Some((id, results.picture(&log, progress).ok()?))
+            let picture = match &whole {
+                // The gain is that of the log as a whole.
+                Some(whole) => results.growing_picture(&log, whole, progress),
+                None => results.picture(&log, progress),
+            };
+            Some((id, picture.ok()?))
         });
         let Some(picture) = self.picture().cloned() else {
             return;
         };
         let of = (Same(picture), self.log.settings.picture.tone());
         let counted = self.deriving.histogram.as_ref();
-        if counted.is_none_or(|counted| counted.of != of) {
+        // Levels that changed with every ping would make the picture flicker.
+        let holds = self.log.whole.is_some()
+            && counted.is_some_and(|counted| counted.of.1 == of.1 && counted.log == self.log.id);
+        if !holds && counted.is_none_or(|counted| counted.of != of) {
             let histogram = Arc::new(Histogram::of(&of.0.0, &of.1));
-            self.deriving.histogram = Some(CountedLevels { of, histogram });
+            let log = self.log.id;
+            self.deriving.histogram = Some(CountedLevels { of, log, histogram });
         }
     }
 
@@ -122,7 +134,10 @@ impl App {
     pub fn histogram(&self) -> Option<&Arc<Histogram>> {
         let picture = self.picture()?;
         let counted = self.deriving.histogram.as_ref();
-        let of_shown = counted.filter(|counted| Arc::ptr_eq(&counted.of.0.0, picture));
+        let of_shown = counted.filter(|counted| {
+            let is_held = self.log.whole.is_some() && counted.log == self.log.id;
+            is_held || Arc::ptr_eq(&counted.of.0.0, picture)
+        });
         of_shown.map(|counted| &counted.histogram)
     }
 

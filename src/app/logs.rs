@@ -105,13 +105,17 @@ impl App {
     /// The recordings and results of the visible logs, in the order of the list, for the system that the maps are in now: what is
     /// compared and written.
     pub(super) fn processed_logs(&self) -> Vec<ProcessedLog> {
-        let shown = self.shown_logs().into_iter();
         let with_system = |mut log: ProcessedLog| {
             // No stage depends on it: the results are as good for any system.
             Arc::make_mut(&mut log.products.settings).crs = self.log.settings.crs;
             log
         };
-        shown.map(|shown| with_system(shown.log)).collect()
+        self.settled_logs().map(with_system).collect()
+    }
+
+    /// The recordings and results of the visible logs as wholes ([`OpenLog::settled`]), in the order of the list.
+    pub(super) fn settled_logs(&self) -> impl Iterator<Item = ProcessedLog> {
+        self.visible_logs().filter_map(OpenLog::settled)
     }
 
     /// How many logs are open.

@@ -7,7 +7,7 @@ use super::reviewing::Reviewing;
 use super::{Figures, Task};
 use crate::detection::review::BoxId;
 use crate::first_return::FirstReturns;
-use crate::pipeline::{LogSettings, Products, Settings, SourceKey, Stage};
+use crate::pipeline::{LogSettings, ProcessedLog, Products, Settings, SourceKey, Stage};
 use crate::project::LogFile;
 use crate::survey::Survey;
 use std::sync::Arc;
@@ -67,6 +67,9 @@ pub struct OpenLog {
     pub settings: Arc<Settings>,
     /// The last results; those of other settings while the engine works.
     pub products: Option<Products>,
+    /// The last results of the whole log, while those in [`OpenLog::products`] are provisional: it is followed, and grew since. What is made
+    /// of a log as a whole, maps and files, is made of these.
+    pub whole: Option<ProcessedLog>,
     /// First returns of the settings under the slider, ahead of `products`.
     pub preview: Option<Arc<FirstReturns>>,
     /// Counts and residuals of `products`; those of the last products until the new ones are counted.
@@ -95,6 +98,7 @@ impl Default for OpenLog {
             own: Arc::default(),
             settings: Arc::default(),
             products: None,
+            whole: None,
             preview: None,
             figures: None,
             external: External::default(),
@@ -109,16 +113,33 @@ impl Default for OpenLog {
 impl OpenLog {
     /// A log as it was read, with nothing done to it yet.
     pub(super) fn new(id: LogId, survey: Arc<Survey>, settings: Arc<Settings>) -> Self {
-        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
-        let depths_m = locked().map(|sounding| [sounding.depth_m, sounding.depth_m]);
-        Self {
+        let mut log = Self {
             id,
-            lost_soundings: survey.soundings.len() - locked().count(),
-            depth_span_m: depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]),
-            survey: Some(survey),
             settings,
             ..Self::default()
-        }
+        };
+        log.replace_survey(survey);
+        log
+    }
+
+    /// Takes a later state of the recording.
+    pub(super) fn replace_survey(&mut self, survey: Arc<Survey>) {
+        let locked = || survey.soundings.iter().filter(|sounding| sounding.locked);
+        let depths_m = locked().map(|sounding| [sounding.depth_m, sounding.depth_m]);
+        self.lost_soundings = survey.soundings.len() - locked().count();
+        self.depth_span_m = depths_m.reduce(|[low, high], [l, h]| [low.min(l), high.max(h)]);
+        self.survey = Some(survey);
+    }
+
+    /// The recording and its results as a whole: while it is followed, those of the last run over all of it.
+    pub fn settled(&self) -> Option<ProcessedLog> {
+        let now = || {
+            Some(ProcessedLog {
+                survey: self.survey.clone()?,
+                products: self.products.clone()?,
+            })
+        };
+        self.whole.clone().or_else(now)
     }
 
     /// Its name for people; empty in an empty window.
@@ -202,6 +223,7 @@ impl OpenLog {
             own: self.own.clone(),
             settings: self.settings.clone(),
             products: self.products.clone(),
+            whole: self.whole.clone(),
             preview: self.preview.clone(),
             figures: self.figures.clone(),
             external: self.external.for_picture(),

@@ -265,6 +265,8 @@ impl App {
                 |known| ProjectLog::clone(&known),
             );
             entry.file.path.clone_from(&file.path);
+            // A log that was followed has more pings than when it was read.
+            entry.file.pings = file.pings;
             entry.is_visible = log.is_visible;
             entry.settings = log.own.as_ref().clone();
             entry.review = log.reviewing.review.clone();
@@ -435,6 +437,11 @@ impl App {
         }
         self.log.settings = Arc::new(settings);
         self.log.reviewing.take_kept(log.review.clone());
+        if let Some(survey) = self.log.survey.clone() {
+            // More of it may have been written since.
+            self.carry_own(&survey);
+            self.carry_decisions(&survey);
+        }
         self.leave_sidecars();
     }
 

@@ -4,6 +4,7 @@ use super::base_map::OpeningBaseMap;
 use super::comparing::Comparing;
 use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
+use super::following::Following;
 use super::heights::Heights;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
@@ -145,6 +146,7 @@ pub struct App {
     pub(super) deriving: Deriving,
     pub(super) objects: Objects,
     pub(super) search: Search,
+    pub(super) following: Following,
     pub(super) keeping: Keeping,
     /// Logs of the project that were not found.
     pub(super) missing: Vec<LogKey>,
@@ -190,6 +192,7 @@ impl App {
             deriving: Deriving::default(),
             objects: Objects::default(),
             search: Search::default(),
+            following: Following::default(),
             keeping: Keeping::default(),
             missing: Vec::new(),
             exporting: None,
@@ -244,6 +247,8 @@ impl App {
             && !self.deriving.is_busy()
             && !self.objects.is_busy()
             && !self.search.is_busy()
+            && !self.following.is_busy()
+            && !self.search.is_busy_with_tail()
             && !self.keeping.is_busy()
             && !self.comparing.is_opening()
             && self.exporting.is_none()

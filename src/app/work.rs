@@ -22,6 +22,7 @@ impl App {
     pub fn poll(&mut self) {
         self.poll_loading();
         self.poll_engine();
+        self.poll_following();
         if let Some(preview) = self.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()
@@ -157,7 +158,7 @@ impl App {
         self.recent.truncate(RECENT);
     }
 
-    fn take_products(&mut self, products: Products) {
+    pub(super) fn take_products(&mut self, products: Products) {
         self.log.preview = None;
         if let Some(survey) = &self.log.survey {
             self.log.reviewing.follow(survey, &products.navigation);

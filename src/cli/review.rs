@@ -9,7 +9,6 @@ use crate::detection::review::Review;
 use crate::export::Part;
 use crate::outputs;
 use crate::progress::Progress;
-use crate::survey::Identity;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -70,7 +69,7 @@ fn take_sidecars(logs: &mut [OpenedLog]) -> Result<(), String> {
         let Some(path) = path.filter(|path| is_single || path.is_file()) else {
             continue;
         };
-        let review = Review::open(&path, &Identity::of(&log.survey));
+        let review = Review::open_for(&path, &log.survey);
         log.review = Some(Arc::new(review.map_err(|error| error.to_string())?));
     }
     Ok(())

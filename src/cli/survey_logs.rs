@@ -9,7 +9,7 @@ use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
 use crate::progress::Progress;
 use crate::project;
-use crate::survey::{Identity, MountingSettings, Survey};
+use crate::survey::{MountingSettings, Survey};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -179,7 +179,7 @@ fn is_same(one: &Survey, other: &Survey) -> bool {
 
 /// Whether a file has the decisions about the boxes of a log.
 pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
-    Review::open(path, &Identity::of(&log.survey)).is_ok()
+    Review::open_for(path, &log.survey).is_ok()
 }
 
 /// Gives each review that is named by its file to the log that it is of, in the place of what that has.
@@ -189,18 +189,18 @@ pub fn is_of(path: &Path, log: &OpenedLog) -> bool {
 pub fn take_reviews(logs: &mut [OpenedLog], files: &[PathBuf]) -> Result<(), String> {
     for path in files {
         let mut refused = None;
-        let is_taken =
-            logs.iter_mut()
-                .any(|log| match Review::open(path, &Identity::of(&log.survey)) {
-                    Ok(review) => {
-                        log.review = Some(Arc::new(review));
-                        true
-                    }
-                    Err(error) => {
-                        refused = Some(error.to_string());
-                        false
-                    }
-                });
+        let is_taken = logs
+            .iter_mut()
+            .any(|log| match Review::open_for(path, &log.survey) {
+                Ok(review) => {
+                    log.review = Some(Arc::new(review));
+                    true
+                }
+                Err(error) => {
+                    refused = Some(error.to_string());
+                    false
+                }
+            });
         // Of one log, its own words; of several, those about the last are those about all, but for the name in them.
         if let Some(sentence) = refused.filter(|_| !is_taken) {
             return Err(sentence);

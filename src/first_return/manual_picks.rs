@@ -155,6 +155,14 @@ impl BottomSettings {
     /// On which log it was drawn instead, after "it".
     pub fn adopted(self, survey: &Survey) -> Result<Self, String> {
         let of = Self::of(survey);
+        if survey.was(self.log_bytes, self.pings) {
+            // More of it was written since.
+            return Ok(Self {
+                log_bytes: of.log_bytes,
+                pings: of.pings,
+                ..self
+            });
+        }
         if self.pings != of.pings || self.log_bytes < of.log_bytes {
             self.belongs_to(survey)?;
         }

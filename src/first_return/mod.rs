@@ -175,24 +175,44 @@ pub fn detect(
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
     if !survey.has_side_scan() {
-        let none = vec![Pick::NONE; survey.side_scan.len()];
-        return Ok(FirstReturns {
-            port: none.clone(),
-            starboard: none,
-            ..FirstReturns::default()
-        });
+        return Ok(none(survey));
+    }
+    let normalisation = Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
+    detect_with(survey, image, settings, &normalisation, progress)
+}
+
+/// As [`detect`] by a scale that was measured before: that of a picture of which the survey is a part.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn detect_with(
+    survey: &Survey,
+    image: &ImageSettings,
+    settings: &FirstReturnSettings,
+    normalisation: &Normalisation,
+    progress: &Progress,
+) -> Result<FirstReturns, Cancelled> {
+    if !survey.has_side_scan() {
+        return Ok(none(survey));
     }
     match settings.method {
         Method::Threshold => {
-            let index = ThresholdIndex::build(survey, image, settings.dead_zone_m, progress)?;
+            let index = ThresholdIndex::by(survey, image, normalisation.clone(), progress)?;
             Ok(index.detect(survey, settings.threshold, settings.above_bottom_margin_m))
         }
         Method::Tracker => {
-            let normalisation =
-                Normalisation::measure(survey, image, settings.dead_zone_m, progress)?;
             let pings = 0..survey.side_scan.len();
-            track_range(survey, &normalisation, settings, pings, progress)
+            track_range(survey, normalisation, settings, pings, progress)
         }
+    }
+}
+
+fn none(survey: &Survey) -> FirstReturns {
+    let none = vec![Pick::NONE; survey.side_scan.len()];
+    FirstReturns {
+        port: none.clone(),
+        starboard: none,
+        ..FirstReturns::default()
     }
 }
 

@@ -64,6 +64,22 @@ impl Normalisation {
         })
     }
 
+    /// The scale over this picture and another part of it.
+    #[must_use]
+    pub fn widened(&self, other: &Self) -> Self {
+        // A picture without a single value is black and says nothing.
+        let is_black = |one: &Self| one.lowest == 0 && one.highest == 0;
+        match (is_black(self), is_black(other)) {
+            (true, _) => other.clone(),
+            (_, true) => self.clone(),
+            _ => Self {
+                lowest: self.lowest.min(other.lowest),
+                highest: self.highest.max(other.highest),
+                ..self.clone()
+            },
+        }
+    }
+
     /// The smallest value whose normalised intensity reaches `level`; above every value when the picture is empty.
     pub fn raw_level(&self, level: f32) -> i64 {
         let span = i64::from(self.highest) - i64::from(self.lowest);

@@ -40,6 +40,17 @@ impl ThresholdIndex {
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
         let normalisation = Normalisation::measure(survey, image, dead_zone_m, progress)?;
+        Self::by(survey, image, normalisation, progress)
+    }
+
+    /// Reads the picture for the running maxima, its scale being known.
+    pub(super) fn by(
+        survey: &Survey,
+        image: &ImageSettings,
+        normalisation: Normalisation,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let dead_zone_m = normalisation.dead_zone_m;
         let maxima = match image.samples {
             SampleMode::Bytes => {
                 let climb = |ping, side, out: &mut Staircase<u8>| {

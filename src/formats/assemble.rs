@@ -3,8 +3,11 @@
 use super::collected::Collected;
 use super::depths;
 use super::join::join_halves;
+use super::reading::Reading;
 use super::stray::drop_stray;
-use crate::survey::{Channel, Echogram, Fix, Side, SidePing, SideScanState, Survey, Track};
+use crate::survey::{
+    Channel, ChannelKind, Echogram, Fix, Side, SidePing, SideScanState, Survey, Track, give_depths,
+};
 use std::sync::Arc;
 
 /// What is said of positions in metres of a system that nobody named.
@@ -14,13 +17,15 @@ const STUCK_RANGE_M: f32 = 1.6;
 /// Share of stuck pings from which the side-scan is noise.
 const STUCK_SHARE: f64 = 0.95;
 
-/// Puts the pieces of a log together.
-pub(super) fn assemble(mut log: Collected) -> Survey {
-    let mut side_scan = join_sides(&mut log);
+/// Puts the pieces of a log together; those of its tail as they were put together before.
+pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
+    let known = reading.known();
+    let mut side_scan = join_sides(&mut log, known);
     let echograms = echograms(&mut log);
-    let soundings = depths::choose(std::mem::take(&mut log.depths));
+    let chosen = known.and_then(|known| known.sounding_channel);
+    let (sounding_channel, soundings) = depths::choose(std::mem::take(&mut log.depths), chosen);
     depths::warn_of_lost_bottom(&soundings, &log.report);
-    depths::give_to(&mut side_scan, &soundings);
+    give_depths(&mut side_scan, &soundings);
     let fixes = clean_track(&mut log);
     let side_scan_state = judge(&side_scan, &mut log);
     if soundings.is_empty() {
@@ -51,6 +56,7 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
         range_source: log.range_source,
         echograms,
         soundings,
+        sounding_channel,
         track: Track {
             projected: log.projected,
             ..Track::new(fixes)
@@ -60,8 +66,9 @@ pub(super) fn assemble(mut log: Collected) -> Survey {
     }
 }
 
-/// Side-scan pings in time order. A unit that records both layouts says everything twice: the fuller one is kept.
-fn join_sides(log: &mut Collected) -> Vec<SidePing> {
+/// Side-scan pings in time order. A unit that records both layouts says everything twice: the fuller one is kept, and of the tail of a
+/// log that which is kept of the log.
+fn join_sides(log: &mut Collected, known: Option<&Survey>) -> Vec<SidePing> {
     let composite = std::mem::take(&mut log.composite);
     let mut port = std::mem::take(&mut log.port);
     let mut starboard = std::mem::take(&mut log.starboard);
@@ -72,7 +79,18 @@ fn join_sides(log: &mut Collected) -> Vec<SidePing> {
             composite.len()
         ));
     }
-    let mut pings = if composite.len() >= halves {
+    let is_composite = match known {
+        Some(known) => {
+            let counts = |kind| {
+                let of_kind = known.channels.iter().filter(move |one| one.kind == kind);
+                of_kind.map(|one| one.ping_count).sum::<usize>()
+            };
+            let halves = counts(ChannelKind::Port).max(counts(ChannelKind::Starboard));
+            counts(ChannelKind::Composite) >= halves
+        }
+        None => composite.len() >= halves,
+    };
+    let mut pings = if is_composite {
         composite
     } else {
         port.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));

@@ -1,5 +1,6 @@
 //! What a reader hands over before it becomes a [`Survey`](crate::survey::Survey): channels apart, in file order.
 
+use super::reading::Reading;
 use super::report::Report;
 use crate::geo::LonLat;
 use crate::survey::{
@@ -28,6 +29,8 @@ pub(super) struct HalfPing {
 /// What is counted of a ping of any channel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Counted {
+    /// Index of its file, and where its record ends there.
+    pub(super) record: (usize, usize),
     /// Seconds after the log's time zero.
     pub(super) time_s: f64,
     /// Samples of one side.
@@ -65,11 +68,13 @@ pub(super) struct Collected {
     pub(super) range_source: RangeSource,
     /// What was wrong.
     pub(super) report: Report,
+    /// Records that end here or before, one entry a file, were counted when the log was shorter.
+    pub(super) counted_to: Vec<u64>,
 }
 
 impl Collected {
     /// An empty log.
-    pub(super) fn new(source: Source, bytes: Vec<Bytes>) -> Self {
+    pub(super) fn new(source: Source, bytes: Vec<Bytes>, reading: &Reading<'_>) -> Self {
         Self {
             source,
             bytes,
@@ -84,11 +89,20 @@ impl Collected {
             projected: None,
             range_source: RangeSource::default(),
             report: Report::default(),
+            counted_to: reading.counted_to(),
         }
     }
 
     /// Counts a ping of the channel that the recorder (or the order of the files) gives this number.
     pub(super) fn count(&mut self, number: u16, ping: Counted) {
+        let (file, end) = ping.record;
+        if self
+            .counted_to
+            .get(file)
+            .is_some_and(|known| end as u64 <= *known)
+        {
+            return;
+        }
         let Some((_, channel)) = self.channels.iter_mut().find(|(known, _)| *known == number)
         else {
             return;

@@ -21,6 +21,11 @@ impl FileSource {
         Self::Held(files.into_iter().map(hold).collect())
     }
 
+    /// Files whose bytes are at hand.
+    pub(super) fn at_hand(files: Vec<(PathBuf, Bytes)>) -> Self {
+        Self::Held(files)
+    }
+
     /// The bytes of a file.
     pub(super) fn read(&self, path: &Path) -> io::Result<Bytes> {
         match self {

@@ -2,8 +2,8 @@
 //!
 //! `lowrance`, `humminbird` and `xtf` walk over the records of their format, mend what is damaged and give it meaning in SI
 //! units; all three fill one `collected` log, with `clock` to recognise damaged times and `report` to say what was wrong.
-//! `assemble` turns that log into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
-//! the bytes, `removable` loads a log on a card into memory, `unsupported` recognises formats that are not read. `track_file` reads
+//! `reading` says which part of a log is read: the tail of one that is being written is read as a log of its own. `assemble` turns what was read into the survey: `join` pairs the sides, `depths` chooses the soundings, `stray` leaves out positions that cannot be. `file_source` and `map` bring
+//! the bytes, `removable` loads a log on a card into memory, `growing_log` copies one that is being written as it comes, `unsupported` recognises formats that are not read. `track_file` reads
 //! the track of another receiver, `gauge_file` the height of the water, `reference` whatever a survey is held against, `points` and `geotiff` what other programs say of depths; both also lay out what is written so.
 
 mod assemble;
@@ -14,11 +14,13 @@ mod file_source;
 mod gauge_file;
 pub mod geotiff;
 mod gpx;
+mod growing_log;
 pub mod humminbird;
 mod join;
 pub mod lowrance;
 mod map;
 pub mod points;
+mod reading;
 mod reference;
 mod removable;
 mod report;
@@ -30,14 +32,16 @@ mod xml;
 pub mod xtf;
 
 pub use gauge_file::{GaugeError, read_gauge};
+pub use growing_log::{GrowingError, GrowingLog};
 pub use reference::{ReferenceError, ReferenceFile, open_reference};
 pub use removable::load_removable_into_memory;
 pub use scalar::ByteOrder;
 pub use track_file::{TrackError, TrackFile};
 
 use crate::progress::Progress;
-use crate::survey::{Bytes, Source, Survey};
+use crate::survey::{Bytes, Seam, Source, Survey};
 use file_source::FileSource;
+use reading::Reading;
 use std::path::{Path, PathBuf};
 
 #[cfg(target_endian = "big")]
@@ -119,7 +123,7 @@ impl Opened {
 /// # Errors
 /// When the files cannot be read or are no log; the error names the file.
 pub fn open(path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
-    open_on(&FileSource::Disk, path, progress)
+    open_on(&FileSource::Disk, path, &Reading::default(), progress)
 }
 
 /// Reads a log that is already in memory (the bundled demo survey, a simulated one, a test).
@@ -143,36 +147,103 @@ pub fn open_files(
         .first()
         .map(|(path, _)| path.clone())
         .unwrap_or_default();
-    open_on(&FileSource::held(files), &path, progress)
+    open_on(
+        &FileSource::held(files),
+        &path,
+        &Reading::default(),
+        progress,
+    )
 }
 
-fn open_on(files: &FileSource, path: &Path, progress: &Progress) -> Result<Survey, OpenError> {
+/// Reads a log that is being written; the first file is the one to open. What is cut at the end of a file is no damage: the rest of it
+/// comes later.
+///
+/// # Errors
+/// When the files are no log; the error names the file.
+pub fn open_growing(
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = files.first().map(|(path, _)| path.clone());
+    let reading = Reading {
+        is_growing: true,
+        tail: None,
+    };
+    let files = FileSource::at_hand(files);
+    open_on(&files, &path.unwrap_or_default(), &reading, progress)
+}
+
+/// Reads a log whose bytes are at hand; the first file is the one to open.
+///
+/// # Errors
+/// When the files are no log; the error names the file.
+pub fn open_at_hand(
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = files.first().map(|(path, _)| path.clone());
+    let files = FileSource::at_hand(files);
+    open_on(
+        &files,
+        &path.unwrap_or_default(),
+        &Reading::default(),
+        progress,
+    )
+}
+
+/// Reads what was added to the files of a log since it was read, and a little before that, as a log of its own: [`Survey::extended`] adds
+/// it. `files` are those of [`crate::survey::Source::files`], longer than they were.
+///
+/// # Errors
+/// When the files are no log any more; the error names the file.
+pub fn open_tail(
+    known: &Survey,
+    seam: &Seam,
+    files: Vec<(PathBuf, Bytes)>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = files.first().map(|(path, _)| path.clone());
+    let reading = Reading {
+        is_growing: true,
+        tail: Some((known, seam)),
+    };
+    let files = FileSource::at_hand(files);
+    open_on(&files, &path.unwrap_or_default(), &reading, progress)
+}
+
+fn open_on(
+    files: &FileSource,
+    path: &Path,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
     progress.check()?;
     if files.is_folder(path) {
-        return open_folder(files, path, progress);
+        return open_folder(files, path, reading, progress);
     }
     let bytes = files.read(path).map_err(|source| OpenError::Io {
         path: path.to_owned(),
         source,
     })?;
     let path = path.to_owned();
-    read_by_content(files, Opened { path, bytes }, progress)
+    read_by_content(files, Opened { path, bytes }, reading, progress)
 }
 
 fn open_folder(
     files: &FileSource,
     folder: &Path,
+    reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     if let Some(recording) = humminbird::find_in_folder(files, folder) {
-        return humminbird::read(recording, progress);
+        return humminbird::read(recording, reading, progress);
     }
     match logs_on(files, folder).as_slice() {
         [] => Err(not_recognised(
             folder,
             "a folder without a log; looked for Lowrance SL2 and SL3, Humminbird DAT and SON, XTF",
         )),
-        [log] => open_on(files, log, progress),
+        [log] => open_on(files, log, reading, progress),
         logs => {
             let name = |log: &PathBuf| {
                 let name = log.file_name().unwrap_or(log.as_os_str());
@@ -229,19 +300,20 @@ fn some(names: &[String]) -> String {
 fn read_by_content(
     files: &FileSource,
     opened: Opened,
+    reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
     if opened.bytes.is_empty() {
         return Err(not_recognised(&opened.path, "the file is empty"));
     }
     if let Some(kind) = lowrance::sniff(&opened.bytes) {
-        return lowrance::read(opened, kind, progress);
+        return lowrance::read(opened, kind, reading, progress);
     }
     if let Some(found) = xtf::sniff(&opened.bytes) {
-        return xtf::read(opened, found, progress);
+        return xtf::read(opened, found, reading, progress);
     }
     if let Some(recording) = humminbird::sniff(files, &opened) {
-        return humminbird::read(recording, progress);
+        return humminbird::read(recording, reading, progress);
     }
     if let Some(advice) = unsupported::advice(&opened.bytes) {
         return Err(OpenError::Unsupported {

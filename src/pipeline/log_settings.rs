@@ -6,7 +6,7 @@
 use super::settings::row;
 use super::{Settings, SettingsError};
 use crate::first_return::BottomSettings;
-use crate::survey::Gauge;
+use crate::survey::{Gauge, Identity, Survey};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::{Table, Value};
@@ -58,6 +58,8 @@ const NEVER_SHARED: [&str; 11] = [
 ];
 /// Kept by itself: it is made of many strokes.
 const BOTTOM: &str = "bottom";
+/// The log that left-out stretches are of.
+const LEFT_OUT_LOG: &str = "left_out.log";
 
 /// Whether there is a setting of this key; the bottom edits are none.
 pub fn is_setting(key: &str) -> bool {
@@ -251,6 +253,31 @@ impl LogSettings {
         Ok((changed, own))
     }
 
+    /// The same for a log of which more was written since: bottom edits and left-out stretches belong to it still. `None` where nothing
+    /// has to be said anew.
+    pub fn carried_to(&self, survey: &Survey) -> Option<LogSettings> {
+        let own = Identity::of(survey);
+        let mut carried = self.clone();
+        let BottomSettings {
+            log_bytes, pings, ..
+        } = self.bottom;
+        if !self.bottom.is_empty() && survey.was(log_bytes, pings) {
+            carried.bottom.log_bytes = own.byte_count;
+            carried.bottom.pings = own.pings;
+        }
+        let named = self.own.get(LEFT_OUT_LOG).cloned();
+        let named = named.and_then(|value| value.try_into::<Identity>().ok());
+        if let Some(log) = named.filter(|log| survey.is_or_was(log))
+            && let Ok(value) = Value::try_from(Identity {
+                file: log.file,
+                ..own
+            })
+        {
+            carried.own.insert(LEFT_OUT_LOG.to_owned(), value);
+        }
+        (carried != *self).then_some(carried)
+    }
+
     /// Makes a setting the log's own, with the value that it has now, or leaves it to all logs, with the value that they have. `None`
     /// when that changes nothing, or cannot be: a flat spot, a track and a mounting say nothing about another log.
     pub fn owning(&self, shared: &Settings, key: &str, own: bool) -> Option<LogSettings> {
@@ -282,7 +309,7 @@ mod tests {
     use super::*;
     use crate::first_return::BottomEdit;
     use crate::pipeline::Preset;
-    use crate::survey::{Identity, LeftOutReason, Side, Stretch};
+    use crate::survey::{LeftOutReason, Side, Stretch};
 
     fn settings(assignments: &[&str]) -> Settings {
         let apply = |settings: Settings, text: &&str| settings.with_assignment(text);

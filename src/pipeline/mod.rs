@@ -1,7 +1,7 @@
 //! Runs the stages in order, keeps what is still valid, and knows what is stale.
 //!
 //! `settings` holds every setting and the two presets, `log_settings` those that one of several logs has for itself, `products` the
-//! stages and what they made, `engine` runs them on a worker for the window,
+//! stages and what they made, `engine` runs them on a worker for the window, `growing` over what was added to a log that is being written,
 //! `task` and `background` are how all work runs off its thread. `derived` makes what all logs give together, once and on demand. `depth` makes the depth map and what follows from it,
 //! `agreement` compares points with a reference, `mosaic` where echoes lie, `placing` where objects do, `report` sums a run
 //! up, `fingerprint` tells versions of files apart, `source` puts right what a log does not say of itself, `joint` what all logs of a survey give together. Nothing is written here: see `outputs`.
@@ -12,6 +12,7 @@ mod depth;
 mod derived;
 mod engine;
 mod fingerprint;
+mod growing;
 pub mod joint;
 mod log_settings;
 mod mosaic;
@@ -37,6 +38,7 @@ pub use derived::{
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};
+pub use growing::{GrowingScale, extend};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };

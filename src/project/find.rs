@@ -8,6 +8,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::regular_file;
 use std::collections::VecDeque;
 use std::fs;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Folders below the project's that are looked into, one in another.
@@ -80,13 +81,11 @@ fn search(
 
 /// Whether a file may be the log, without reading all of it: by its size, or of a recording in several files by what is in them.
 fn may_be(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
-    if is_as_long(log, path) {
+    if is_as_long(log, path) || has_grown(log, path, progress)? {
         return Ok(true);
     }
     Ok(starts_recording(log, path)
-        && opened(path, progress)?.is_some_and(|survey| {
-            crate::survey::Identity::of(&survey).is_same_log(&log.identity())
-        }))
+        && opened(path, progress)?.is_some_and(|survey| survey.is_or_was(&log.identity())))
 }
 
 /// Whether a file is the log, by its hash.
@@ -103,6 +102,19 @@ fn is_log(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cance
         },
         false => Ok(false),
     }
+}
+
+/// Whether a file begins with the log: more of it was written since.
+fn has_grown(log: &LogFile, path: &Path, progress: &Progress) -> Result<bool, Cancelled> {
+    let is_longer =
+        fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() > log.byte_count);
+    if !is_longer {
+        return Ok(false);
+    }
+    let beginning = regular_file::open(path).map(|file| file.take(log.byte_count));
+    let hash = beginning.and_then(|beginning| sha256_of(beginning, progress));
+    progress.check()?;
+    Ok(hash.is_ok_and(|(_, sha256)| sha256 == log.sha256))
 }
 
 fn is_as_long(log: &LogFile, path: &Path) -> bool {

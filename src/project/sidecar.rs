@@ -5,7 +5,7 @@ use super::log::ProjectLog;
 use crate::detection::review::Review;
 use crate::first_return::BottomSettings;
 use crate::regular_file;
-use crate::survey::{Identity, Survey};
+use crate::survey::Survey;
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -51,14 +51,13 @@ pub fn read_sidecars(log: &Path, survey: &Survey) -> Sidecars {
         Some(Err(text)) => sidecars.notes.push(text),
         None => {}
     }
-    let of = Identity::of(survey);
     // What was not saved is later than what was.
     for ending in [REVIEW, UNSAVED] {
         let path = log.with_extension(ending);
         if !path.is_file() {
             continue;
         }
-        match Review::open(&path, &of) {
+        match Review::open_for(&path, survey) {
             Ok(review) => {
                 let boxes = review.boxes().len();
                 sidecars

@@ -3,7 +3,7 @@
 //! A recorder that loses the bottom goes on writing depths: on the river survey of the tests the last quarter of the log
 //! jumps between one and four times the depth within a second. Nothing may lean on such depths, but they stay visible.
 
-use super::Sounding;
+use super::{SidePing, Sounding, nearest_in_time};
 use crate::statistics::upper_median;
 
 /// A step between soundings is a jump beyond this many metres and this share of the depth: at any boat's speed a bed that
@@ -18,6 +18,46 @@ const TOGETHER_S: f64 = 3.0;
 const JUMPS: usize = 4;
 /// Soundings to both sides of one that a glitch is judged against.
 const REACH: usize = 4;
+
+/// A side-scan ping takes its depth from the nearest sounding, not from one this far away in time, seconds.
+pub(super) const NEAREST_SOUNDING_S: f64 = 5.0;
+/// How far back the lock is looked at anew where soundings are added: unless the bottom is lost for longer, it is quiet somewhere there.
+const LONGEST_LOSS: usize = 4096;
+
+/// Gives every ping the depth of the sounding nearest in time. Both are in time order.
+pub fn give_depths(pings: &mut [SidePing], soundings: &[Sounding]) {
+    for ping in pings {
+        let nearest = nearest_in_time(soundings, ping.time_s, |sounding| sounding.time_s)
+            .map(|index| &soundings[index])
+            .filter(|sounding| (sounding.time_s - ping.time_s).abs() <= NEAREST_SOUNDING_S);
+        ping.depth_m = nearest.map_or(f32::NAN, |sounding| sounding.depth_m);
+        ping.depth_locked = nearest.is_some_and(|sounding| sounding.locked);
+    }
+}
+
+/// As [`mark_bottom_lock`], where all before `from` was marked already and what follows is new. Returns the first sounding that was
+/// marked anew.
+pub(super) fn mark_bottom_lock_from(soundings: &mut [Sounding], from: usize) -> usize {
+    let from = from.min(soundings.len());
+    let mut quiet = from;
+    // Back to where no jump belongs to one that comes after: to the last jump that is followed by a pause.
+    for index in (from.saturating_sub(LONGEST_LOSS)..from).rev() {
+        let after = soundings.get(quiet).unwrap_or(&soundings[index]);
+        if after.time_s - soundings[index].time_s > 2.0 * TOGETHER_S {
+            break;
+        }
+        if index > 0 && is_jump(soundings, index) {
+            quiet = index;
+        }
+    }
+    let first = quiet.saturating_sub(REACH + 1);
+    let start = first.saturating_sub(2 * REACH + 1);
+    let mut tail = soundings[start..].to_vec();
+    mark_bottom_lock(&mut tail);
+    // The first ones of the tail lack their neighbours.
+    soundings[first..].copy_from_slice(&tail[first - start..]);
+    first
+}
 
 /// Sets [`Sounding::locked`]: false from the first to the last jump of a loss of the bottom, to the end of a log that ends
 /// in one, and on single glitches.
@@ -134,6 +174,29 @@ mod tests {
                 .iter()
                 .all(|locked| !*locked)
         );
+    }
+
+    #[test]
+    fn soundings_that_are_added_are_marked_as_if_they_had_been_there() {
+        let depth = |i: usize| match i {
+            100..180 => [1.5, 5.0, 3.0, 6.0][i / 7 % 4],
+            250 => 9.0,
+            _ => 2.0,
+        };
+        let sounding = |index: usize| Sounding {
+            time_s: 0.1 * index as f64,
+            depth_m: depth(index),
+            locked: false,
+        };
+        let mut whole: Vec<Sounding> = (0..300).map(sounding).collect();
+        mark_bottom_lock(&mut whole);
+        for shorter in (1..300).step_by(3) {
+            let mut grown = whole[..shorter].to_vec();
+            mark_bottom_lock(&mut grown);
+            grown.extend((shorter..300).map(sounding));
+            mark_bottom_lock_from(&mut grown, shorter);
+            assert_eq!(grown, whole, "grown from {shorter} soundings");
+        }
     }
 
     #[test]

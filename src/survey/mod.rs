@@ -2,12 +2,13 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `left_out` which stretches count for nothing, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `left_out` which stretches count for nothing, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod echogram;
 mod fitted_track;
 mod gauge;
+mod growing;
 mod identity;
 mod left_out;
 mod local_fit;
@@ -19,9 +20,10 @@ mod track;
 mod tracks_apart;
 mod turn_rate;
 
-pub use bottom_lock::mark_bottom_lock;
+pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
 pub use gauge::{Gauge, WATER_LEVELS_M};
+pub use growing::Seam;
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use mounting::{MountingSettings, arm_in_words};
@@ -252,6 +254,8 @@ pub struct Survey {
     pub echograms: Vec<Echogram>,
     /// Depths under the boat.
     pub soundings: Vec<Sounding>,
+    /// The channel that they are of.
+    pub sounding_channel: Option<ChannelKind>,
     /// Positions, courses and compass headings.
     pub track: Track,
     /// What was wrong with the log.

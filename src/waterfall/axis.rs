@@ -60,6 +60,18 @@ impl RangeAxis {
         })
     }
 
+    /// Whether tiles of the other axis are tiles of this one: only the number of pings differs.
+    pub fn is_as_fine(&self, other: &Self) -> bool {
+        let Self {
+            bin_m,
+            bins,
+            far_m,
+            store,
+            ..
+        } = *self;
+        (bin_m, bins, far_m, store) == (other.bin_m, other.bins, other.far_m, other.store)
+    }
+
     /// The reductions at which the whole survey fits one tile a side.
     pub fn coarsest(&self) -> Level {
         let halvings = |extent: usize| {

@@ -70,6 +70,13 @@ impl<K: Copy + Eq + Hash, V> Lru<K, V> {
         Some(&entry.value)
     }
 
+    /// Changes values in place.
+    pub fn change(&mut self, mut change: impl FnMut(&K, &mut V)) {
+        for (key, entry) in &mut self.entries {
+            change(key, &mut entry.value);
+        }
+    }
+
     /// A value, without marking it.
     pub fn peek(&self, key: &K) -> Option<&V> {
         self.entries.get(key).map(|entry| &entry.value)

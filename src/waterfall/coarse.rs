@@ -25,6 +25,13 @@ impl Coarse {
         }
     }
 
+    /// Goes on with a longer log: stretches that reach beyond the pings that stay are built again.
+    pub fn grow(&mut self, axis: &RangeAxis, unchanged: usize) {
+        let stretch = TILE * self.level.pings();
+        self.chunks.truncate(unchanged / stretch);
+        self.chunk_count = axis.pings.div_ceil(stretch);
+    }
+
     /// Whether all of it is built.
     pub fn is_complete(&self) -> bool {
         self.chunks.len() == self.chunk_count

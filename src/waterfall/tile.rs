@@ -55,6 +55,11 @@ impl TileKey {
         self.column as usize * TILE * self.level.pings()
     }
 
+    /// One past the last ping that the tile can hold.
+    pub fn end_ping(&self) -> usize {
+        self.first_ping() + TILE * self.level.pings()
+    }
+
     /// First bin of the tile.
     pub fn first_bin(&self) -> usize {
         self.row as usize * TILE * self.level.bins()

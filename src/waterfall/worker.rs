@@ -8,6 +8,9 @@ use crate::survey::Survey;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::JoinHandle;
 
+/// Pings before the end of a log that more is written of whose tiles are made again.
+const UNSETTLED: usize = 256;
+
 /// Something that the worker finished.
 pub enum Made {
     /// The picture's extent; comes first. `None`, and nothing after it, when no side-scan ping has a usable range.
@@ -16,6 +19,14 @@ pub enum Made {
     Levels(Levels),
     /// A tile.
     Tile(Tile),
+    /// The extent of a log that has grown; tiles that reach to its old end are to be asked for again, or all of them where the axis is
+    /// another one.
+    Grown {
+        /// The new extent.
+        axis: RangeAxis,
+        /// Pings whose tiles stay; `None` where no tile does.
+        unchanged: Option<usize>,
+    },
     /// Lines of first returns.
     Picks(Arc<PickLines>),
     /// The line of recorded depths.
@@ -40,6 +51,7 @@ struct Orders {
     tiles: Vec<Want>,
     making: Option<TileKey>,
     picks: Option<Arc<FirstReturns>>,
+    grown: Option<Arc<Survey>>,
     stop: bool,
 }
 
@@ -99,6 +111,12 @@ impl Tiler {
         self.shared.changed.notify_one();
     }
 
+    /// Goes on with a later state of the log; the newest wins.
+    pub fn grow(&self, survey: Arc<Survey>) {
+        self.shared.lock().grown = Some(survey);
+        self.shared.changed.notify_one();
+    }
+
     /// The next finished thing.
     pub fn poll(&self) -> Option<Made> {
         self.made.try_recv().ok()
@@ -133,6 +151,7 @@ struct Work {
 
 /// What to do next.
 enum Task {
+    Grow(Arc<Survey>),
     Picks(Arc<FirstReturns>),
     Tile(TileKey),
     Store,
@@ -142,6 +161,7 @@ impl Work {
     fn run(mut self, shared: &Shared, out: &Out<impl Fn()>) {
         while let Some(task) = self.next_task(shared) {
             match task {
+                Task::Grow(survey) => self.grow(survey, out),
                 Task::Picks(returns) => {
                     let lines = PickLines::new(&self.survey, returns);
                     out.send(Made::Picks(Arc::new(lines)));
@@ -154,6 +174,25 @@ impl Work {
         }
     }
 
+    /// Takes a longer log. What is built of it stays, as far as the new pings do not change it.
+    fn grow(&mut self, survey: Arc<Survey>, out: &Out<impl Fn()>) {
+        let Some(axis) = RangeAxis::of(&survey) else {
+            return;
+        };
+        // A little before the end sides of pings may have come since.
+        let unchanged = self.axis.pings.min(axis.pings).saturating_sub(UNSETTLED);
+        let is_same_scale = axis.is_as_fine(&self.axis);
+        if is_same_scale {
+            self.coarse.grow(&axis, unchanged);
+        } else {
+            self.coarse = Coarse::new(&axis);
+        }
+        (self.survey, self.axis) = (survey, axis);
+        let unchanged = Some(unchanged).filter(|_| is_same_scale);
+        out.send(Made::Grown { axis, unchanged });
+        out.send(Made::Depth(RangeLine::depth(&self.survey)));
+    }
+
     /// Waits until there is something to do; `None` when the worker is to stop.
     fn next_task(&self, shared: &Shared) -> Option<Task> {
         let mut orders = shared.lock();
@@ -161,6 +200,11 @@ impl Work {
         loop {
             if orders.stop {
                 return None;
+            }
+            if let Some(survey) = orders.grown.take() {
+                // Asked for again by who knows the new extent.
+                orders.tiles.clear();
+                return Some(Task::Grow(survey));
             }
             if let Some(returns) = orders.picks.take() {
                 return Some(Task::Picks(returns));
@@ -271,6 +315,46 @@ mod tests {
             last.texels.iter().all(|texel| texel[1] > 200),
             "maxima of 512 noisy samples"
         );
+    }
+
+    #[test]
+    fn tiles_of_a_log_that_grew_equal_those_of_the_whole_log() {
+        let whole = even(9_000, 64);
+        let mut shorter = whole.clone();
+        shorter.side_scan = Arc::new(whole.side_scan[..5_000].to_vec());
+        let tiler = Tiler::start(Arc::new(shorter), || ());
+        let fresh = Tiler::start(Arc::new(whole.clone()), || ());
+        let level = |along| Level { along, across: 3 };
+        let keys = [(0, 9), (2, 3), (5, 0)].map(|(along, column)| TileKey {
+            side: Side::Port,
+            level: level(along),
+            column,
+            row: 0,
+        });
+        let tile = |tiler: &Tiler, key: TileKey| {
+            let mut have = None;
+            loop {
+                tiler.want(vec![Want { key, have }]);
+                let tile = next_tile(tiler);
+                if tile.key == key && tile.completeness == Tile::COMPLETE {
+                    return tile;
+                }
+                have = (tile.key == key).then_some(tile.completeness).or(have);
+            }
+        };
+        tile(&tiler, keys[2]);
+        tiler.grow(Arc::new(whole));
+        let start = Instant::now();
+        loop {
+            if let Some(Made::Grown { axis, unchanged }) = tiler.poll() {
+                assert_eq!((axis.pings, unchanged), (9_000, Some(5_000 - UNSETTLED)));
+                break;
+            }
+            assert!(start.elapsed() < Duration::from_secs(20), "it did not grow");
+        }
+        for key in keys {
+            assert_eq!(tile(&tiler, key), tile(&fresh, key), "{key:?}");
+        }
     }
 
     #[test]

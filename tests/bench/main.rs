@@ -8,6 +8,7 @@ mod confidence;
 mod decode;
 mod detector;
 mod first_return;
+mod following;
 mod large_log;
 mod lines;
 mod many_logs;
@@ -33,6 +34,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("decode", decode::run),
     ("detector", detector::run),
     ("first_return", first_return::run),
+    ("following", following::run),
     ("many_logs", many_logs::run),
     ("memory", memory::run),
     ("mosaic", mosaic::run),

@@ -19,6 +19,7 @@ mod detection_targets;
 mod detector;
 mod export;
 mod first_return;
+mod following;
 mod formats;
 mod garbled;
 mod golden;

@@ -5,7 +5,6 @@ use super::{Parked, Reviewing, is_touched};
 use crate::app::{Action, App, Outcome, Task};
 use crate::detection::review::{Review, Reviewed};
 use crate::export;
-use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,6 +42,13 @@ impl Autosave {
     pub fn holds(&self, review: &Arc<Review>) -> bool {
         let written = self.written.as_ref();
         written.is_some_and(|written| Arc::ptr_eq(written, review))
+    }
+
+    /// Takes a version for the one in the file that says the same of a longer state of the log.
+    pub fn carry(&mut self, before: &Arc<Review>, carried: &Arc<Review>) {
+        if self.holds(before) {
+            self.written = Some(carried.clone());
+        }
     }
 
     pub fn is_looking(&self) -> bool {
@@ -198,9 +204,9 @@ impl App {
         let Some(path) = autosave.path().filter(|path| path.is_file()) else {
             return;
         };
-        let identity = Identity::of(survey);
+        let survey = survey.clone();
         autosave.looking = Some(Task::start(&self.jobs, move |_| {
-            Review::open(&path, &identity).map_err(|error| error.to_string())
+            Review::open_for(&path, &survey).map_err(|error| error.to_string())
         }));
     }
 

@@ -44,10 +44,20 @@ impl App {
         for log in step.logs {
             let changed = self.with_log(log.id, |app| {
                 app.log.is_visible = log.is_visible;
-                if !same_shared || !Arc::ptr_eq(&app.log.own, &log.own) {
-                    app.set_own(log.own, false);
+                let survey = app.log.survey.clone();
+                let longer = survey
+                    .as_ref()
+                    .and_then(|survey| log.own.carried_to(survey));
+                let own = longer.map_or(log.own, Arc::new);
+                if !same_shared || !Arc::ptr_eq(&app.log.own, &own) {
+                    app.set_own(own, false);
                 }
-                app.log.reviewing.go_to(log.review)
+                let changed = app.log.reviewing.go_to(log.review);
+                if let Some(survey) = survey {
+                    // The log may have grown since that step.
+                    app.carry_decisions(&survey);
+                }
+                changed
             });
             changed_box = changed_box.or(changed.flatten().map(|id| (log.id, id)));
         }

@@ -1,5 +1,7 @@
 //! Asking a detector: one log after the other, on a worker, results as they come.
 
+mod tail;
+
 use crate::app::{App, LogId, OpenLog, Outcome, Task};
 use crate::detection::model::shipped;
 use crate::detection::review::Queue;
@@ -34,8 +36,9 @@ enum SearchMessage {
 struct Detecting {
     log: LogId,
     messages: mpsc::Receiver<SearchMessage>,
-    /// Pings from the log's start on that it has come over.
+    /// Pings from the log's start on that it has come over, and all that the log had when it began.
     pings: usize,
+    all: usize,
     task: Task<Result<Vec<Detection>, String>>,
 }
 
@@ -54,6 +57,8 @@ pub(in crate::app) struct Search {
     done: usize,
     /// Boxes found in the logs that are done.
     found: usize,
+    /// The search of what a followed log has got since.
+    tail: tail::TailSearch,
 }
 
 impl Search {
@@ -133,6 +138,7 @@ impl App {
             return self.notify(text.to_owned(), true);
         }
         self.search.running = None;
+        self.search.tail.wants();
         (self.search.logs, self.search.done, self.search.found) = (logs.len(), 0, 0);
         self.search.ahead = logs.into();
         self.search_next();
@@ -169,6 +175,7 @@ impl App {
             return;
         };
         let (survey, navigation) = (survey.clone(), products.navigation.clone());
+        let all = survey.side_scan.len();
         let path = self.search.model_path.clone();
         let known = self.search.detector.clone();
         let known = known.filter(|detector| detector.path == path);
@@ -195,6 +202,7 @@ impl App {
             log: self.log.id,
             messages,
             pings: 0,
+            all,
             task,
         });
     }
@@ -222,6 +230,7 @@ impl App {
 
     /// Ends a search; what it found so far stays, with the pings that it has come over.
     pub(in crate::app) fn stop_detecting(&mut self) {
+        self.search.tail.stop();
         if !self.search.is_busy() {
             return;
         }
@@ -279,7 +288,7 @@ impl App {
             Outcome::Failed => Err("the search for objects failed unexpectedly".to_owned()),
         };
         match found {
-            Ok(found) => self.take_found(id, &found),
+            Ok(found) => self.take_found(id, &found, running.all),
             Err(text) => {
                 // The same model would fail on the next log as well.
                 self.search.ahead.clear();
@@ -290,14 +299,11 @@ impl App {
     }
 
     /// Takes all that was found in a log. The whole search is one undo step, but what is found in each log is kept at once.
-    fn take_found(&mut self, id: LogId, found: &[Detection]) {
+    fn take_found(&mut self, id: LogId, found: &[Detection], pings: usize) {
         self.search.done += 1;
         self.search.found += found.len();
         let is_last = self.search.ahead.is_empty();
-        self.with_log(id, |app| {
-            let pings = app.log.reviewing.review.identity().pings;
-            app.adopt(found, pings, !is_last);
-        });
+        self.with_log(id, |app| app.adopt(found, pings, !is_last));
         if !is_last {
             self.keep_project(LABEL);
             return self.search_next();

@@ -5,7 +5,6 @@ use crate::detection::review::Review;
 use crate::export;
 use crate::outputs::write_boxes;
 use crate::printable::quoted;
-use crate::survey::Identity;
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -131,9 +130,9 @@ impl App {
             let text = "open the log first, then the review of its boxes";
             return self.notify(text.to_owned(), true);
         };
-        let (identity, from) = (Identity::of(survey), path.clone());
+        let (survey, from) = (survey.clone(), path.clone());
         let task = Task::start(&self.jobs, move |_| {
-            Review::open(&from, &identity).map_err(|error| error.to_string())
+            Review::open_for(&from, &survey).map_err(|error| error.to_string())
         });
         self.log.reviewing.opening = Some(Opening {
             path,

@@ -305,6 +305,25 @@ impl Reviewing {
         }
     }
 
+    /// Lays the raster out for a log that has grown; boxes keep their places until results of the whole log are there.
+    pub(super) fn grow(&mut self, survey: &Survey, navigation: &Arc<Navigation>) {
+        let raster = Raster::new(survey, navigation, PIXEL_M);
+        self.raster = Some((navigation.clone(), Arc::new(raster)));
+    }
+
+    /// Carries the boxes over to a longer state of their log. What is in a file stays what is in it.
+    pub(super) fn carry(&mut self, identity: Identity) {
+        if *self.review.identity() == identity {
+            return;
+        }
+        let carried = Arc::new(self.review.carried_to(identity));
+        if Arc::ptr_eq(&self.saved, &self.review) {
+            self.saved = carried.clone();
+        }
+        self.autosave.carry(&self.review, &carried);
+        self.review = carried;
+    }
+
     /// Starts on a survey; what was decided about it before it was closed comes back.
     pub(super) fn start(&mut self, survey: &Survey, parked: &mut Vec<Parked>) {
         let identity = Identity::of(survey);

@@ -3,7 +3,7 @@
 use super::{BoxId, Confidence, Review, Reviewed, State, held, is_name};
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::regular_file;
-use crate::survey::{Identity, Side};
+use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::path::Path;
@@ -126,6 +126,12 @@ pub struct BoxRow {
     pub model: Option<String>,
 }
 
+/// The log that a review is of, whatever else is in it.
+#[derive(Deserialize)]
+struct OfLog {
+    survey: Identity,
+}
+
 /// Only the layout's number, so that a newer file is distinguished from a broken one.
 #[derive(Deserialize)]
 struct Versioned {
@@ -196,6 +202,23 @@ impl Review {
             what: format!("{error}: {}", path.display()),
             ..error
         })
+    }
+
+    /// Reads a file of the boxes of an open log, which may have grown since.
+    ///
+    /// # Errors
+    /// As [`Review::open`].
+    pub fn open_for(path: &Path, survey: &Survey) -> Result<Self, ReviewError> {
+        let own = Identity::of(survey);
+        let text = read_text(path, "review")?;
+        let of: Option<OfLog> = serde_json::from_str(&text).ok();
+        let of = of.map(|of| of.survey).filter(|of| survey.is_or_was(of));
+        let read = Self::from_json(&text, of.as_ref().unwrap_or(&own));
+        let read = read.map_err(|error| ReviewError {
+            what: format!("{error}: {}", path.display()),
+            ..error
+        })?;
+        Ok(read.carried_to(own))
     }
 
     /// Reads the text of a file.

@@ -162,6 +162,15 @@ impl Review {
         }
     }
 
+    /// The same for a log of which more was written since.
+    #[must_use]
+    pub fn carried_to(&self, identity: Identity) -> Self {
+        Self {
+            identity,
+            ..self.clone()
+        }
+    }
+
     /// The log that it belongs to.
     pub fn identity(&self) -> &Identity {
         &self.identity

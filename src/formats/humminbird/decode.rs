@@ -73,6 +73,7 @@ impl Reader {
             log.introduce(number, kind, self.name.clone(), frequency_khz);
         }
         let counted = Counted {
+            record: (self.file, offset + ping.size()),
             time_s,
             samples: ping.sample_count as usize,
             range_m: is_side.then_some((span.near_m, span.far_m)),

@@ -8,13 +8,18 @@ mod son;
 
 pub(super) use recording::{Recording, find_in_folder, is_recording, sniff};
 
+use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Source, Survey};
 use dat::{Dat, Family};
 
 /// Reads a recording.
-pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, OpenError> {
+pub(super) fn read(
+    recording: Recording,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
     let dat = recording.dat.as_ref().and_then(|(_, dat)| *dat);
     let format = format_name(dat);
     if recording.sons.is_empty() {
@@ -24,7 +29,7 @@ pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, 
             what: "no B00n.SON file with pings lies in the folder of the same name; copy that folder from the card too".into(),
         });
     }
-    let mut log = collect(&recording, format);
+    let mut log = collect(&recording, format, reading);
     log.start_unix_s = dat.and_then(|dat| dat.start_unix_s).map(f64::from);
     progress.start(
         recording
@@ -35,7 +40,7 @@ pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, 
     );
     let first_son = log.bytes.len() - recording.sons.len();
     for (index, opened) in recording.sons.iter().enumerate() {
-        read_son(opened, first_son + index, dat, &mut log, progress)?;
+        read_son(opened, first_son + index, dat, &mut log, reading, progress)?;
     }
     if log.channels.is_empty() {
         return Err(OpenError::Broken {
@@ -45,11 +50,11 @@ pub(super) fn read(recording: Recording, progress: &Progress) -> Result<Survey, 
         });
     }
     remark(&recording, &mut log);
-    Ok(assemble::assemble(log))
+    Ok(assemble::assemble(log, reading))
 }
 
 /// A log of the recording's files, DAT first.
-fn collect(recording: &Recording, format: &str) -> Collected {
+fn collect(recording: &Recording, format: &str, reading: &Reading<'_>) -> Collected {
     let files: Vec<&Opened> = recording
         .dat
         .iter()
@@ -65,6 +70,7 @@ fn collect(recording: &Recording, format: &str) -> Collected {
     Collected::new(
         source,
         files.iter().map(|file| file.bytes.clone()).collect(),
+        reading,
     )
 }
 
@@ -73,6 +79,7 @@ fn read_son(
     file: usize,
     dat: Option<Dat>,
     log: &mut Collected,
+    reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let Some(order) = son::byte_order(&opened.bytes) else {
@@ -90,9 +97,12 @@ fn read_son(
         file,
         order,
         report: &report,
+        is_growing: reading.is_growing,
         progress,
     };
-    walk.run(|offset, ping| reader.take(log, offset, ping))?;
+    walk.run(reading.from(file), |offset, ping| {
+        reader.take(log, offset, ping)
+    })?;
     reader.finish(log);
     Ok(())
 }

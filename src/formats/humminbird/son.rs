@@ -41,14 +41,23 @@ pub(super) struct Walk<'a> {
     pub(super) order: ByteOrder,
     /// Where to say what is wrong.
     pub(super) report: &'a Report,
+    /// What is cut at its end is still being written.
+    pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
 impl Walk<'_> {
-    /// Calls `take` with offset and header of every whole ping.
-    pub(super) fn run(&self, mut take: impl FnMut(usize, PingHeader)) -> Result<(), Cancelled> {
-        let (mut at, mut reported, mut pings) = (0, 0, 0_usize);
+    /// Calls `take` with offset and header of every whole ping; `from` an offset on only where there is one.
+    pub(super) fn run(
+        &self,
+        from: Option<usize>,
+        mut take: impl FnMut(usize, PingHeader),
+    ) -> Result<(), Cancelled> {
+        let len = self.bytes.len();
+        let start = from.map_or(0, |from| next_magic(self.bytes, from).unwrap_or(len));
+        self.progress.advance(start as u64);
+        let (mut at, mut reported, mut pings) = (start, start, 0_usize);
         while at < self.bytes.len() {
             if pings.is_multiple_of(PINGS_A_CHECK) {
                 self.progress.check()?;
@@ -84,6 +93,9 @@ impl Walk<'_> {
             self.report.at(Kind::Frame, self.file, at, text);
             return found;
         }
+        if next > len && self.is_growing {
+            return len;
+        }
         if next > len {
             let text = format!(
                 "the recording was cut inside its last ping ({} bytes of it are there); it was dropped",
@@ -97,7 +109,11 @@ impl Walk<'_> {
     }
 
     fn over_gap(&self, at: usize) -> usize {
-        let to = next_magic(self.bytes, at + 1).unwrap_or(self.bytes.len());
+        let found = next_magic(self.bytes, at + 1);
+        let to = found.unwrap_or(self.bytes.len());
+        if found.is_none() && self.is_growing {
+            return to;
+        }
         let text = format!("{} bytes belong to no ping and were skipped", to - at);
         self.report.at(Kind::Gap, self.file, at, text);
         to

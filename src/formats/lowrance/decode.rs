@@ -65,6 +65,7 @@ impl Reader {
             log.introduce(frame.channel, kind, name, frequency_khz(frame.frequency));
         }
         let counted = Counted {
+            record: (0, frame.offset + frame.size),
             time_s,
             samples: sides::samples_a_side(kind, frame),
             range_m: sides::range_m(kind, frame),

@@ -7,6 +7,7 @@ pub mod sl2;
 pub mod sl3;
 mod walk;
 
+use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected, scalar};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::Survey;
@@ -73,7 +74,12 @@ fn sniff_frames(bytes: &[u8]) -> Option<Kind> {
 }
 
 /// Reads a file that [`sniff`] recognised.
-pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Survey, OpenError> {
+pub(super) fn read(
+    opened: Opened,
+    kind: Kind,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
     let Kind::Frames { layout, version } = kind else {
         return Err(OpenError::Unsupported {
             path: opened.path,
@@ -82,12 +88,12 @@ pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Su
     };
     let format = format_name(layout, version);
     let source = opened.source(format.clone());
-    let mut log = Collected::new(source, vec![opened.bytes.clone()]);
+    let mut log = Collected::new(source, vec![opened.bytes.clone()], reading);
     if version.is_none() {
         log.report
             .log("the file header is damaged; the format was inferred from the frames");
     }
-    read_frames(&opened.bytes, layout, &mut log, progress)?;
+    read_frames(&opened.bytes, layout, &mut log, reading, progress)?;
     if log.channels.is_empty() {
         let len = opened.bytes.len();
         return Err(OpenError::Broken {
@@ -98,23 +104,35 @@ pub(super) fn read(opened: Opened, kind: Kind, progress: &Progress) -> Result<Su
             ),
         });
     }
-    Ok(assemble::assemble(log))
+    Ok(assemble::assemble(log, reading))
 }
 
 fn read_frames(
     bytes: &[u8],
     layout: Layout,
     log: &mut Collected,
+    reading: &Reading<'_>,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     progress.start(bytes.len() as u64);
-    let start = FILE_HEADER.min(bytes.len());
-    progress.advance(start as u64);
+    let start = match reading.from(0) {
+        Some(from) => walk::first_frame(bytes, layout, from..bytes.len(), 0),
+        None => Some(walk::Place {
+            at: FILE_HEADER.min(bytes.len()),
+            lost: 0,
+        }),
+    };
+    let start = start.unwrap_or(walk::Place {
+        at: bytes.len(),
+        lost: 0,
+    });
+    progress.advance(start.at as u64);
     let mut reader = decode::Reader::default();
     let walk = walk::Walk {
         bytes,
         layout,
         report: &log.report.clone(),
+        is_growing: reading.is_growing,
         progress,
     };
     walk.run(start, |frame| reader.take(log, frame))?;

@@ -20,15 +20,17 @@ pub(super) struct Walk<'a> {
     pub(super) layout: Layout,
     /// Where to say what is wrong.
     pub(super) report: &'a Report,
+    /// What is cut at its end is still being written.
+    pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
 
 impl Walk<'_> {
     /// Calls `take` for every whole frame from `start` on.
-    pub(super) fn run(&self, start: usize, mut take: impl FnMut(Frame)) -> Result<(), Cancelled> {
-        let mut here = Place { at: start, lost: 0 };
-        let mut reported = start;
+    pub(super) fn run(&self, start: Place, mut take: impl FnMut(Frame)) -> Result<(), Cancelled> {
+        let mut here = start;
+        let mut reported = start.at;
         let mut frames = 0_usize;
         while here.at < self.bytes.len() {
             if frames.is_multiple_of(FRAMES_A_CHECK) {
@@ -76,6 +78,9 @@ impl Walk<'_> {
     fn over_cut(&self, here: Place) -> Result<Place, Cancelled> {
         let len = self.bytes.len();
         let found = self.find(here.at + 4, len, here.lost)?;
+        if found.is_none() && self.is_growing {
+            return Ok(Place { at: len, ..here });
+        }
         let text = match found {
             Some(_) => "a frame header is damaged; the frame was dropped".to_owned(),
             None => format!(
@@ -91,6 +96,9 @@ impl Walk<'_> {
         let len = self.bytes.len();
         let found = self.find(here.at + 1, len, here.lost)?;
         let to = found.unwrap_or(Place { at: len, ..here });
+        if found.is_none() && self.is_growing {
+            return Ok(to);
+        }
         let bytes = to.at - here.at;
         let text = match found {
             Some(found) if found.lost != here.lost => format!(

@@ -56,6 +56,25 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Goes on elsewhere in the file, knowing its time zero, its origin and the channels that are shown.
+    pub(super) fn after_head(self, bytes: &'a [u8]) -> Self {
+        Self {
+            bytes,
+            clock: Clock::default(),
+            others: Packets::default(),
+            sides: self.sides.after_head(),
+            ..self
+        }
+    }
+
+    /// Gives a verdict on the pings that still wait, and says whether the log's time zero is known.
+    pub(super) fn knows_zero(&mut self, log: &mut Collected) -> bool {
+        while let Some(verdict) = self.clock.next() {
+            self.settle(log, verdict);
+        }
+        self.zero_cs.is_some()
+    }
+
     /// Takes the pings that still wait for a verdict and says what was left out.
     pub(super) fn finish(&mut self, log: &mut Collected) {
         while let Some(verdict) = self.clock.next() {
@@ -128,7 +147,7 @@ impl<'a> Reader<'a> {
                 first,
                 time_s,
             };
-            count(log, &channel, &recorded);
+            count(log, &channel, &recorded, end);
             self.sides.keep(log, &recorded);
             at = first + stored;
         }
@@ -140,13 +159,14 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded) {
+fn count(log: &mut Collected, channel: &XtfChannel, recorded: &Recorded, end: usize) {
     let number = recorded.header.channel;
     if !log.knows(number) {
         let name = channel.name.clone();
         log.introduce(number, channel.kind, name, channel.frequency_khz);
     }
     let counted = Counted {
+        record: (0, end),
         time_s: recorded.time_s,
         samples: recorded.header.samples as usize,
         range_m: Some((0.0, recorded.far_m())),

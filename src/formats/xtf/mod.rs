@@ -9,15 +9,18 @@ pub mod raw;
 mod sides;
 mod walk;
 
+use super::reading::Reading;
 use super::{OpenError, Opened, assemble, collected::Collected};
-use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Source, Survey};
 use raw::{FileHeader, record};
 
 /// The file header is a multiple of this long: 1024 bytes for up to six channels.
 const HEADER_BLOCK: usize = 1024;
 /// Bytes searched for packets when the file header is damaged.
 const SEARCHED_FOR_PACKETS: usize = 1 << 20;
+/// Bytes of the head that is read before a tail is: more than most files' first pings take.
+const HEAD: usize = 1 << 18;
 const FORMAT: &str = "XTF";
 
 /// What was recognised.
@@ -65,23 +68,40 @@ fn device_name(header: FileHeader) -> String {
 }
 
 /// Reads a file that [`sniff`] recognised.
-pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<Survey, OpenError> {
+pub(super) fn read(
+    opened: Opened,
+    found: Found,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
     let path = opened.path.clone();
     let bytes = opened.bytes.clone();
-    let mut log = Collected::new(opened.source(FORMAT.to_owned()), vec![opened.bytes]);
-    log.source.device = found.header.map_or_else(String::new, device_name);
+    let mut source = opened.source(FORMAT.to_owned());
+    source.device = found.header.map_or_else(String::new, device_name);
+    let mut log = Collected::new(source, vec![opened.bytes], reading);
     let report = log.report.clone();
     if found.header.is_none() {
         report.log("the file header is damaged; channels and units were inferred from the pings");
     }
-    let mut reader = decode::Reader::new(&bytes, found.header);
-    progress.start(bytes.len().saturating_sub(found.first_packet) as u64);
+    let (mut reader, start) = match reading.from(0) {
+        Some(from) => {
+            let start = walk::next_packet(&bytes, from, bytes.len());
+            let reader = knowing_head(&bytes, &found, from, progress)?;
+            (reader, start.unwrap_or(bytes.len()))
+        }
+        None => (
+            decode::Reader::new(&bytes, found.header),
+            found.first_packet,
+        ),
+    };
+    progress.start(bytes.len().saturating_sub(start) as u64);
     walk::Walk {
         bytes: &bytes,
         report: &report,
+        is_growing: reading.is_growing,
         progress,
     }
-    .run(found.first_packet, |offset, packet| {
+    .run(start, |offset, packet| {
         reader.take(&mut log, offset, &packet)
     })?;
     reader.finish(&mut log);
@@ -104,5 +124,35 @@ pub(super) fn read(opened: Opened, found: Found, progress: &Progress) -> Result<
             ),
         });
     }
-    Ok(assemble::assemble(log))
+    Ok(assemble::assemble(log, reading))
+}
+
+/// A reader that has seen the file's first pings: they say from when times count, around which place metres lie and which channels are
+/// shown. Looks at no more than what lies before `from`.
+fn knowing_head<'a>(
+    bytes: &'a [u8],
+    found: &Found,
+    from: usize,
+    progress: &Progress,
+) -> Result<decode::Reader<'a>, Cancelled> {
+    let mut head = HEAD;
+    loop {
+        let end = from.min(found.first_packet.saturating_add(head));
+        let mut reader = decode::Reader::new(&bytes[..end], found.header);
+        let mut log = Collected::new(Source::default(), Vec::new(), &Reading::default());
+        walk::Walk {
+            bytes: &bytes[..end],
+            report: &log.report.clone(),
+            is_growing: true,
+            progress: &Progress::new(),
+        }
+        .run(found.first_packet, |offset, packet| {
+            reader.take(&mut log, offset, &packet)
+        })?;
+        progress.check()?;
+        if reader.knows_zero(&mut log) || end == from {
+            return Ok(reader.after_head(bytes));
+        }
+        head *= 4;
+    }
 }

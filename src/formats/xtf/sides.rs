@@ -81,6 +81,15 @@ impl Sides {
         }
     }
 
+    /// The same channels, with nothing counted yet.
+    pub(super) fn after_head(self) -> Self {
+        Self {
+            hidden: 0,
+            unread: 0,
+            ..self
+        }
+    }
+
     /// Chooses which eight bits of 16-bit samples are shown, the same on both sides, and says what is not shown.
     pub(super) fn finish(&self, bytes: &[u8], log: &mut Collected) {
         let halves = || log.port.iter().chain(&log.starboard);

@@ -17,6 +17,8 @@ pub(super) struct Walk<'a> {
     pub(super) bytes: &'a [u8],
     /// Where to say what is wrong.
     pub(super) report: &'a Report,
+    /// What is cut at its end is still being written.
+    pub(super) is_growing: bool,
     /// Where to say how far it is.
     pub(super) progress: &'a Progress,
 }
@@ -67,6 +69,9 @@ impl Walk<'_> {
             self.report.at(Kind::Frame, 0, at, text);
             return found;
         }
+        if next > len && self.is_growing {
+            return len;
+        }
         if next > len {
             let text = format!(
                 "the file was cut inside its last packet ({} bytes of it are there); it was dropped",
@@ -81,7 +86,11 @@ impl Walk<'_> {
 
     fn over_gap(&self, at: usize) -> usize {
         let len = self.bytes.len();
-        let to = next_packet(self.bytes, at + 1, len).unwrap_or(len);
+        let found = next_packet(self.bytes, at + 1, len);
+        let to = found.unwrap_or(len);
+        if found.is_none() && self.is_growing {
+            return to;
+        }
         let text = format!("{} bytes belong to no packet and were skipped", to - at);
         self.report.at(Kind::Gap, 0, at, text);
         to

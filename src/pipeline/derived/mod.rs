@@ -140,4 +140,22 @@ impl Derived {
         };
         self.picture.get(key.clone(), progress, make)
     }
+
+    /// As [`Derived::picture`], of a log that grew since its last results as a `whole`: with the gain of those, and without the stripe
+    /// filter, which is of all pings.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn growing_picture(
+        &self,
+        log: &ProcessedLog,
+        whole: &ProcessedLog,
+        progress: &Progress,
+    ) -> Result<Arc<LogPicture>, Cancelled> {
+        let gain = match PictureKey::of(log).is_normalised() {
+            true => self.gain(whole, progress)?,
+            false => None,
+        };
+        Ok(Arc::new(picture::growing(log, gain, progress)?))
+    }
 }

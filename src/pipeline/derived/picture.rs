@@ -32,6 +32,17 @@ impl PictureKey {
     }
 }
 
+/// Of a log whose results are provisional: without the factors of the stripe filter.
+pub fn growing(
+    ProcessedLog { survey, products }: &ProcessedLog,
+    gain: Option<Arc<GainTable>>,
+    progress: &Progress,
+) -> Result<LogPicture, Cancelled> {
+    let factor = products.correction.range_factor();
+    let scales = PingScales::new(survey, &products.returns, &products.calibration, factor);
+    LogPicture::new(survey, Arc::new(scales), gain, None, progress)
+}
+
 pub fn made(
     log: &ProcessedLog,
     gain: Option<Arc<GainTable>>,

@@ -1,7 +1,8 @@
 //! The bottom line: what is under the pointer, and what the program is doing.
 
-use crate::app::{Action, Command, Mark};
+use crate::app::{Action, Command, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
+use crate::presentation::text::count;
 use crate::survey::Side;
 use crate::ui::{ViewContext, place, text, theme};
 use egui::{RichText, Ui};
@@ -17,7 +18,9 @@ const REST_ROOM: f32 = 150.0;
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
-        let is_busy = !context.app.is_idle() || context.app.is_stopped();
+        // A log that is followed is looked at four times a second: the line must not change with that.
+        let follows = context.app.follow_status().is_some();
+        let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
         let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
         let room = (ui.available_width() - taken).max(120.0);
         match context.app.hover.or(context.app.selection) {
@@ -30,6 +33,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.spacing_mut().item_spacing.x = 8.0;
             said(ui, context);
             jobs(ui, context);
+            following(ui, context);
             rest(ui, context);
         });
     });
@@ -92,6 +96,34 @@ fn cells(context: &ViewContext<'_>, mark: Mark) -> Vec<String> {
         ping.time_s,
     ));
     cells
+}
+
+/// What following does, in words.
+fn following(ui: &mut Ui, context: &ViewContext<'_>) {
+    let Some(status) = context.app.follow_status() else {
+        return;
+    };
+    let text = match status {
+        FollowStatus::Starting => "following: copying the log".to_owned(),
+        FollowStatus::Growing { pings, behind } => {
+            let behind_s = behind.as_secs_f64();
+            format!("following: {} pings, {behind_s:.1} s behind", count(pings))
+        }
+        FollowStatus::Silent { since } => {
+            format!("following: no new pings for {} s", since.as_secs())
+        }
+        FollowStatus::Ending => "reading the log to its end".to_owned(),
+    };
+    let is_silent = matches!(status, FollowStatus::Silent { .. });
+    let theme = context.app.options.theme;
+    let colour = match is_silent {
+        true => theme::stale_colour(theme),
+        false => theme::accent_colour(theme),
+    };
+    let label = ui.label(RichText::new(text).small().color(colour));
+    label.on_hover_text(
+        "New pings are shown with the calibration of the last run over the whole log; that run is repeated as the log grows, and at the end.",
+    );
 }
 
 fn rest(ui: &mut Ui, context: &ViewContext<'_>) {

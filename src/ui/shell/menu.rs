@@ -16,6 +16,7 @@ const FILE: &[Action] = &[
     Action::SaveProject,
     Action::SaveProjectAs,
     Action::AddLog,
+    Action::FollowRecording,
     Action::CloseLog,
 ];
 const BASE_MAP: &[Action] = &[Action::OpenBaseMap, Action::CloseBaseMap];

@@ -222,7 +222,8 @@ impl Shell {
             self.carry_out(&ctx, command);
         }
         let busy = (!self.app.is_idle()).then_some(std::time::Duration::ZERO);
-        if let Some(due) = busy.or(self.app.autosave_due()) {
+        let due = [self.app.autosave_due(), self.app.follow_due()];
+        if let Some(due) = busy.or(due.into_iter().flatten().min()) {
             ctx.request_repaint_after(due.max(std::time::Duration::from_millis(100)));
         }
     }

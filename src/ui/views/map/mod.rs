@@ -195,6 +195,7 @@ impl MapView {
             isobaths: self.layers.isobaths(&context.app.options.map.layers),
             residuals: self.layers.residuals(&context.app.options.map.layers),
             lost_soundings: context.app.log.lost_soundings,
+            made_of: (context.app.log.whole.as_ref()).map(|whole| whole.survey.side_scan.len()),
             has_left_out: left_out::ping_count(context.app) > 0,
             options: &context.app.options,
         };

@@ -3,6 +3,7 @@
 use super::overlay::Scene;
 use super::{mosaic_tiles, points};
 use crate::app::MapLayer;
+use crate::presentation::text::count;
 use crate::ui::views::legend;
 use egui::Painter;
 
@@ -23,6 +24,17 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     let explained = legend::has_room(scene.rect);
     let shows = |layer| scene.shows(layer) && explained;
     let mut notes: Vec<String> = grey_track(scene).map(str::to_owned).into_iter().collect();
+    if let Some(pings) = scene.made_of.filter(|_| {
+        let made = [
+            MapLayer::DepthMap,
+            MapLayer::HillShade,
+            MapLayer::Isobaths,
+            MapLayer::Mosaic,
+        ];
+        made.into_iter().any(|layer| scene.shows(layer))
+    }) {
+        notes.push(format!("layers: first\n{} pings", count(pings)));
+    }
     if scene.has_left_out && scene.shows(MapLayer::Track) {
         notes.push("fine dashes:\nleft out".to_owned());
     }

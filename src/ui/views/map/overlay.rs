@@ -32,6 +32,8 @@ pub struct Scene<'a> {
     pub residuals: Option<Arc<ResidualLayer>>,
     /// Soundings after the recorder had lost the bottom: they leave the track grey.
     pub lost_soundings: usize,
+    /// Pings of the shown log that depth map, isobaths and mosaic are made of, where it has more: it is followed.
+    pub made_of: Option<usize>,
     /// Whether some of the tracks is left out.
     pub has_left_out: bool,
     pub options: &'a ViewOptions,

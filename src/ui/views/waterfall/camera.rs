@@ -157,6 +157,13 @@ impl Camera {
         }
     }
 
+    /// Moves along so that the end of the log lies at the edge of the view; a view of the whole log stays one.
+    pub fn show_end(&mut self, pings: f64, size: Size) {
+        if !self.along.fitted {
+            self.along.centre = pings - 0.5 * self.along.per_point * size.along;
+        }
+    }
+
     /// Sees along the track what another part of the view sees, which this one leads where the other has not looked anywhere yet.
     pub fn share_along(&mut self, other: &mut Self, extent: &Extent, size: Size) {
         if other.along.per_point <= 0.0 {

@@ -18,6 +18,7 @@ pub(super) struct Drawing {
     pub survey_serial: u64,
     /// Whether port and starboard are exchanged in it.
     pub swapped_sides: bool,
+    survey: Arc<Survey>,
     tiler: Tiler,
     tiles: TileSet,
     arrived: VecDeque<Tile>,
@@ -41,7 +42,8 @@ impl Drawing {
         Self {
             survey_serial,
             swapped_sides: survey.swapped_sides,
-            tiler: Tiler::start(survey, waker),
+            tiler: Tiler::start(survey.clone(), waker),
+            survey,
             tiles: TileSet::new(),
             arrived: VecDeque::new(),
             axis: None,
@@ -59,6 +61,14 @@ impl Drawing {
         self.axis.flatten()
     }
 
+    /// Goes on with a later state of the survey, if it is one.
+    pub fn follow(&mut self, survey: &Arc<Survey>) {
+        if !Arc::ptr_eq(&self.survey, survey) {
+            self.survey = survey.clone();
+            self.tiler.grow(survey.clone());
+        }
+    }
+
     /// Collects what arrived; asks for lines when the first returns are others than before.
     pub fn poll(&mut self, returns: Option<&Arc<FirstReturns>>) {
         // Asked before what it has sent is taken: what it sent last is here then.
@@ -68,6 +78,17 @@ impl Drawing {
                 Made::Axis(axis) => self.axis = Some(axis),
                 Made::Levels(levels) => self.levels = levels,
                 Made::Tile(tile) => self.arrived.push_back(tile),
+                Made::Grown {
+                    mut axis,
+                    unchanged,
+                } => {
+                    // A usual step that changes with every ping would stretch the picture a little each time.
+                    axis.ping_m = self.axis().and_then(|axis| axis.ping_m).or(axis.ping_m);
+                    self.axis = Some(Some(axis));
+                    let stays = |tile: &Tile| unchanged.is_some_and(|to| tile.key.end_ping() <= to);
+                    self.arrived.retain(stays);
+                    self.tiles.outdate(unchanged);
+                }
                 Made::Picks(picks) => self.picks = Some(picks),
                 Made::Depth(depth) => self.depth = Some(depth),
             }

@@ -30,6 +30,8 @@ pub(super) struct EchogramPart {
 struct Shown {
     channel: EchogramChannel,
     survey_serial: u64,
+    /// The log.
+    of: Arc<Survey>,
     /// The log as that channel saw it; `None` where it has no such channel.
     survey: Option<Arc<Survey>>,
     drawing: Option<Drawing>,
@@ -86,13 +88,21 @@ impl EchogramPart {
         };
         let is_it =
             |shown: &Shown| shown.channel == channel && shown.survey_serial == app.survey_serial;
-        if self.shown.as_ref().is_some_and(is_it) {
+        if let Some(shown) = self.shown.as_mut().filter(|shown| is_it(shown)) {
+            if !Arc::ptr_eq(&shown.of, survey) {
+                shown.of = survey.clone();
+                shown.survey = survey.looking_down(kind).map(Arc::new);
+                if let (Some(drawing), Some(seen)) = (&mut shown.drawing, &shown.survey) {
+                    drawing.follow(seen);
+                }
+            }
             return;
         }
         let seen = survey.looking_down(kind).map(Arc::new);
         self.shown = Some(Shown {
             channel,
             survey_serial: app.survey_serial,
+            of: survey.clone(),
             drawing: (seen.clone()).map(|survey| Drawing::start(survey, app.survey_serial, ctx)),
             survey: seen,
             camera: None,

@@ -8,6 +8,7 @@ mod cross;
 mod drawing;
 mod echogram;
 mod flat_spots;
+mod following;
 mod gestures;
 mod labels;
 mod left_out;
@@ -62,6 +63,7 @@ pub struct WaterfallView {
     cross: cross::Cross,
     echogram: echogram::EchogramPart,
     settled: bool,
+    end: following::NewestPing,
 }
 
 /// What was asked for between frames, when the size of the view is not known.
@@ -284,6 +286,9 @@ impl WaterfallView {
                 .as_ref()
                 .map(|survey| Drawing::start(survey.clone(), app.survey_serial, ctx));
         }
+        if let (Some(drawing), Some(survey)) = (&mut self.drawing, &app.log.survey) {
+            drawing.follow(survey);
+        }
         if let Some(drawing) = &mut self.drawing {
             let had_failed = drawing.has_failed;
             drawing.poll(app.returns());
@@ -359,6 +364,7 @@ impl WaterfallView {
                 None => camera.reveal(reveal.mark.ping as f64 + 0.5, size),
             }
         }
+        self.end.keep(&mut camera, extent, size, context.app);
         let fits = context.app.measuring.tool.is_none();
         gestures::apply(
             &mut camera,
@@ -370,6 +376,7 @@ impl WaterfallView {
             fits,
         );
         camera.settle(extent, size);
+        self.end.note(&camera, extent, size);
         self.camera = Some(camera);
         self.size = Some(size);
         Lens::arranged(camera, rect, arrangement)

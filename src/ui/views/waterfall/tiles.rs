@@ -15,6 +15,8 @@ const BUDGET: usize = 96 << 20;
 pub(super) struct Resident {
     pub texture: TileTexture,
     pub completeness: u8,
+    /// Rows that it has.
+    pub height: usize,
 }
 
 /// The tiles of one survey that were drawn lately.
@@ -39,8 +41,21 @@ impl TileSet {
         let resident = Resident {
             texture,
             completeness: tile.completeness,
+            height: tile.height,
         };
         self.cache.insert(tile.key, resident, tile.byte_count());
+    }
+
+    /// Has tiles made again that reach beyond pings that stay as they are; drops all where none does.
+    pub fn outdate(&mut self, unchanged: Option<usize>) {
+        match unchanged {
+            Some(unchanged) => self.cache.change(|key, resident| {
+                if key.end_ping() > unchanged {
+                    resident.completeness = 0;
+                }
+            }),
+            None => self.cache = Lru::new(BUDGET),
+        }
     }
 
     /// Chooses the tiles for what the lens sees. `pixels_per_point` decides how fine they must be.
@@ -84,7 +99,10 @@ impl TileSet {
             return;
         };
         if let Some(resident) = self.cache.use_now(&shown)
-            && let Some(area) = scale.area(&shown, &area)
+            && let Some(area) = scale.area(
+                &shown,
+                &area.until(shown.first_ping() + resident.height * shown.level.pings()),
+            )
         {
             plan.draw
                 .push((scale.quad(&shown, &area), resident.texture.clone()));
@@ -125,6 +143,16 @@ impl TileSet {
 struct Area {
     pings: Range<f64>,
     bins: Range<f64>,
+}
+
+impl Area {
+    /// Without the pings from one on: a tile of a log that grew since does not have them.
+    fn until(&self, ping: usize) -> Self {
+        Self {
+            pings: self.pings.start..self.pings.end.min(ping as f64),
+            bins: self.bins.clone(),
+        }
+    }
 }
 
 /// The lens in pings and bins instead of points and metres.

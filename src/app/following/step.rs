@@ -1,0 +1,223 @@
+//! What is done off the window's thread about a log that is followed: its new bytes are taken in, and its results made of them.
+
+use crate::formats::{GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail};
+use crate::geo::LocalFrame;
+use crate::pipeline::{
+    GrowingScale, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
+    SourceKey, as_set, extend, run,
+};
+use crate::progress::{Cancelled, Progress};
+use crate::survey::{Bytes, Survey};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// More is only shown once the log grew by this share: what is shown is a copy of the whole, and so the work for each ping stays the same
+/// however long the log is.
+const LEAST_SHARE: f64 = 1.0 / 4000.0;
+
+/// Why a step could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum StepError {
+    /// The log is not what it was.
+    #[error(transparent)]
+    Growing(#[from] GrowingError),
+    /// What is there now cannot be read.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// What is set of its source does not fit.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The settings cannot be used.
+    #[error("{0}")]
+    Settings(String),
+    /// It was stopped.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The log as it is known, with what is set for it.
+#[derive(Clone)]
+pub struct Ground {
+    /// As it was read.
+    pub read: Arc<Survey>,
+    /// As its settings have it.
+    pub survey: Arc<Survey>,
+    pub products: Products,
+    pub shared: Arc<Settings>,
+    pub own: Arc<LogSettings>,
+}
+
+impl Ground {
+    /// The recording and its results.
+    pub fn settled(&self) -> ProcessedLog {
+        ProcessedLog {
+            survey: self.survey.clone(),
+            products: self.products.clone(),
+        }
+    }
+
+    /// Carries the log's own settings over to a longer one.
+    fn settings_over(
+        &self,
+        survey: &Survey,
+    ) -> Result<(Arc<LogSettings>, Arc<Settings>), StepError> {
+        let Some(own) = self.own.carried_to(survey) else {
+            return Ok((self.own.clone(), self.products.settings.clone()));
+        };
+        let settings = own.compose(&self.shared);
+        let settings = settings.map_err(unusable)?;
+        Ok((Arc::new(own), Arc::new(settings)))
+    }
+}
+
+/// What goes from one step to the next: the copy of the log, and the scale that its picture was measured by.
+pub struct Tools {
+    pub growing: GrowingLog,
+    /// The bytes of the log as it was when it began to be followed.
+    pub beginning: Vec<Bytes>,
+    scale: Option<(Arc<Settings>, GrowingScale)>,
+}
+
+/// What a step came to.
+pub enum Grown {
+    /// Nothing was added, or too little to be shown yet: so many bytes wait.
+    Waits(u64),
+    /// The log with what was added.
+    Longer(Box<Ground>),
+    /// What was added does not tell how it goes on: all of it has to be read again.
+    Anew,
+}
+
+impl Tools {
+    /// Begins to follow a log: copies what there is of it.
+    pub fn start(survey: &Survey, progress: &Progress) -> Result<Self, GrowingError> {
+        let growing = GrowingLog::start(survey, progress)?;
+        let lengths: Vec<usize> = survey.bytes.iter().map(|bytes| bytes.len()).collect();
+        Ok(Self {
+            beginning: growing.beginning(&lengths)?,
+            growing,
+            scale: None,
+        })
+    }
+
+    /// Takes in what was added, and makes results of it if that is enough, or if it is not to wait any longer.
+    pub fn step(
+        &mut self,
+        ground: &Ground,
+        waits: bool,
+        progress: &Progress,
+    ) -> Result<Grown, StepError> {
+        self.growing.look(progress)?;
+        let known = ground.survey.source.byte_count;
+        let added = self.growing.byte_count().saturating_sub(known);
+        if added == 0 || (waits && (added as f64) < LEAST_SHARE * known as f64) {
+            return Ok(Grown::Waits(added));
+        }
+        let Some(seam) = ground.read.seam() else {
+            return Ok(Grown::Anew);
+        };
+        let tail = open_tail(&ground.read, &seam, self.growing.bytes()?, progress)?;
+        let Some(read) = ground.read.extended(tail, &seam) else {
+            return Ok(Grown::Anew);
+        };
+        let read = Arc::new(read);
+        let frame = &ground.survey.track.frame;
+        let survey = as_it_is_set(&read, &ground.products.settings, Some(frame))?;
+        let unchanged = survey
+            .side_scan
+            .partition_point(|ping| ping.time_s < seam.time_s);
+        let (own, settings) = ground.settings_over(&survey)?;
+        let scale = self.scale_for(ground, progress)?;
+        let products = extend(
+            &survey,
+            unchanged,
+            &ground.products,
+            &settings,
+            scale,
+            progress,
+        )?;
+        Ok(Grown::Longer(Box::new(Ground {
+            read,
+            survey,
+            products,
+            shared: ground.shared.clone(),
+            own,
+        })))
+    }
+
+    /// The scale of the picture by the settings in force; measured over the whole log where they changed.
+    fn scale_for(
+        &mut self,
+        ground: &Ground,
+        progress: &Progress,
+    ) -> Result<&mut GrowingScale, Cancelled> {
+        let settings = &ground.products.settings;
+        let is_same = |known: &Settings| {
+            known.image == settings.image
+                && known.first_return.dead_zone_m == settings.first_return.dead_zone_m
+        };
+        let known = self.scale.take().filter(|(known, _)| is_same(known));
+        let scale = match known {
+            Some(known) => known,
+            None => {
+                let measured = GrowingScale::measure(&ground.survey, settings, progress)?;
+                (settings.clone(), measured)
+            }
+        };
+        Ok(&mut self.scale.insert(scale).1)
+    }
+}
+
+/// Reads all of a log that is still being written and runs every stage over it.
+pub fn whole(
+    files: Vec<(PathBuf, Bytes)>,
+    is_finished: bool,
+    frame: Option<&LocalFrame>,
+    ground: &Ground,
+    progress: &Progress,
+) -> Result<Ground, StepError> {
+    let survey = match is_finished {
+        true => open_at_hand(files, progress)?,
+        false => open_growing(files, progress)?,
+    };
+    let read = Arc::new(survey);
+    let survey = as_it_is_set(
+        &read,
+        &ground.own.compose(&ground.shared).map_err(unusable)?,
+        frame,
+    )?;
+    let own = ground.own.carried_to(&survey);
+    let own = own.map_or_else(|| ground.own.clone(), Arc::new);
+    let settings = own.compose(&ground.shared);
+    let settings = settings.map_err(unusable)?;
+    let products = run(&survey, &settings, None, progress, |_| ())?;
+    Ok(Ground {
+        read,
+        survey,
+        products,
+        shared: ground.shared.clone(),
+        own,
+    })
+}
+
+/// A log that was read as its settings have it, in a frame; the very same one where they change nothing.
+fn as_it_is_set(
+    read: &Arc<Survey>,
+    settings: &Settings,
+    frame: Option<&LocalFrame>,
+) -> Result<Arc<Survey>, StepError> {
+    let is_as_read = SourceKey::of(settings) == SourceKey::default();
+    let is_there = frame.is_none_or(|frame| frame.origin() == read.track.frame.origin());
+    if is_as_read && is_there {
+        return Ok(read.clone());
+    }
+    let set = as_set(Survey::clone(read), settings, None)?;
+    Ok(Arc::new(match frame {
+        Some(frame) => set.in_frame(frame),
+        None => set,
+    }))
+}
+
+fn unusable(error: SettingsError) -> StepError {
+    StepError::Settings(error.to_string())
+}

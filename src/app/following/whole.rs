@@ -1,0 +1,112 @@
+//! When everything is made anew from the whole log, and how following ends.
+
+use super::step;
+use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
+use crate::app::Task;
+use crate::formats::{GrowingError, GrowingLog};
+use crate::pipeline::Settings;
+use crate::presentation::text::count;
+use crate::printable::quoted;
+
+impl App {
+    /// Has results made of the whole log, when it has grown by enough, or has come to rest.
+    pub(super) fn begin_whole(&mut self, active: &mut Active) {
+        let is_busy = active.whole.is_some() || active.fresh.is_some() || active.tools.is_none();
+        if is_busy || active.whole_at.elapsed() < BETWEEN_WHOLE || self.is_engine_on(active.log) {
+            return;
+        }
+        let Some(log) = self.open_log(active.log) else {
+            return;
+        };
+        let made = log.whole.as_ref().map(|whole| &whole.products.settings);
+        let now = log.products.as_ref().map(|products| &products.settings);
+        let is_changed = made
+            .zip(now)
+            .is_some_and(|(made, now)| bare(made) != bare(now));
+        let bytes = log
+            .survey
+            .as_ref()
+            .map_or(0, |survey| survey.source.byte_count) as f64;
+        let has_grown = bytes >= WHOLE_AGAIN * active.whole_bytes as f64;
+        let rests = active.added.elapsed() >= QUIET && log.whole.is_some();
+        if !(has_grown || rests || is_changed) || log.is_behind() {
+            return;
+        }
+        self.start_whole(active, false);
+    }
+
+    fn start_whole(&mut self, active: &mut Active, is_finished: bool) {
+        let Some((tools, ground)) = active.tools.as_ref().zip(self.ground_of(active.log)) else {
+            return;
+        };
+        let frame = (self.log_count() > 1).then(|| self.plane.clone());
+        let files = match tools.growing.bytes() {
+            Ok(files) => files,
+            Err(error) => return self.fail_following(active, &error.to_string()),
+        };
+        let is_cut = matches!(active.ends, Some(End::Failed));
+        active.whole = Some(Task::start(&self.jobs, move |progress| {
+            let files = match is_finished && !is_cut {
+                // A recorder may have written its header once more when it was switched off.
+                true => match GrowingLog::again(&files, progress) {
+                    Ok(growing) => growing.bytes()?,
+                    Err(GrowingError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                    Err(_) => files,
+                },
+                false => files,
+            };
+            step::whole(files, is_finished, frame.as_ref(), &ground, progress)
+        }));
+    }
+
+    /// Ends following: the whole log is read and run over once more. Returns whether that is done.
+    pub(super) fn finish(&mut self, active: &mut Active) -> bool {
+        if active.stepping.is_some() || active.starting.is_some() || active.whole.is_some() {
+            return false;
+        }
+        let known = self.open_log(active.log).and_then(|log| {
+            let survey = log.survey.as_ref()?;
+            Some((survey.source.byte_count, log.whole.is_some()))
+        });
+        let Some(((bytes, is_provisional), tools)) = known.zip(active.tools.as_ref()) else {
+            return true;
+        };
+        if active.is_last {
+            if !is_provisional && matches!(active.ends, Some(End::Asked)) {
+                let log = self.open_log(active.log);
+                let survey = log.and_then(|log| log.survey.as_ref());
+                if let Some(survey) = survey {
+                    let pings = count(survey.side_scan.len());
+                    let text = format!("Read {} to its end: {pings} pings", quoted(&survey.name()));
+                    self.notify(text, false);
+                }
+            }
+            if is_provisional {
+                // That reading failed: what was shown last is run over as it is.
+                self.with_log(active.log, |app| {
+                    app.log.whole = None;
+                    app.log.products = None;
+                });
+                self.process();
+            }
+            return true;
+        }
+        if self.is_engine_on(active.log) {
+            return false;
+        }
+        if !is_provisional && tools.growing.byte_count() == bytes {
+            return true;
+        }
+        active.is_last = true;
+        self.start_whole(active, true);
+        false
+    }
+}
+
+/// Settings without the state of the log that they are of, which changes with every ping.
+fn bare(settings: &Settings) -> Settings {
+    let mut bare = settings.clone();
+    (bare.bottom.log_bytes, bare.bottom.pings) = (0, 0);
+    bare.left_out.log = None;
+    bare
+}

@@ -1,0 +1,153 @@
+//! Searching what a followed log has got since it was searched.
+//!
+//! What is found is no step of the history: undo takes back what the analyst did. A step that brings an older version of the boxes back
+//! leaves pings unsearched, and they are searched again.
+
+use super::{LEAST_SCORE, file_name};
+use crate::app::{App, LogId, Outcome, Task};
+use crate::detection::{Detection, DetectorSettings, find};
+use crate::survey::Navigation;
+use std::sync::Arc;
+
+/// New pings that are enough for a search: about half of a tile of the picture at a walking pace.
+const ENOUGH: usize = 150;
+/// Pings before them that are searched again: an object may have been cut off at the end.
+const AGAIN: usize = 300;
+
+/// The search of the end of a log.
+#[derive(Default)]
+pub(super) struct TailSearch {
+    is_wanted: bool,
+    running: Option<Running>,
+}
+
+struct Running {
+    log: LogId,
+    /// First ping and the one behind the last.
+    from: usize,
+    to: usize,
+    task: Task<Result<Vec<Detection>, String>>,
+}
+
+impl TailSearch {
+    /// Objects were asked for.
+    pub fn wants(&mut self) {
+        self.is_wanted = true;
+    }
+
+    /// They are not any more.
+    pub fn stop(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl super::Search {
+    /// Whether the end of a followed log is being searched.
+    pub fn is_busy_with_tail(&self) -> bool {
+        self.tail.running.is_some()
+    }
+}
+
+impl App {
+    /// Searches what a followed log has got since it was searched, and collects what was found there.
+    pub(in crate::app) fn search_tail(&mut self, id: LogId) {
+        self.collect_tail();
+        let tail = &self.search.tail;
+        if tail.is_wanted && tail.running.is_none() && !self.search.is_busy() {
+            self.with_log(id, Self::begin_tail);
+        }
+    }
+
+    fn begin_tail(&mut self) {
+        let Some(detector) = self.search.detector.clone() else {
+            return;
+        };
+        let (Some(survey), Some(products)) = (&self.log.survey, &self.log.products) else {
+            return;
+        };
+        let searched = self.log.reviewing.review.searched().last();
+        let end = searched.map_or(0, |searched| searched.pings.end);
+        let to = survey.side_scan.len().min(products.navigation.pings.len());
+        if to < end + ENOUGH {
+            return;
+        }
+        let from = end.saturating_sub(AGAIN);
+        let (survey, all) = (survey.clone(), products.navigation.clone());
+        let task = Task::start(&self.jobs, move |progress| {
+            let (stretch, _) = survey.stretch_from(from);
+            let navigation = Navigation {
+                pings: all.pings[from..to].to_vec(),
+                soundings: Vec::new(),
+                antenna: Vec::new(),
+                projection: all.projection,
+                zero_heading: 0,
+                moving: 0,
+            };
+            let settings = DetectorSettings {
+                score: Some(LEAST_SCORE.min(detector.model.score())),
+                ..DetectorSettings::default()
+            };
+            let model = &detector.model;
+            let found = find(&stretch, &navigation, model, &settings, progress, |_| ());
+            let mut found = found.map_err(|error| error.to_string())?;
+            for one in &mut found {
+                one.mark.pings = one.mark.pings.start + from..one.mark.pings.end + from;
+            }
+            Ok(found)
+        });
+        self.search.tail.running = Some(Running {
+            log: self.log.id,
+            from,
+            to,
+            task,
+        });
+    }
+
+    fn collect_tail(&mut self) {
+        let found = match self
+            .search
+            .tail
+            .running
+            .as_ref()
+            .map(|running| running.task.poll())
+        {
+            Some(Outcome::Done(found)) => found,
+            Some(Outcome::Failed) => Err("the search for objects failed unexpectedly".to_owned()),
+            Some(Outcome::Pending) | None => return,
+        };
+        let Some(running) = self.search.tail.running.take() else {
+            return;
+        };
+        match found {
+            Ok(found) => {
+                self.with_log(running.log, |app| {
+                    app.adopt_tail(&found, running.from, running.to)
+                });
+            }
+            Err(text) => {
+                // The same model would fail again.
+                self.search.tail.stop();
+                self.notify(text, true);
+            }
+        }
+    }
+
+    fn adopt_tail(&mut self, found: &[Detection], from: usize, to: usize) {
+        let detector = self.search.detector.clone();
+        let Some((detector, raster)) = detector.zip(self.log.reviewing.raster().cloned()) else {
+            return;
+        };
+        let path = detector.path.as_deref();
+        let name = path.map_or_else(|| "shipped".to_owned(), file_name);
+        let review = &self.log.reviewing.review;
+        // The edge of the picture is no object, and what begins before is there already.
+        let inside = found
+            .iter()
+            .filter(|one| one.mark.pings.start > from || from == 0);
+        let inside: Vec<Detection> = inside.cloned().collect();
+        let names = detector.model.names();
+        let review = review.adopt_part(&name, names, &inside, &raster, from..to);
+        self.log.reviewing.set(Arc::new(review));
+        self.keep_project("find objects");
+    }
+}

@@ -1,0 +1,354 @@
+//! A log that is still being written: where its tail begins, the log with what was added to it, and a stretch of it as a log of its own.
+
+use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
+use super::{
+    Channel, Echogram, EchogramPing, Encoding, Identity, Side, SideScanState, SideSpan, Survey,
+    Track, give_depths,
+};
+use std::mem::discriminant;
+use std::sync::Arc;
+
+/// Recorders write records this much out of order at most, seconds: the slack that the readers allow.
+const DISORDER_S: f64 = 2.0;
+/// The last seconds of a log are read again with what follows: the second half of a ping, or what speaks for or against a time, may have
+/// come since.
+const UNSETTLED_S: f64 = 3.0;
+/// A channel whose last ping is older than this has ended, seconds.
+const ENDED_S: f64 = 30.0;
+/// A side that was not recorded in so many pings has ended.
+const ENDED_PINGS: usize = 1000;
+
+/// Pings around one that may lie out of order.
+const NEIGHBOURS: usize = 16;
+/// Bytes of a record at most.
+const MOST_OF_A_PING: u64 = 1 << 17;
+
+/// Where the tail of a log begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seam {
+    /// What is of this time or later is taken from the tail, seconds after the log's time zero.
+    pub time_s: f64,
+    /// For each file of the log a place, in bytes, that nothing of that time or later was written before.
+    pub from: Vec<u64>,
+}
+
+impl Survey {
+    /// Where its tail begins, if more is written; `None` where all of it has to be read again: it has no pings yet, or its track is
+    /// another receiver's.
+    pub fn seam(&self) -> Option<Seam> {
+        if self.track.external.is_some() || self.bytes.len() != self.source.files.len() {
+            return None;
+        }
+        let lasts: Vec<(f64, SideSpan)> = self.spans_before(f64::INFINITY).collect();
+        let newest_s = lasts.iter().map(|(time_s, _)| *time_s).reduce(f64::max)?;
+        let is_live = |time_s: f64| newest_s - time_s < ENDED_S;
+        let live = lasts.iter().filter(|(time_s, _)| is_live(*time_s));
+        let slowest_s = live.fold(newest_s, |least_s, (time_s, _)| least_s.min(*time_s));
+        // Recorders count milliseconds: between two of them there is no ping that could be taken for one of either part.
+        let time_s = (slowest_s * 1e3).floor() / 1e3 - UNSETTLED_S - 0.0005;
+        let settled_s = time_s - 2.0 * DISORDER_S;
+        let settled: Vec<(f64, SideSpan)> = self.spans_before(settled_s).collect();
+        let from = (0..self.source.files.len()).map(|file| {
+            let here = |(_, span): &&(f64, SideSpan)| usize::from(span.file) == file;
+            let offsets = |spans: &[(f64, SideSpan)], has_ended: bool| {
+                let those = spans.iter().filter(here);
+                let those = those.filter(|(at_s, _)| (settled_s - at_s > ENDED_S) == has_ended);
+                those.map(|(_, span)| span.offset).reduce(u64::min)
+            };
+            // A file of which nothing is settled yet, or that holds no pings at all, is read from its beginning.
+            let ended = || {
+                offsets(&settled, true)
+                    .filter(|_| !lasts.iter().filter(here).any(|(at_s, _)| is_live(*at_s)))
+            };
+            offsets(&settled, false).or_else(ended).unwrap_or(0)
+        });
+        Some(Seam {
+            time_s,
+            from: from.collect(),
+        })
+    }
+
+    /// The last span of each channel before a time, with its time.
+    fn spans_before(&self, time_s: f64) -> impl Iterator<Item = (f64, SideSpan)> {
+        let before = self.side_scan.partition_point(|ping| ping.time_s < time_s);
+        let pings = &self.side_scan[..before];
+        let sides = Side::BOTH.into_iter().filter_map(|side| {
+            let mut lately = pings.iter().rev().take(ENDED_PINGS);
+            lately.find_map(|ping| Some((ping.time_s, *ping.side(side)?)))
+        });
+        let down = self.echograms.iter().filter_map(move |echogram| {
+            let before = echogram.pings.partition_point(|ping| ping.time_s < time_s);
+            let last = echogram.pings.get(before.checked_sub(1)?)?;
+            Some((last.time_s, last.span))
+        });
+        sides.chain(down)
+    }
+
+    /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of the longer files. The frame, the time
+    /// zero and the scale of 16-bit samples stay. `None` where the tail does not continue the log: all of it has to be read again.
+    pub fn extended(&self, mut tail: Survey, seam: &Seam) -> Option<Survey> {
+        let is_same_kind = tail.side_scan.is_empty()
+            || discriminant(&self.side_scan_state) == discriminant(&tail.side_scan_state)
+            || self.side_scan_state == SideScanState::Usable;
+        let has_new = (self.sounding_channel.is_none() && tail.sounding_channel.is_some())
+            || (self.track.fixes.is_empty() && !tail.track.fixes.is_empty());
+        if tail.source.files != self.source.files || !is_same_kind || has_new {
+            return None;
+        }
+        let later_s = self.clock_shift_s(&tail, seam)?;
+        tail.shift(later_s);
+        tail.scale_like(self);
+        let mut soundings = joined(&self.soundings, &tail.soundings, seam, |one| one.time_s);
+        let kept = self
+            .soundings
+            .partition_point(|one| one.time_s < seam.time_s);
+        let marked = mark_bottom_lock_from(&mut soundings, kept);
+        let mut side_scan = joined(&self.side_scan, &tail.side_scan, seam, |one| one.time_s);
+        let from_s = soundings
+            .get(marked)
+            .map_or(seam.time_s, |one| one.time_s.min(seam.time_s));
+        let from = side_scan.partition_point(|ping| ping.time_s < from_s - NEAREST_SOUNDING_S);
+        give_depths(&mut side_scan[from..], &soundings);
+        let fixes = joined(&self.track.fixes, &tail.track.fixes, seam, |fix| fix.time_s);
+        let before = |place: &Option<(usize, u64)>| match place {
+            Some((file, offset)) => seam.from.get(*file).is_none_or(|from| offset < from),
+            None => true,
+        };
+        let warnings = self.warnings.iter().filter(|one| before(&one.place));
+        let added = tail.warnings.iter().filter(|one| one.place.is_some());
+        Some(Survey {
+            source: tail.source,
+            channels: joined_channels(&self.channels, &tail.channels, later_s),
+            side_scan: Arc::new(side_scan),
+            echograms: joined_echograms(&self.echograms, &tail.echograms, seam),
+            soundings,
+            track: Track {
+                fixes,
+                ..self.track.clone()
+            },
+            warnings: warnings.chain(added).cloned().collect(),
+            bytes: tail.bytes,
+            ..self.without_records()
+        })
+    }
+
+    /// What is known of the log as a whole.
+    fn without_records(&self) -> Survey {
+        Survey {
+            start_unix_s: self.start_unix_s,
+            clock_offset_s: self.clock_offset_s,
+            swapped_sides: self.swapped_sides,
+            side_scan_state: self.side_scan_state,
+            range_source: self.range_source,
+            sounding_channel: self.sounding_channel,
+            ..Survey::default()
+        }
+    }
+
+    /// Whether the log had so many side-scan pings when so many bytes of it were written: what was decided about it then holds still. Of a
+    /// recording in several files this is known to two seconds.
+    pub fn was(&self, byte_count: u64, pings: usize) -> bool {
+        if byte_count > self.source.byte_count || pings > self.side_scan.len() {
+            return false;
+        }
+        if self.source.files.len() != 1 {
+            let bytes_at = |time_s: f64| -> u64 {
+                let mut ends = vec![0; self.bytes.len()];
+                for (_, span) in self.spans_before(time_s) {
+                    if let Some(end) = ends.get_mut(usize::from(span.file)) {
+                        *end = span.offset.max(*end);
+                    }
+                }
+                ends.iter().sum()
+            };
+            let time_s = |ping: Option<usize>| {
+                ping.and_then(|ping| self.side_scan.get(ping))
+                    .map(|ping| ping.time_s)
+            };
+            let first_s = time_s(pings.checked_sub(1)).unwrap_or(f64::NEG_INFINITY);
+            let next_s = time_s(Some(pings)).unwrap_or(f64::INFINITY);
+            let most = bytes_at(next_s + DISORDER_S) + MOST_OF_A_PING * self.bytes.len() as u64;
+            return (bytes_at(first_s - DISORDER_S)..=most).contains(&byte_count);
+        }
+        // Pings lie in the order of their times, but for a few neighbours.
+        let from = pings.saturating_sub(NEIGHBOURS);
+        let near = self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
+        let is_whole = |ping: &&super::SidePing| {
+            let ends = [ping.port, ping.starboard]
+                .into_iter()
+                .flatten()
+                .map(|span| {
+                    let width = if span.encoding == Encoding::U8 { 1 } else { 2 };
+                    span.offset + width * u64::from(span.count)
+                });
+            ends.min().is_some_and(|end| end <= byte_count)
+        };
+        from + near.filter(is_whole).count() == pings
+    }
+
+    /// Whether something that was made on a recording was made on this log, now or when less of it was written. A shorter one has to bear
+    /// its name.
+    pub fn is_or_was(&self, log: &Identity) -> bool {
+        let own = Identity::of(self);
+        own.is_same_log(log) || (own.file == log.file && self.was(log.byte_count, log.pings))
+    }
+
+    /// By how much the times of a tail are too early: the recorder's clock was set back before it. `None` where the tail does not hold the
+    /// log's last settled ping.
+    fn clock_shift_s(&self, tail: &Survey, seam: &Seam) -> Option<f64> {
+        let sides = tail.side_scan.iter().flat_map(|ping| {
+            Side::BOTH.map(|side| ping.side(side).map(|span| (ping.time_s, *span)))
+        });
+        let down = tail
+            .echograms
+            .iter()
+            .flat_map(|echogram| echogram.pings.iter());
+        let down = down.map(|ping| Some((ping.time_s, ping.span)));
+        let all: Vec<(f64, SideSpan)> = sides.chain(down).flatten().collect();
+        let shift_s = self.spans_before(seam.time_s).find_map(|(time_s, span)| {
+            let same = all
+                .iter()
+                .find(|(_, other)| (other.file, other.offset) == (span.file, span.offset));
+            same.map(|(at_s, _)| time_s - at_s)
+        });
+        shift_s.or_else(|| seam.from.iter().all(|from| *from == 0).then_some(0.0))
+    }
+
+    fn shift(&mut self, later_s: f64) {
+        if later_s == 0.0 {
+            return;
+        }
+        let later = |time_s: &mut f64| *time_s += later_s;
+        let pings = Arc::make_mut(&mut self.side_scan);
+        pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
+        for echogram in &mut self.echograms {
+            let pings = Arc::make_mut(&mut echogram.pings);
+            pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
+        }
+        self.soundings
+            .iter_mut()
+            .for_each(|one| later(&mut one.time_s));
+        self.track
+            .fixes
+            .iter_mut()
+            .for_each(|fix| later(&mut fix.time_s));
+    }
+
+    /// Shows the same bits of 16-bit samples as the log so far.
+    fn scale_like(&mut self, log: &Survey) {
+        let spans = log.side_scan.iter().rev().take(ENDED_PINGS);
+        let mut spans = spans.flat_map(|ping| [ping.port, ping.starboard]).flatten();
+        let Some(known) = spans.find(|span| span.encoding != Encoding::U8) else {
+            return;
+        };
+        for ping in Arc::make_mut(&mut self.side_scan) {
+            for span in [&mut ping.port, &mut ping.starboard].into_iter().flatten() {
+                if span.encoding != Encoding::U8 {
+                    span.encoding = known.encoding;
+                }
+            }
+        }
+    }
+
+    /// Its last pings from `first` on as a log of its own, in the same frame and over the same bytes, and how many of its soundings come
+    /// before: what stages are run over where only the end of a log is new.
+    pub fn stretch_from(&self, first: usize) -> (Survey, usize) {
+        let from_s = match first {
+            0 => f64::NEG_INFINITY,
+            _ => self
+                .side_scan
+                .get(first)
+                .map_or(f64::INFINITY, |ping| ping.time_s),
+        };
+        let sounding = self.soundings.partition_point(|one| one.time_s < from_s);
+        let fix = self.track.fixes.partition_point(|fix| fix.time_s < from_s);
+        let stretch = Survey {
+            source: self.source.clone(),
+            side_scan: Arc::new(self.side_scan[first.min(self.side_scan.len())..].to_vec()),
+            soundings: self.soundings[sounding..].to_vec(),
+            track: Track {
+                fixes: self.track.fixes[fix..].to_vec(),
+                ..self.track.clone()
+            },
+            bytes: self.bytes.clone(),
+            ..self.without_records()
+        };
+        (stretch, sounding)
+    }
+}
+
+/// What is older than the seam of a log, and what is not of its tail.
+fn joined<T: Clone>(log: &[T], tail: &[T], seam: &Seam, time_s: impl Fn(&T) -> f64) -> Vec<T> {
+    let kept = log.partition_point(|one| time_s(one) < seam.time_s);
+    let added = tail.partition_point(|one| time_s(one) < seam.time_s);
+    let mut all = Vec::with_capacity(kept + tail.len() - added);
+    all.extend_from_slice(&log[..kept]);
+    all.extend_from_slice(&tail[added..]);
+    all
+}
+
+fn joined_echograms(log: &[Echogram], tail: &[Echogram], seam: &Seam) -> Vec<Echogram> {
+    let of = |echograms: &[Echogram], kind| {
+        let found = echograms.iter().find(|echogram| echogram.kind == kind);
+        found.map_or_else(Arc::default, |echogram: &Echogram| echogram.pings.clone())
+    };
+    let mut kinds: Vec<_> = log
+        .iter()
+        .chain(tail)
+        .map(|echogram| echogram.kind)
+        .collect();
+    kinds.sort_by_key(|kind| std::cmp::Reverse(*kind));
+    kinds.dedup();
+    let each = kinds.into_iter().map(|kind| {
+        let time_s = |ping: &EchogramPing| ping.time_s;
+        let pings = joined(&of(log, kind), &of(tail, kind), seam, time_s);
+        Echogram {
+            kind,
+            pings: Arc::new(pings),
+        }
+    });
+    each.collect()
+}
+
+/// Channels with what the tail counted beyond the records that were known.
+fn joined_channels(log: &[Channel], tail: &[Channel], later_s: f64) -> Vec<Channel> {
+    let mut channels = log.to_vec();
+    for added in tail.iter().filter(|channel| channel.ping_count > 0) {
+        let is_it =
+            |one: &&mut Channel| one.kind == added.kind && one.recorder_name == added.recorder_name;
+        let time_span_s = added
+            .time_span_s
+            .map(|(from, to)| (from + later_s, to + later_s));
+        let Some(known) = channels.iter_mut().find(is_it) else {
+            channels.push(Channel {
+                time_span_s,
+                ..added.clone()
+            });
+            continue;
+        };
+        known.ping_count += added.ping_count;
+        known.time_span_s = wider(known.time_span_s, time_span_s, f64::min, f64::max);
+        known.range_m = wider(known.range_m, added.range_m, f32::min, f32::max);
+        let counts = wider(
+            Some(known.sample_count),
+            Some(added.sample_count),
+            usize::min,
+            usize::max,
+        );
+        known.sample_count = counts.unwrap_or_default();
+    }
+    channels.sort_by(|a, b| (a.kind, &a.recorder_name).cmp(&(b.kind, &b.recorder_name)));
+    channels
+}
+
+fn wider<T>(
+    one: Option<(T, T)>,
+    other: Option<(T, T)>,
+    least: fn(T, T) -> T,
+    most: fn(T, T) -> T,
+) -> Option<(T, T)> {
+    match (one, other) {
+        (Some((a, b)), Some((c, d))) => Some((least(a, c), most(b, d))),
+        (one, other) => one.or(other),
+    }
+}
