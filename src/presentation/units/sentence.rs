@@ -22,7 +22,7 @@ impl Units {
 
     /// A sentence with its figures in metres, centimetres, kilometres and metres a second turned into the units in use. A figure is a
     /// number, a space and the unit; of `1 to 2 m` and `1 × 2 m` both numbers are. All else stays as it is, pixels per metre too, and
-    /// so do names: what stands between “ and ”, and paths.
+    /// so do names: what stands between “ and ” or two `, and paths.
     pub fn sentence(self, text: &str) -> String {
         let names = names(text);
         let is_name = |number: &Range<usize>| names.iter().any(|name| name.contains(&number.start));
@@ -92,33 +92,32 @@ impl Units {
     }
 }
 
-/// Where names stand: between “ and ”, and from the beginning of an absolute path to the end of its part of the sentence.
+/// Where names stand: between “ and ” or two `, and from the beginning of an absolute path to the end of its part of the sentence.
 fn names(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut from = 0;
-    while let Some(start) = text[from..].find(is_quote_or_root).map(|at| from + at) {
-        let rest = &text[start..];
-        let is_path = !rest.starts_with('“');
+    while let Some(start) = text[from..].find(['“', '`', '/']).map(|at| from + at) {
+        let opens = text[start..].chars().next().unwrap_or_default();
+        let inside = start + opens.len_utf8();
+        from = inside;
         // A root in the middle of a word is a share, `px/m`, or the rest of a path.
         let before = text[..start].chars().next_back();
-        if is_path && before.is_some_and(|c| !(c.is_whitespace() || "(“\"'".contains(c))) {
-            from = start + 1;
+        if opens == '/' && before.is_some_and(|c| !(c.is_whitespace() || c == '(')) {
             continue;
         }
-        let ends: &[&str] = if is_path { &[": ", "; "] } else { &["”"] };
-        let end = ends.iter().filter_map(|end| rest.find(end)).min();
-        let end = end.map_or(text.len(), |end| start + end);
+        let ends: &[&str] = match opens {
+            '“' => &["”"],
+            '`' => &["`"],
+            _ => &[": ", "; "],
+        };
+        let end = ends.iter().filter_map(|end| text[inside..].find(end)).min();
+        let end = end.map_or(text.len(), |end| inside + end);
         found.push(start..end);
-        from = end.max(start + 1);
-        while !text.is_char_boundary(from) {
-            from += 1;
-        }
+        // The sign that closes a name opens no other.
+        let closes = text[end..].chars().next().filter(|c| *c == opens);
+        from = end + closes.map_or(0, char::len_utf8);
     }
     found
-}
-
-fn is_quote_or_root(c: char) -> bool {
-    matches!(c, '“' | '/')
 }
 
 /// Where plain numbers stand, without their signs: not the digits of a name or of a time of day.
@@ -215,6 +214,10 @@ mod tests {
             (
                 "Wrote into /data/at 3 m: 2 m of it",
                 "Wrote into /data/at 3 m: 6.6 ft of it",
+            ),
+            (
+                "cannot read `/data/lake 5 m deep.sl2`: 2 m of it",
+                "cannot read `/data/lake 5 m deep.sl2`: 6.6 ft of it",
             ),
             ("20 px/m at 2 m; “open", "20 px/m at 6.6 ft; “open"),
         ] {

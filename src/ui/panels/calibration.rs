@@ -1,6 +1,7 @@
 //! Step 2: from samples to metres. All scales side by side, and the stretch that the pixels per metre come from.
 
-use super::parts::{self, Section, fact, section, setting};
+use super::parts::{self, fact, setting};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::calibration::{Calibration, FlatSpot, PingRange, Scale, ScaleMode};
 use crate::pipeline::Stage;

@@ -1,6 +1,7 @@
 //! Step 3: the point cloud.
 
-use super::parts::{self, Section, fact, section, setting};
+use super::parts::{self, fact, setting};
+use super::section::{Section, section};
 use crate::app::Figures;
 use crate::cloud::{Geometry, Residuals};
 use crate::pipeline::settings::rows;

@@ -1,6 +1,7 @@
 //! The track of another receiver in place of the recorder's, and how far its clock is off.
 
-use super::parts::{self, Section, fact, remark, section, setting};
+use super::parts::{self, fact, remark, setting};
+use super::section::{Section, section};
 use crate::app::Action;
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;

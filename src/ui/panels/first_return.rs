@@ -1,6 +1,7 @@
 //! Step 1: where the bottom is first detected.
 
-use super::parts::{self, Section, section, setting};
+use super::parts::{self, setting};
+use super::section::{Section, section};
 use crate::app::{Action, Command, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;

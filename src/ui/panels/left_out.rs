@@ -1,6 +1,7 @@
 //! What is left out of every result: turns and stops that are found, and stretches that were drawn.
 
-use super::parts::{Section, remark, section, setting, warning};
+use super::parts::{remark, setting, warning};
+use super::section::{Section, section};
 use crate::app::{Action, Command, FoundLeftOut, Leave, Mark, OpenLog, Tool};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;

@@ -1,6 +1,7 @@
 //! The list of open logs: which one is shown, which take part, in which order, and how their heights stand to each other.
 
-use super::parts::{Section, fact, remark, section, warning};
+use super::parts::{fact, remark, warning};
+use super::section::{Section, section};
 use crate::app::{Action, App, Command, LogId, OpenLog};
 use crate::presentation::units::Units;
 use crate::ui::{ViewContext, left_out_words, text, theme, toggle};

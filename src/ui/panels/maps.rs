@@ -1,6 +1,7 @@
 //! How depth map, isobaths and mosaic are made: on the map and in the files.
 
-use super::parts::{Section, section, setting};
+use super::parts::setting;
+use super::section::{Section, section};
 use crate::app::{Action, Command, MapLayer};
 use crate::pipeline::settings::rows;
 use crate::ui::ViewContext;

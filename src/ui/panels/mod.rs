@@ -16,6 +16,7 @@ pub(in crate::ui) mod parts;
 pub mod products;
 pub mod residuals;
 pub mod review;
+mod section;
 pub mod selection;
 pub mod shadow;
 pub mod status;
@@ -26,7 +27,8 @@ pub mod water;
 /// Height of the line of words at the bottom of the window, points.
 pub const STATUS_HEIGHT: f32 = 24.0;
 
-pub use parts::{Section, focus_section, of_given_width, section, unfold_section};
+pub use parts::of_given_width;
+pub use section::{Section, focus_section, section, unfold_section};
 
 use super::ViewContext;
 

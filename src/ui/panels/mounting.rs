@@ -1,6 +1,7 @@
 //! How the recorder is mounted on its boat, what its default is, and whose metres its positions are.
 
-use super::parts::{Section, name_cell, remark, section, setting, warning};
+use super::parts::{name_cell, remark, setting, warning};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::settings::rows;
 use crate::pipeline::{Settings, Stage};

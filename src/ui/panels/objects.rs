@@ -1,6 +1,7 @@
 //! Step 5: objects on the bottom, found by a detector and decided by the analyst.
 
-use super::parts::{self, Section, fact, section};
+use super::parts::{self, fact};
+use super::section::{Section, section};
 use crate::app::{Action, Command, SearchStatus};
 use crate::ui::{ViewContext, text, theme};
 use egui::{Button, ProgressBar, Ui};

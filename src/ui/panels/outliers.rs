@@ -1,6 +1,7 @@
 //! Step 4: radius outlier removal, shown before anything goes.
 
-use super::parts::{self, Section, fact, section, setting};
+use super::parts::{self, fact, setting};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Stage;
 use crate::pipeline::settings::rows;

@@ -1,6 +1,7 @@
 //! Step 6: what other programs open.
 
-use super::parts::{self, Section, section, setting};
+use super::parts::{self, setting};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::outputs::{OUTPUT_FILES, Product, When, files_in_words};
 use crate::pipeline::settings::rows;

@@ -1,6 +1,7 @@
 //! What is selected: one ping with everything known about it, to read and to copy.
 
-use super::parts::{Section, fact, remark, section};
+use super::parts::{fact, remark};
+use super::section::{Section, section};
 use crate::app::{Command, Mark};
 use crate::cloud::PointSource;
 use crate::survey::{Side, Survey, arm_in_words, nearest_in_time};

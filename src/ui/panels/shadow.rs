@@ -1,6 +1,7 @@
 //! The height from a shadow that was measured in the waterfall: its construction, and all that it follows from.
 
-use super::parts::{Section, fact, remark, section};
+use super::parts::{fact, remark};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::detection::targets::ShadowHeight;
 use crate::project::MeasurementKind;

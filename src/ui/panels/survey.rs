@@ -1,6 +1,7 @@
 //! The survey: what was found in the log, what is wrong with it, and which settings are in force.
 
-use super::parts::{Section, fact, remark, section, warning};
+use super::parts::{fact, remark, warning};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::calendar;
 use crate::pipeline::Preset;

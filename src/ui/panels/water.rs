@@ -1,6 +1,7 @@
 //! What is known of water and transducer, and what it does to the depths.
 
-use super::parts::{self, Section, section, setting};
+use super::parts::{self, setting};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Settings;
 use crate::pipeline::Stage;

@@ -89,7 +89,7 @@ impl SidePanel {
         let was_shown = self.is_shown(options, width);
         let mut is_shown = was_shown;
         // What an earlier run saved is held to that as well: on a small screen the views keep half of the width.
-        let widest = |most: f32| (width / 3.0).clamp(240.0, most);
+        let widest = |most: f32| (width / 4.0).clamp(240.0, most);
         let (panel, sizes) = match self {
             SidePanel::Steps => (Panel::left("steps"), 240.0..=widest(480.0)),
             SidePanel::Details => (Panel::right("details"), 220.0..=widest(560.0)),

@@ -63,6 +63,20 @@ impl Banner {
 
     /// Lays it out in the upper left corner of `room`.
     pub fn place(&self, ui: &Ui, room: Rect) -> Placed {
+        // All keys where they stand in two lines, else the one that leaves it: a banner that covers a small view helps nobody.
+        let has_room = room.height() >= ROOM_FOR_KEYS;
+        let whole = has_room.then(|| self.lay_out(ui, room, self.keys));
+        let whole = whole.filter(|galley| galley.rows.len() <= 2);
+        let leave = self.keys.rsplit(" · ").next().unwrap_or_default();
+        let galley = whole.unwrap_or_else(|| self.lay_out(ui, room, leave));
+        Placed {
+            plate: Rect::from_min_size(room.min, galley.size() + 2.0 * MARGIN),
+            galley,
+            words: self.words(),
+        }
+    }
+
+    fn lay_out(&self, ui: &Ui, room: Rect, keys: &str) -> Arc<Galley> {
         let font = FontId::proportional(12.0);
         let mut job = LayoutJob::default();
         let mut add = |text: &str, colour: Color32| {
@@ -71,16 +85,9 @@ impl Banner {
         // On a dark ground in any theme, as all words on the picture are.
         add(self.name, theme::measure_colour());
         add(&format!("  {}", self.next), Color32::from_gray(240));
-        if room.height() >= ROOM_FOR_KEYS {
-            add(&format!("   {}", self.keys), Color32::from_gray(178));
-        }
+        add(&format!("   {keys}"), Color32::from_gray(178));
         job.wrap.max_width = (room.width() - 2.0 * MARGIN.x).max(80.0);
-        let galley = ui.painter().layout_job(job);
-        Placed {
-            plate: Rect::from_min_size(room.min, galley.size() + 2.0 * MARGIN),
-            galley,
-            words: self.words(),
-        }
+        ui.painter().layout_job(job)
     }
 }
 

@@ -4,7 +4,8 @@ mod figures;
 mod plots;
 mod reference;
 
-use super::parts::{self, Section, section};
+use super::parts;
+use super::section::{Section, section};
 use crate::app::{Action, App, Command, MapLayer};
 use crate::pipeline::Stage;
 use crate::ui::ViewContext;

@@ -127,7 +127,7 @@ impl Lines {
 /// How sure the analyst is; the word that is chosen already is taken back by a click.
 fn confidence(ui: &mut Ui, context: &mut ViewContext<'_>, id: LogBox, one: &Reviewed) {
     let hint = "How sure you are, beside the score of the detector.";
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         name_cell(ui, "Sure", hint);
         for word in Confidence::ALL {
             let chosen = one.confidence == Some(word);

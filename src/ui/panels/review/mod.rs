@@ -9,7 +9,8 @@ mod queue;
 mod selected;
 mod table;
 
-use super::parts::{Section, section, warning, within};
+use super::parts::{warning, within};
+use super::section::{Section, section};
 use crate::app::{Action, Command};
 use crate::pipeline::Background;
 use crate::presentation::units::Units;

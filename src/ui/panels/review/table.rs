@@ -1,6 +1,7 @@
 //! The table of the objects that the boxes of all visible logs show, with the sightings of the selected one under it.
 
-use super::super::parts::{Section, remark, section};
+use super::super::parts::remark;
+use super::super::section::{Section, section};
 use super::object::swatch;
 use crate::app::{
     App, Command, LogBox, ObjectColumn, ObjectFilter, ObjectState, ObjectTable, SurveyObject,

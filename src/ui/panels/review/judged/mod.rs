@@ -5,7 +5,8 @@ mod curve;
 mod matrix;
 mod mistakes;
 
-use super::super::parts::{Section, remark, section, warning};
+use super::super::parts::{remark, warning};
+use super::super::section::{Section, section};
 use crate::app::Action;
 use crate::ui::{ViewContext, text};
 use egui::Ui;

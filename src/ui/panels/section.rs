@@ -1,0 +1,184 @@
+//! The foldable parts of a panel: their headings, whether they are open, and how the keyboard comes to them.
+
+use super::parts::within;
+use crate::pipeline::{EngineStatus, Stage};
+use crate::ui::{ViewContext, theme};
+use egui::{Response, Ui};
+
+/// The heading of a panel's part, and whether it is open.
+pub struct Section {
+    /// Number of the paper's step, if it is one.
+    pub number: Option<u8>,
+    /// Name.
+    pub title: &'static str,
+    /// The stage whose result it shows, for the mark of stale results.
+    pub stage: Option<Stage>,
+}
+
+/// How a stage's result stands to its settings.
+#[derive(Clone, Copy, PartialEq)]
+enum Freshness {
+    Fresh,
+    Stale,
+    Running(f32),
+}
+
+fn freshness(context: &ViewContext<'_>, stage: Option<Stage>) -> Freshness {
+    let Some(stage) = stage else {
+        return Freshness::Fresh;
+    };
+    if let EngineStatus::Running {
+        stage: running,
+        fraction,
+    } = context.app.engine_status()
+    {
+        if running == stage {
+            return Freshness::Running(fraction);
+        }
+        if running < stage {
+            return Freshness::Stale;
+        }
+    }
+    match context.app.stale() {
+        Some(first) if first <= stage => Freshness::Stale,
+        _ => Freshness::Fresh,
+    }
+}
+
+fn folded_id(title: &str) -> egui::Id {
+    egui::Id::unique(("folded", title))
+}
+
+fn wanted_id() -> egui::Id {
+    egui::Id::unique("section that gets the keyboard")
+}
+
+/// Has the title of a section take the keyboard when it is drawn next.
+pub fn focus_section(ctx: &egui::Context, title: &'static str) {
+    ctx.data_mut(|data| data.insert_temp(wanted_id(), title));
+}
+
+/// Opens a section.
+pub fn unfold_section(ctx: &egui::Context, title: &str) {
+    ctx.data_mut(|data| data.insert_persisted(folded_id(title), false));
+}
+
+/// Height of a window below which steps begin folded, points.
+const LOW_WINDOW: f32 = 600.0;
+
+/// A titled part of a panel; a click on the title folds it.
+pub fn section(
+    ui: &mut Ui,
+    context: &mut ViewContext<'_>,
+    section: &Section,
+    body: impl FnOnce(&mut Ui, &mut ViewContext<'_>),
+) {
+    let folded_id = folded_id(section.title);
+    // In a low window the settings of the steps begin folded: what was found stays in sight.
+    let begins_folded = section.number.is_some() && ui.content_rect().height() < LOW_WINDOW;
+    let known = ui.data_mut(|data| data.get_persisted::<bool>(folded_id));
+    let mut folded = known.unwrap_or(begins_folded);
+    let freshness = freshness(context, section.stage);
+    let title = heading(ui, context, section, folded, freshness);
+    let wanted = ui.data_mut(|data| {
+        let is_this = data.get_temp(wanted_id()) == Some(section.title);
+        is_this.then(|| data.remove::<&'static str>(wanted_id()))
+    });
+    if wanted.is_some() {
+        title.request_focus();
+        title.scroll_to_me(None);
+    }
+    if title.clicked() {
+        folded = !folded;
+        ui.data_mut(|data| data.insert_persisted(folded_id, folded));
+    }
+    if !folded {
+        within(ui, |ui| body(ui, context));
+        ui.add_space(2.0);
+    }
+    ui.add(egui::Separator::default().spacing(5.0));
+}
+
+fn heading(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    section: &Section,
+    folded: bool,
+    freshness: Freshness,
+) -> Response {
+    let look = context.app.options.theme;
+    let size = egui::vec2(ui.available_width(), 20.0);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
+    let painter = ui.painter();
+    let strong = ui.visuals().strong_text_color();
+    let mut x = rect.left();
+    triangle(
+        painter,
+        egui::pos2(x + 4.0, rect.center().y),
+        folded,
+        strong,
+    );
+    x += 14.0;
+    if let Some(number) = section.number {
+        painter.text(
+            egui::pos2(x, rect.center().y),
+            egui::Align2::LEFT_CENTER,
+            number,
+            egui::FontId::proportional(14.0),
+            theme::accent_colour(look),
+        );
+        x += 16.0;
+    }
+    let title = section.title.to_uppercase();
+    let font = egui::FontId::proportional(12.0);
+    painter.text(
+        egui::pos2(x, rect.center().y),
+        egui::Align2::LEFT_CENTER,
+        title,
+        font,
+        strong,
+    );
+    let mark = match freshness {
+        _ if folded => Some(("folded".to_owned(), ui.visuals().weak_text_color())),
+        Freshness::Fresh => None,
+        Freshness::Stale => Some((
+            "older than its settings".to_owned(),
+            theme::stale_colour(look),
+        )),
+        Freshness::Running(share) => Some((
+            format!("{:.0} %", f64::from(share) * 100.0),
+            theme::accent_colour(look),
+        )),
+    };
+    if let Some((text, colour)) = mark {
+        painter.text(
+            rect.right_center(),
+            egui::Align2::RIGHT_CENTER,
+            text,
+            egui::FontId::proportional(theme::SMALL),
+            colour,
+        );
+    }
+    let state = match freshness {
+        Freshness::Stale => ", older than its settings",
+        _ => "",
+    };
+    let name = format!("{} section{state}", section.title);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, !folded, &name));
+    if response.has_focus() {
+        let stroke = ui.visuals().widgets.hovered.fg_stroke;
+        let kind = egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(rect, 2.0, stroke, kind);
+    }
+    response.on_hover_cursor(egui::CursorIcon::PointingHand)
+}
+
+/// Points down while a part is open, to the right while it is folded.
+fn triangle(painter: &egui::Painter, at: egui::Pos2, folded: bool, ink: egui::Color32) {
+    let corners = match folded {
+        true => [[-2.5, -4.0], [3.5, 0.0], [-2.5, 4.0]],
+        false => [[-4.0, -2.5], [4.0, -2.5], [0.0, 3.5]],
+    };
+    let points = corners.map(|[x, y]| at + egui::vec2(x, y)).to_vec();
+    painter.add(egui::Shape::convex_polygon(points, ink, egui::Stroke::NONE));
+}
