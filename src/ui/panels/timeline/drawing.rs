@@ -95,10 +95,9 @@ impl Frame {
         let y = strip.center().y;
         let right = egui::Align2::RIGHT_CENTER;
         if strip.height() < 27.0 {
-            // One line in a low window: there is no room for two.
-            let text = format!("{name} {}", reach.trim_start_matches("to "));
+            // In a low window there is no room for two lines, nor beside the buttons for both words: the unit says what it is.
             ui.painter()
-                .text(egui::pos2(x, y), right, text, small, strong);
+                .text(egui::pos2(x, y), right, reach, small, strong);
             return;
         }
         ui.painter()
