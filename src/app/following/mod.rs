@@ -384,7 +384,10 @@ impl App {
         }
         let fresh = active.fresh.clone();
         let is_fresh = fresh.is_some();
-        let Some((mut tools, ground)) = active.tools.take().zip(fresh.or(shown)) else {
+        let Some(ground) = fresh.or(shown) else {
+            return;
+        };
+        let Some(mut tools) = active.tools.take() else {
             return;
         };
         let has_waited = active
@@ -407,9 +410,7 @@ impl App {
     /// Ends following a log whose track is another receiver's now: what is there is run over as it is.
     fn leave_following(&mut self, id: LogId) {
         self.with_log(id, |app| {
-            if app.log.whole.take().is_some() {
-                app.log.products = None;
-            }
+            app.leave_provisional();
             let name = quoted(&app.log.name());
             let text =
                 format!("{name} is not followed any more: its track is another receiver's now");

@@ -4,6 +4,7 @@ use super::step;
 use super::{Active, App, BETWEEN_WHOLE, End, QUIET, WHOLE_AGAIN};
 use crate::app::Task;
 use crate::formats::{GrowingError, GrowingLog};
+use crate::picture::PictureSettings;
 use crate::pipeline::Settings;
 use crate::presentation::text::count;
 use crate::printable::quoted;
@@ -33,6 +34,13 @@ impl App {
             return;
         }
         self.start_whole(active, false);
+    }
+
+    /// Has what is shown of the log run over as it is, where its results are provisional.
+    pub(super) fn leave_provisional(&mut self) {
+        if self.log.whole.take().is_some() {
+            self.log.products = None;
+        }
     }
 
     fn start_whole(&mut self, active: &mut Active, is_finished: bool) {
@@ -69,6 +77,8 @@ impl App {
             Some((survey.source.byte_count, log.whole.is_some()))
         });
         let Some(((bytes, is_provisional), tools)) = known.zip(active.tools.as_ref()) else {
+            self.with_log(active.log, Self::leave_provisional);
+            self.process();
             return true;
         };
         if active.is_last {
@@ -83,10 +93,7 @@ impl App {
             }
             if is_provisional {
                 // That reading failed: what was shown last is run over as it is.
-                self.with_log(active.log, |app| {
-                    app.log.whole = None;
-                    app.log.products = None;
-                });
+                self.with_log(active.log, Self::leave_provisional);
                 self.process();
             }
             return true;
@@ -103,10 +110,12 @@ impl App {
     }
 }
 
-/// Settings without the state of the log that they are of, which changes with every ping.
+/// Settings without the state of the log that they are of, which changes with every ping, and without how its picture is shown, which no
+/// result depends on.
 fn bare(settings: &Settings) -> Settings {
     let mut bare = settings.clone();
     (bare.bottom.log_bytes, bare.bottom.pings) = (0, 0);
     bare.left_out.log = None;
+    bare.picture = PictureSettings::default();
     bare
 }
