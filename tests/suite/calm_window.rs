@@ -172,7 +172,7 @@ fn notices_are_kept_in_a_list_and_lie_over_no_time_line() {
     window.run();
     assert!(window.query_by_label_contains("lake 5 m deep").is_some());
     assert!(window.query_by_label("could not be done").is_some());
-    assert!(window.query_by_label_contains(" UTC").is_some());
+    assert!(window.query_all_by_label_contains(" UTC").next().is_some());
     press(&mut window, Modifiers::NONE, Key::F9);
     assert!(window.query_by_label_contains("lake 5 m deep").is_none());
 }
@@ -254,7 +254,11 @@ fn zero_that_stands_for_no_value_says_so() {
     let stops = window.get_by_role_and_label(Role::Slider, "Stops below");
     stops.set_value_accesskit(0.5);
     window.run();
-    assert!(says(&window, "0.50 m/s"));
+    let shown = painted(&window);
+    assert!(
+        shown.iter().any(|(text, _)| text.starts_with("0.5")),
+        "{shown:?}"
+    );
     assert_eq!(app(&window).undo_label(), Some("stops left out 0.50 m/s"));
 }
 

@@ -162,13 +162,11 @@ impl Review {
         }
     }
 
-    /// The same for a log of which more was written since.
+    /// The same for a log of which more was written since, or whose sides are exchanged: a box stays on its echo.
     #[must_use]
     pub fn carried_to(&self, identity: Identity) -> Self {
-        Self {
-            identity,
-            ..self.clone()
-        }
+        let there = self.clone().with_sides(identity.swapped_sides);
+        Self { identity, ..there }
     }
 
     /// The log that it belongs to.

@@ -19,6 +19,8 @@ const LINES: usize = 4;
 const WIDEST: f32 = 460.0;
 /// How long a notice stays that says what was done.
 const PATIENCE: Duration = Duration::from_secs(15);
+/// Frames that only wait for one to go are so far apart at least.
+const REST: Duration = Duration::from_secs(1);
 /// Room above them for the titles of the views, points.
 const TITLES: f32 = 30.0;
 
@@ -67,7 +69,8 @@ fn forget_old(ctx: &egui::Context, context: &mut ViewContext<'_>) {
         }
     }
     if let Some(next) = next {
-        ctx.request_repaint_after(next);
+        // Nobody waits for it, and a shorter time would have the window drawn over and over for nothing.
+        ctx.request_repaint_after(next.max(REST));
     }
 }
 
