@@ -233,7 +233,8 @@ impl App {
                 "normalising the mosaic's gain",
             ),
             (
-                self.deriving.picture.is_running(),
+                // While a log is followed, that is done with every few pings.
+                self.deriving.picture.is_running() && self.log.whole.is_none(),
                 "normalising the waterfall's gain",
             ),
         ];

@@ -160,12 +160,9 @@ impl App {
 
     pub(super) fn take_products(&mut self, products: Products) {
         self.log.preview = None;
-        if let Some(survey) = &self.log.survey {
-            self.log.reviewing.follow(survey, &products.navigation);
-            let (survey, counted) = (survey.clone(), products.clone());
-            self.log.counting = Some(Task::start(&self.jobs, move |progress| {
-                Figures::of(&survey, &counted, progress).ok()
-            }));
+        if let Some(survey) = self.log.survey.clone() {
+            self.log.reviewing.follow(&survey, &products.navigation);
+            self.count_figures(survey, products.clone());
         }
         self.log.products = Some(products);
         if !self.is_shown() {
@@ -174,6 +171,13 @@ impl App {
         if let Some(request) = self.preview_request() {
             self.previewer.warm_up(request, &self.jobs);
         }
+    }
+
+    /// Has counted what is in the panels of some results.
+    pub(super) fn count_figures(&mut self, survey: Arc<Survey>, products: Products) {
+        self.log.counting = Some(Task::start(&self.jobs, move |progress| {
+            Figures::of(&survey, &products, progress).ok()
+        }));
     }
 
     /// Has the pipeline run with the settings in force.

@@ -172,18 +172,25 @@ impl Survey {
         }
         // Pings lie in the order of their times, but for a few neighbours.
         let from = pings.saturating_sub(NEIGHBOURS);
-        let near = self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
-        let is_whole = |ping: &&super::SidePing| {
-            let ends = [ping.port, ping.starboard]
+        let near = || self.side_scan.iter().skip(from).take(2 * NEIGHBOURS);
+        let ends = |ping: &super::SidePing| {
+            [ping.port, ping.starboard].map(|side| {
+                let span = side?;
+                let width = if span.encoding == Encoding::U8 { 1 } else { 2 };
+                Some(span.offset + width * u64::from(span.count))
+            })
+        };
+        let is_in = |end: Option<u64>| end.is_none_or(|end| end <= byte_count);
+        let begun = near().filter(|ping| {
+            ends(ping)
                 .into_iter()
                 .flatten()
-                .map(|span| {
-                    let width = if span.encoding == Encoding::U8 { 1 } else { 2 };
-                    span.offset + width * u64::from(span.count)
-                });
-            ends.min().is_some_and(|end| end <= byte_count)
-        };
-        from + near.filter(is_whole).count() == pings
+                .any(|end| end <= byte_count)
+        });
+        let whole = near().filter(|ping| ends(ping).into_iter().all(is_in));
+        // A side that comes in a record of its own makes a ping; of one record with both, all has to be there, and what follows them in it.
+        let least = (from + whole.count()).saturating_sub(1);
+        (least..=from + begun.count()).contains(&pings)
     }
 
     /// Whether something that was made on a recording was made on this log, now or when less of it was written. A shorter one has to bear
@@ -350,5 +357,78 @@ fn wider<T>(
     match (one, other) {
         (Some((a, b)), Some((c, d))) => Some((least(a, c), most(b, d))),
         (one, other) => one.or(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{Bytes, Order, SidePing};
+    use std::path::PathBuf;
+
+    /// A log of one record a ping: 100 bytes of header and two sides of 200 samples, the port one first.
+    fn log(pings: u64) -> Survey {
+        let span = |offset| SideSpan {
+            file: 0,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset,
+            count: 200,
+            near_m: 0.0,
+            far_m: 10.0,
+        };
+        let ping = |index: u64| SidePing {
+            time_s: 0.05 * index as f64,
+            depth_m: f32::NAN,
+            depth_locked: false,
+            port: Some(span(500 * index + 100)),
+            starboard: Some(span(500 * index + 300)),
+        };
+        let mut log = Survey {
+            side_scan: Arc::new((0..pings).map(ping).collect()),
+            bytes: vec![Bytes::Held(Arc::new(vec![0; 500 * pings as usize]))],
+            ..Survey::default()
+        };
+        log.source.files = vec![PathBuf::from("log.sl2")];
+        log.source.byte_count = 500 * pings;
+        log
+    }
+
+    #[test]
+    fn a_log_is_known_from_what_it_was_when_it_was_shorter() {
+        let log = log(400);
+        for pings in [1_u64, 20, 399] {
+            for torn in [0, 1, 250, 350, 499] {
+                let bytes = 500 * pings + torn;
+                assert!(
+                    log.was(bytes, pings as usize),
+                    "{pings} pings and {torn} bytes"
+                );
+                assert!(!log.was(bytes, pings as usize + 3));
+                assert!(pings < 5 || !log.was(bytes, pings as usize - 3));
+            }
+        }
+        assert!(!log.was(500 * 401, 400), "it never was longer");
+        let shorter = |file: &str| Identity {
+            file: file.to_owned(),
+            byte_count: 500 * 100 + 250,
+            pings: 100,
+        };
+        assert!(log.is_or_was(&shorter("log.sl2")));
+        assert!(!log.is_or_was(&shorter("other.sl2")), "another name");
+    }
+
+    #[test]
+    fn the_tail_begins_before_what_is_not_settled() {
+        let log = log(400);
+        let seam = log.seam().expect("a seam");
+        assert!(seam.time_s < 19.95 - UNSETTLED_S && seam.time_s > 19.95 - UNSETTLED_S - 0.01);
+        let first = log
+            .side_scan
+            .partition_point(|ping| ping.time_s < seam.time_s);
+        assert!(seam.from[0] < log.side_scan[first].port.map_or(0, |span| span.offset));
+        let (stretch, soundings) = log.stretch_from(first);
+        assert_eq!((stretch.side_scan.len(), soundings), (400 - first, 0));
+        assert!(Survey::default().seam().is_none());
     }
 }

@@ -343,7 +343,11 @@ impl App {
                 } else {
                     // More was shown meanwhile: the next step adds it to these.
                     let settled = ground.settled();
-                    self.with_log(id, |app| app.log.whole = Some(settled));
+                    self.with_log(id, |app| {
+                        let (survey, products) = (settled.survey.clone(), settled.products.clone());
+                        app.count_figures(survey, products);
+                        app.log.whole = Some(settled);
+                    });
                     active.fresh = Some(ground);
                 }
             }
