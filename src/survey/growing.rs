@@ -413,6 +413,7 @@ mod tests {
             file: file.to_owned(),
             byte_count: 500 * 100 + 250,
             pings: 100,
+            swapped_sides: false,
         };
         assert!(log.is_or_was(&shorter("log.sl2")));
         assert!(!log.is_or_was(&shorter("other.sl2")), "another name");

@@ -44,17 +44,15 @@ impl App {
         for log in step.logs {
             let changed = self.with_log(log.id, |app| {
                 app.log.is_visible = log.is_visible;
-                let survey = app.log.survey.clone();
-                let longer = survey
-                    .as_ref()
-                    .and_then(|survey| log.own.carried_to(survey));
+                let survey = app.log.survey.as_ref();
+                let longer = survey.and_then(|survey| log.own.carried_to(survey));
                 let own = longer.map_or(log.own, Arc::new);
                 if !same_shared || !Arc::ptr_eq(&app.log.own, &own) {
                     app.set_own(own, false);
                 }
                 let changed = app.log.reviewing.go_to(log.review);
-                if let Some(survey) = survey {
-                    // The log may have grown since that step.
+                // The log may have grown since that step; and with the settings its sides may be others than a moment ago.
+                if let Some(survey) = app.log.survey.clone() {
                     app.carry_decisions(&survey);
                 }
                 changed

@@ -153,12 +153,17 @@ pub(super) fn time_line_height(window: f32) -> f32 {
     (0.104 * window).clamp(52.0, crate::ui::panels::timeline::HEIGHT)
 }
 
-/// The scroll area of a panel, which is scrolled whatever it holds.
+/// The scroll area of a panel, which is scrolled whatever it holds. What it holds is as wide with a bar as without: text that is wrapped
+/// otherwise for the bar may be short enough to do without one, and the bar would come and go in every frame.
 pub(super) fn scrolled(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
+    let width = ui.available_width() - ui.spacing().scroll.allocated_width();
     egui::ScrollArea::vertical()
         .id_salt(Id::unique(name))
         .auto_shrink([false, false])
-        .show(ui, add);
+        .show(ui, |ui| {
+            ui.set_max_width(width.min(ui.available_width()));
+            add(ui);
+        });
 }
 
 #[cfg(test)]
