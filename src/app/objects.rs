@@ -312,6 +312,10 @@ impl App {
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {
         let Some(object) = self.selected_object() else {
+            // Nobody would collect what is being counted, and the window would never rest.
+            if self.objects.passes.is_running() {
+                self.objects.passes = Background::default();
+            }
             return;
         };
         let (number, joint) = (object.number, object.joint.clone());

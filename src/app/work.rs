@@ -23,6 +23,7 @@ impl App {
         self.poll_loading();
         self.poll_engine();
         self.poll_following();
+        self.collect_tail();
         if let Some(preview) = self.previewer.poll(&self.jobs)
             && preview.is_for(&self.log.settings)
             && self.stale().is_some()

@@ -143,16 +143,16 @@ pub fn open_files(
     files: Vec<(PathBuf, Vec<u8>)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = files
+    let path = first_path(&files);
+    let files = FileSource::held(files);
+    open_on(&files, &path, &Reading::default(), progress)
+}
+
+/// The path of the first file, which is the one to open; empty where there is none.
+fn first_path<T>(files: &[(PathBuf, T)]) -> PathBuf {
+    files
         .first()
-        .map(|(path, _)| path.clone())
-        .unwrap_or_default();
-    open_on(
-        &FileSource::held(files),
-        &path,
-        &Reading::default(),
-        progress,
-    )
+        .map_or_else(PathBuf::new, |(path, _)| path.clone())
 }
 
 /// Reads a log that is being written; the first file is the one to open. What is cut at the end of a file is no damage: the rest of it
@@ -164,13 +164,11 @@ pub fn open_growing(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = files.first().map(|(path, _)| path.clone());
     let reading = Reading {
         is_growing: true,
         tail: None,
     };
-    let files = FileSource::at_hand(files);
-    open_on(&files, &path.unwrap_or_default(), &reading, progress)
+    open_as(files, &reading, progress)
 }
 
 /// Reads a log whose bytes are at hand; the first file is the one to open.
@@ -181,14 +179,7 @@ pub fn open_at_hand(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = files.first().map(|(path, _)| path.clone());
-    let files = FileSource::at_hand(files);
-    open_on(
-        &files,
-        &path.unwrap_or_default(),
-        &Reading::default(),
-        progress,
-    )
+    open_as(files, &Reading::default(), progress)
 }
 
 /// Reads what was added to the files of a log since it was read, and a little before that, as a log of its own: [`Survey::extended`] adds
@@ -202,13 +193,20 @@ pub fn open_tail(
     files: Vec<(PathBuf, Bytes)>,
     progress: &Progress,
 ) -> Result<Survey, OpenError> {
-    let path = files.first().map(|(path, _)| path.clone());
     let reading = Reading {
         is_growing: true,
         tail: Some((known, seam)),
     };
-    let files = FileSource::at_hand(files);
-    open_on(&files, &path.unwrap_or_default(), &reading, progress)
+    open_as(files, &reading, progress)
+}
+
+fn open_as(
+    files: Vec<(PathBuf, Bytes)>,
+    reading: &Reading<'_>,
+    progress: &Progress,
+) -> Result<Survey, OpenError> {
+    let path = first_path(&files);
+    open_on(&FileSource::at_hand(files), &path, reading, progress)
 }
 
 fn open_on(

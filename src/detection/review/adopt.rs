@@ -1,7 +1,7 @@
 //! A new model's detections beside decisions that are there.
 
 use super::{Review, Reviewed, State, held};
-use crate::detection::{Detection, ObjectExtent, Raster, Rect, class_index};
+use crate::detection::{Detection, Raster, Rect, class_index};
 use crate::survey::Side;
 use std::ops::Range;
 use std::sync::Arc;
@@ -71,18 +71,10 @@ impl Review {
                 None => after.take_id(),
             };
             after.boxes.push(Arc::new(Reviewed {
-                id,
-                mark,
-                class,
                 score: Some(detection.score),
                 state: State::Proposed,
-                edited: false,
-                note: String::new(),
-                name: String::new(),
-                confidence: None,
-                extent: ObjectExtent::Found,
-                shadow: None,
                 model: Some(model.clone()),
+                ..Reviewed::drawn(id, mark, class)
             }));
         }
         for (one, score) in after.boxes.iter_mut().zip(lent) {

@@ -103,7 +103,7 @@ pub struct Reviewed {
 }
 
 impl Reviewed {
-    /// A box that is drawn by hand, with nothing said of it yet.
+    /// A box that is drawn by hand, with nothing said of it yet; a proposal differs in score, state and model.
     pub fn drawn(id: BoxId, mark: Mark, class: usize) -> Self {
         Self {
             id,

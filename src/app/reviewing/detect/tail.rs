@@ -49,9 +49,8 @@ impl super::Search {
 }
 
 impl App {
-    /// Searches what a followed log has got since it was searched, and collects what was found there.
+    /// Searches what a followed log has got since it was searched.
     pub(in crate::app) fn search_tail(&mut self, id: LogId) {
-        self.collect_tail();
         let tail = &self.search.tail;
         if tail.is_wanted && tail.running.is_none() && !self.search.is_busy() {
             self.with_log(id, Self::begin_tail);
@@ -103,7 +102,8 @@ impl App {
         });
     }
 
-    fn collect_tail(&mut self) {
+    /// Collects what was found, also when the log is not followed any more.
+    pub(in crate::app) fn collect_tail(&mut self) {
         let found = match self
             .search
             .tail

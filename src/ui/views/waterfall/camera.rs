@@ -208,6 +208,11 @@ impl Camera {
             let larger_m = per_point[1].max(per_point[0] * metres);
             per_point = [larger_m / metres, larger_m];
         }
+        self.centre_on(pings, across_m, per_point);
+    }
+
+    /// Brings these pings and ranges into the middle at a scale: pings and metres for each point.
+    fn centre_on(&mut self, pings: [f64; 2], across_m: [f64; 2], per_point: [f64; 2]) {
         let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
             centre: 0.5 * (from + to),
             per_point,
@@ -236,14 +241,7 @@ impl Camera {
             }
             None => [fits[0].max(1.0), fits[1].max(extent.bin_m)],
         };
-        let axis = |[from, to]: [f64; 2], per_point: f64| Axis {
-            centre: 0.5 * (from + to),
-            per_point,
-            fitted: false,
-        };
-        self.is_one_to_one = false;
-        self.along = axis(pings, per_point[0]);
-        self.across = axis(across_m, per_point[1]);
+        self.centre_on(pings, across_m, per_point);
     }
 
     /// Makes a metre along the track as long as one across by the speed at a ping, which comes into the middle.
