@@ -1,6 +1,6 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
-//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`) and `inverse_distance` find the
+//! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` and `smooth` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
@@ -15,6 +15,7 @@ mod insertion_order;
 mod inverse_distance;
 pub mod isobaths;
 mod nodes;
+mod smooth;
 mod soundings;
 mod surface;
 #[cfg(test)]

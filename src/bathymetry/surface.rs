@@ -1,6 +1,7 @@
 //! The surface: depths on a grid over the soundings, with values only where a sounding is near.
 
 use super::inverse_distance::inverse_distance;
+use super::smooth::bend_least;
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
 use crate::cloud::{CloudPoint, PointSource};
 use crate::progress::{Cancelled, Progress};
@@ -19,6 +20,9 @@ pub enum SurfaceMethod {
     Natural,
     /// By inverse distance squared of the nearest 64 within the gap: smooth, draws towards the mean.
     InverseDistance,
+    /// On the plate that bends least, as stiff as predicts left-out soundings best: smooth, and near the soundings but not through
+    /// each.
+    Smooth,
 }
 
 /// `surface.*` settings.
@@ -91,7 +95,8 @@ pub struct Surface {
     /// Depth at the centre of each cell, metres, row by row; NaN where nothing is known.
     pub depth_m: Vec<f32>,
     /// How far the soundings that carry a cell disagree, metres: the standard deviation of their depths about the cell's,
-    /// each with its share and its own spread, so it grows with noise and with relief between soundings. NaN where nothing is
+    /// each with its share and its own spread, so it grows with noise and with relief between soundings. With
+    /// [`SurfaceMethod::Smooth`] the standard deviation of the depth's error, as leaving soundings out shows it. NaN where nothing is
     /// known.
     pub spread_m: Vec<f32>,
     /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
@@ -144,7 +149,11 @@ pub fn surface(
     let Some(field) = Field::new(nodes, settings) else {
         return Ok(None);
     };
-    let made = field.fill(grid, progress)?;
+    let mut made = field.fill(grid, progress)?;
+    if settings.method == SurfaceMethod::Smooth {
+        let nodes: Vec<Node> = field.tin.nodes().collect();
+        bend_least(&mut made, &nodes, progress)?;
+    }
     let known = made.depth_m.iter().any(|depth| !depth.is_nan());
     Ok(known.then_some(made))
 }
@@ -200,7 +209,7 @@ impl Field {
         let tin = Tin::new(nodes)?.with_max_gap(gap_m);
         let near = match settings.method {
             SurfaceMethod::InverseDistance => Some(Near::new(tin.nodes().collect())?),
-            SurfaceMethod::Linear | SurfaceMethod::Natural => None,
+            _ => None,
         };
         Some(Self {
             method: settings.method,
@@ -264,7 +273,7 @@ impl Field {
     fn sampler(&self) -> Sampler<'_> {
         let between = match self.method {
             SurfaceMethod::Natural => Between::NaturalNeighbour,
-            SurfaceMethod::Linear | SurfaceMethod::InverseDistance => Between::Linear,
+            _ => Between::Linear,
         };
         Sampler {
             field: self,

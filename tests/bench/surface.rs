@@ -6,7 +6,7 @@
 //! sailed in four lines 8 m apart and two across.
 
 use super::missions::{Mission, repeatability};
-use bathyscope::bathymetry::SurfaceSettings;
+use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings};
 use bathyscope::cloud::Residuals;
 use bathyscope::simulation::Scene;
 
@@ -76,6 +76,13 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
         (
             "the same with above-bottom returns".to_owned(),
             settings(chosen, true),
+        ),
+        (
+            "both, least bending".to_owned(),
+            SurfaceSettings {
+                method: SurfaceMethod::Smooth,
+                ..settings(chosen, false)
+            },
         ),
     ]
 }

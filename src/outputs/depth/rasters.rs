@@ -1,7 +1,7 @@
 //! The surface as rasters: metres as f32 on one grid, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
-use crate::bathymetry::{Grid, Surface};
+use crate::bathymetry::{Grid, Surface, SurfaceMethod};
 use crate::export::{Summary, geotiff, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::OutputError;
@@ -43,9 +43,17 @@ pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
 
 /// Writes `uncertainty.tif`.
 pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let what = match results.products.settings.surface.method {
+        SurfaceMethod::Smooth => {
+            "Standard deviation in metres of the depth's error, as left-out depths show it"
+        }
+        SurfaceMethod::Linear | SurfaceMethod::Natural | SurfaceMethod::InverseDistance => {
+            "Standard deviation in metres of the depths that carry a cell"
+        }
+    };
     let layer = Layer {
         band: band("standard deviation of depth", false),
-        what: "Standard deviation in metres of the depths that carry a cell",
+        what,
         values: |surface| &surface.spread_m,
         colour: uncertainty_colour,
     };
@@ -108,9 +116,10 @@ fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
 fn applied(products: &Products, grid: &Grid) -> String {
     let settings = &products.settings;
     let method = match settings.surface.method {
-        crate::bathymetry::SurfaceMethod::Linear => "linear triangles",
-        crate::bathymetry::SurfaceMethod::Natural => "natural neighbours",
-        crate::bathymetry::SurfaceMethod::InverseDistance => "inverse distance",
+        SurfaceMethod::Linear => "linear triangles",
+        SurfaceMethod::Natural => "natural neighbours",
+        SurfaceMethod::InverseDistance => "inverse distance",
+        SurfaceMethod::Smooth => "least bending",
     };
     format!(
         "{} By {method} in cells of {} m, none farther than {} m from a depth.",

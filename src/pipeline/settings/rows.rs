@@ -316,6 +316,7 @@ rows! {
             "linear", "triangles", "Linear on the planes of the Delaunay triangles between depths.";
             "natural", "natural neighbours", "Sibson's: smooth but at the depths themselves. Slower.";
             "inverse_distance", "inverse distance", "Mean of the nearest depths by inverse distance squared: smooth, draws towards the mean.";
+            "smooth", "least bending", "A plate as stiff as predicts left-out soundings best. Says what its depths are worth. Slower.";
         ]);
     SURFACE_CELL: "surface.cell_m", "Cell", "cell of the depth map",
         "Side of a cell of the depth map.",

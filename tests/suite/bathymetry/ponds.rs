@@ -1,8 +1,8 @@
 //! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures over many.
 
 use crate::missions::{Mission, repeatability};
-use bathyscope::bathymetry::SurfaceSettings;
 use bathyscope::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
+use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings};
 use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::Scene;
@@ -44,6 +44,54 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
     let (found, expected) = repeatability(&first, &second);
     for (found, expected) in found.iter().zip(expected) {
         assert!((found - expected).abs() < 0.01, "{found} {expected}");
+    }
+}
+
+#[test]
+fn between_lines_a_plate_is_nearer_to_the_bed_than_triangles_and_knows_how_near() {
+    // Beds of the other seeds of `cargo bench -- surface`; nothing was chosen on these.
+    for (mut scene, seed, most) in [
+        (Scene::gentle(), 41, 0.85),
+        (Scene::steep(), 42, 0.7),
+        (Scene::rough(), 43, 0.9),
+    ] {
+        scene.track.lines = 4;
+        scene.track.spacing_m = 8.0;
+        let pond = Mission::new(&scene, seed);
+        let map = |method| {
+            let settings = SurfaceSettings {
+                method,
+                cell_m: Some(0.4),
+                ..SurfaceSettings::default()
+            };
+            pond.known.map(&pond.products, &settings)
+        };
+        let [triangles, plate] = [SurfaceMethod::Linear, SurfaceMethod::Smooth].map(map);
+        let errors = |map| pond.known.map_errors_m(map, &triangles);
+        let rms_m = |map, far_m: f64| {
+            let far = errors(map)
+                .into_iter()
+                .filter(|(_, away_m)| *away_m > far_m);
+            let mut far: Vec<f64> = far.map(|(error_m, _)| error_m).collect();
+            Residuals::of(&mut far).expect("cells").rms_m
+        };
+        let [between, all] =
+            [1.0, 0.0].map(|far_m| rms_m(&plate, far_m) / rms_m(&triangles, far_m));
+        assert!(between < most && all < most, "{seed}: {between} {all}");
+
+        let stated = plate.spread_m.iter().filter(|spread| !spread.is_nan());
+        let sizes = errors(&plate).into_iter().zip(stated);
+        let ratios: Vec<f64> = sizes
+            .map(|((error_m, _), sigma_m)| error_m.abs() / f64::from(*sigma_m))
+            .collect();
+        let within = |sigmas: f64| {
+            ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
+        };
+        let [one, two] = [within(1.0), within(2.0)];
+        assert!(
+            (0.55..0.85).contains(&one) && two > 0.85,
+            "{seed}: {one} {two}"
+        );
     }
 }
 

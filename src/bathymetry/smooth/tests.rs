@@ -1,0 +1,147 @@
+//! The plate against scipy's solution of the same equations, and what it does with soundings that are wrong.
+
+use super::*;
+use crate::bathymetry::{DepthPoint, Grid, SurfaceMethod, SurfaceSettings, surface};
+
+const GRID: Grid = Grid {
+    west_m: 100.0,
+    north_m: 200.0,
+    cell_m: 0.5,
+    columns: 30,
+    rows: 25,
+};
+
+/// East of the west edge, south of the north edge and depth, metres.
+const SOUNDINGS: [[f64; 3]; 10] = [
+    [1.3, 2.1, 2.17],
+    [4.9, 10.3, 1.64],
+    [7.7, 6.2, 2.46],
+    [12.1, 3.3, 2.83],
+    [13.6, 11.4, 3.17],
+    [9.2, 9.9, 2.4],
+    [3.1, 7.4, 1.85],
+    [6.4, 1.2, 2.9],
+    [10.8, 6.6, 2.76],
+    [2.2, 11.7, 1.37],
+];
+
+/// Row, column and depth by `scipy.sparse.linalg.spsolve` of the equations written out: bilinear soundings, second differences in both
+/// directions, twists times the root of two, all differences over `1.6 * 0.5 m`.
+const SOLVED_BY_SCIPY: [(usize, usize, f64); 5] = [
+    (0, 0, 2.248_225_236_593),
+    (3, 20, 2.907_135_535_276),
+    (12, 15, 2.453_547_292_793),
+    (24, 29, 3.364_003_158_810),
+    (20, 4, 1.467_941_279_493),
+];
+
+fn nodes(soundings: &[[f64; 3]]) -> Vec<Node> {
+    let node = |[east_m, south_m, depth_m]: &[f64; 3]| Node {
+        east_m: GRID.west_m + east_m,
+        north_m: GRID.north_m - south_m,
+        depth_m: *depth_m,
+        spread_m: 0.0,
+    };
+    soundings.iter().map(node).collect()
+}
+
+#[test]
+fn a_plate_is_what_scipy_makes_of_its_equations() {
+    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), 1.6, &Progress::new()).unwrap();
+    for (row, column, depth_m) in SOLVED_BY_SCIPY {
+        let made_m = plate.depth_at(GRID.centre(row, column));
+        assert!((made_m - depth_m).abs() < 1e-3, "{row} {column}: {made_m}");
+    }
+}
+
+/// Four lines 8 m apart over a bed, a sounding each half metre.
+fn lines(bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
+    let points = (0..4).flat_map(|line| (0..80).map(move |step| (line, step)));
+    let places = points.map(|(line, step)| (0.5 * f64::from(step), 8.0 * f64::from(line)));
+    let point = |(east_m, north_m)| DepthPoint {
+        east_m,
+        north_m,
+        depth_m: bed(east_m, north_m),
+        weight: 1.0,
+    };
+    places.map(point).collect()
+}
+
+fn made(points: Vec<DepthPoint>, method: SurfaceMethod) -> Surface {
+    let settings = SurfaceSettings {
+        method,
+        cell_m: Some(0.5),
+        ..SurfaceSettings::default()
+    };
+    let made = surface(points, &settings, &Progress::new());
+    made.expect("not cancelled").expect("a surface")
+}
+
+/// Root mean square of a surface's errors, metres.
+fn rms_m(made: &Surface, bed: impl Fn(f64, f64) -> f64) -> f64 {
+    let errors = (0..made.grid.len()).filter_map(|cell| {
+        let [east_m, north_m] = made
+            .grid
+            .centre(cell / made.grid.columns, cell % made.grid.columns);
+        let depth_m = made.depth_m[cell];
+        (!depth_m.is_nan()).then(|| f64::from(depth_m) - bed(east_m, north_m))
+    });
+    let errors: Vec<f64> = errors.collect();
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+#[test]
+fn a_slope_is_kept_and_a_swell_is_closer_than_between_triangles() {
+    let slope = |east_m: f64, north_m: f64| 3.0 + 0.05 * east_m - 0.02 * north_m;
+    let plate = made(lines(slope), SurfaceMethod::Smooth);
+    assert!(rms_m(&plate, slope) < 2e-3, "{}", rms_m(&plate, slope));
+    let swell = |east_m: f64, north_m: f64| 3.0 + 0.4 * (east_m / 4.0 + north_m / 5.0).sin();
+    let [plate, triangles] = [SurfaceMethod::Smooth, SurfaceMethod::Linear]
+        .map(|method| rms_m(&made(lines(swell), method), swell));
+    assert!(plate < 0.5 * triangles, "{plate} {triangles}");
+}
+
+#[test]
+fn a_wrong_sounding_does_not_pull_the_plate_up() {
+    let slope = |east_m: f64, north_m: f64| 3.0 + 0.05 * east_m - 0.02 * north_m;
+    let mut points = lines(slope);
+    // Fish: 1 m shallower, one sounding of forty.
+    for point in points.iter_mut().step_by(40) {
+        point.depth_m -= 1.0;
+    }
+    let plate = made(points, SurfaceMethod::Smooth);
+    assert!(rms_m(&plate, slope) < 0.05, "{}", rms_m(&plate, slope));
+}
+
+#[test]
+fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
+    // Two lengths that lines 8 m apart do not resolve.
+    let bed = |east_m: f64, north_m: f64| {
+        3.0 + 0.15 * (north_m / 2.1 + 0.3 * east_m).sin() + 0.1 * (east_m / 1.7).cos()
+    };
+    let plate = made(lines(bed), SurfaceMethod::Smooth);
+    let sigma_m =
+        |place: [f64; 2]| plate.spread_m[plate.grid.index_at(place[0], place[1]).unwrap()];
+    assert!(sigma_m([20.2, 12.2]) > 2.0 * sigma_m([20.2, 8.2]));
+    let (mut within, mut known) = (0, 0);
+    for cell in 0..plate.grid.len() {
+        let [east_m, north_m] = plate
+            .grid
+            .centre(cell / plate.grid.columns, cell % plate.grid.columns);
+        if !plate.depth_m[cell].is_nan() {
+            let error_m = f64::from(plate.depth_m[cell]) - bed(east_m, north_m);
+            within += usize::from(error_m.abs() < 2.0 * f64::from(plate.spread_m[cell]));
+            known += 1;
+        }
+    }
+    let share = within as f64 / known as f64;
+    assert!(share > 0.85, "{share}");
+}
+
+#[test]
+fn a_cancelled_plate_is_none() {
+    let progress = Progress::new();
+    progress.cancel();
+    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), 1.6, &progress);
+    assert!(plate.is_err());
+}
