@@ -54,6 +54,7 @@ mod same_bytes;
 mod shipped_model;
 mod simulation;
 mod space;
+mod status_bar;
 mod support;
 mod survey_run;
 mod targets;
