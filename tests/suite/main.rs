@@ -9,6 +9,7 @@ mod calibration;
 mod calm_window;
 mod cli;
 mod cloud;
+mod conventions_window;
 mod corrected;
 mod crs;
 mod damage;
