@@ -73,7 +73,8 @@ actions! {
     FocusWaterfall, "Waterfall", Some("1"), "Moves the keyboard to the waterfall.";
     FocusMap, "Map", Some("2"), "Moves the keyboard to the map.";
     FocusCloud, "3D cloud", Some("3"), "Moves the keyboard to the 3D cloud.";
-    Maximise, "Maximise view", Some("F11"), "Gives the whole centre to the focused view, or gives it back.";
+    FullScreen, "Full screen", Some("F11"), "Gives the window the whole screen; F11 again, or Escape, gives it back.";
+    Maximise, "Maximise view", Some("Shift+F11"), "Gives the whole centre to the focused view, or gives it back.";
     FocusPanels, "Keyboard to the panels", Some("F6"), "Moves the keyboard to the panel of steps, from there to that of details, and back to the views; Tab goes on in a panel, Enter or Space presses.";
     StepsPanel, "Panel of steps on or off", Some("F7"), "Shows or hides the panel left of the views: the survey and the paper's steps.";
     DetailsPanel, "Panel of details on or off", Some("F8"), "Shows or hides the panel right of the views: review, selection and profile.";
@@ -110,6 +111,7 @@ actions! {
     ResidualLayer, "Layer: residuals", None, "Shows or hides on the map how each point differs from a reference.";
     TrackLayer, "Layer: track", None, "Shows or hides the boat's track on the map.";
     BoxLayer, "Layer: boxes", None, "Shows or hides the objects on the map.";
+    Boxes, "Boxes on or off", Some("Shift+B"), "Hides all boxes, in the waterfall, on the map and in 3D, to see what lies under them; again, shows them.";
     SideColours, "Side colours: paper or maritime", None, "Starboard red and port blue, or port red and starboard green.";
     Swipe, "Swipe between layers", Some("W"), "Divides the map: the mosaic left and the depths right of a line that can be dragged.";
     Graticule, "Graticule on or off", None, "Shows or hides the lines of round coordinates on the map.";
@@ -123,6 +125,8 @@ actions! {
     SpeedMetres, "Speeds: metres a second", None, "Writes the boat's speed in metres a second.";
     SpeedKnots, "Speeds: knots", None, "Writes the boat's speed in knots.";
     Play, "Play or pause", Some("Space"), "Runs along the survey ping by ping.";
+    PlayFaster, "Play faster", Some("Ctrl+Up"), "Runs along the survey faster, up to 30 times as fast as the boat.";
+    PlaySlower, "Play slower", Some("Ctrl+Down"), "Runs along the survey more slowly, down to the boat's own pace.";
     PreviousPing, "Previous ping", Some("Left"), "Selects the ping before.";
     NextPing, "Next ping", Some("Right"), "Selects the ping after.";
     Back25, "Back 25 pings", Some("Shift+Left"), "Selects the ping 25 earlier.";
@@ -132,6 +136,7 @@ actions! {
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";
+    DepthLine, "Recorded depth on or off", Some("Ctrl+B"), "Shows or hides the recorded depth in the waterfall.";
     FindObjects, "Find objects", None, "Searches the side-scan of all visible logs with the detector; what was decided about boxes stays.";
     ChooseModel, "Choose a model…", None, "Takes a detector of your own: YOLO as ONNX.";
     ShippedModel, "Use the shipped model", None, "Takes the detector that comes with the program.";
@@ -184,6 +189,21 @@ actions! {
 }
 
 impl Action {
+    /// A second key for it, where other programs have another one for the same, or the key is another one on many keyboards.
+    pub fn second_key(self) -> Option<Keys> {
+        match self {
+            Action::Palette => Some("Ctrl+K"),
+            // On many keyboards + is = with Shift.
+            Action::ZoomIn => Some("="),
+            _ => None,
+        }
+    }
+
+    /// All its keys, the one that menus show first.
+    pub fn all_keys(self) -> impl Iterator<Item = Keys> {
+        self.keys().into_iter().chain(self.second_key())
+    }
+
     /// Whether a held key goes on doing it: stepping, and walking through the history. Everything else is done once per press;
     /// a held A would otherwise accept box after box before any of them has been looked at.
     pub fn repeats(self) -> bool {
@@ -218,7 +238,7 @@ mod tests {
     fn no_two_actions_share_a_key() {
         let mut taken = HashMap::new();
         for action in Action::ALL {
-            if let Some(keys) = action.keys() {
+            for keys in action.all_keys() {
                 let other = taken.insert(keys, action.label());
                 assert_eq!(other, None, "{keys} is {} and {other:?}", action.label());
             }

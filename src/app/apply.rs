@@ -266,6 +266,10 @@ impl App {
                 let waterfall = &mut self.options.waterfall;
                 waterfall.first_return = !waterfall.first_return;
             }
+            Action::DepthLine => {
+                let waterfall = &mut self.options.waterfall;
+                waterfall.depth_line = !waterfall.depth_line;
+            }
             Action::LevelsReset => self.reset_picture(),
             Action::GainNormalised => self.toggle_gain(),
             Action::Despeckle => self.toggle_despeckle(),
@@ -287,6 +291,7 @@ impl App {
             Action::ResidualLayer => self.options.map.layers.toggle(MapLayer::Residuals),
             Action::TrackLayer => self.options.map.layers.toggle(MapLayer::Track),
             Action::BoxLayer => self.options.map.layers.toggle(MapLayer::Boxes),
+            Action::Boxes => self.toggle_boxes(),
             Action::SideColours => {
                 self.options.side_colours = match self.options.side_colours {
                     SideColours::Paper => SideColours::Maritime,
@@ -398,6 +403,15 @@ impl App {
     fn update(&mut self) {
         self.tabulating.resume();
         self.process();
+    }
+
+    fn toggle_boxes(&mut self) {
+        let shown = !self.options.shows_boxes();
+        self.options.show_boxes(shown);
+        if !shown && self.has_boxes() {
+            let keys = Action::Boxes.keys().unwrap_or_default();
+            self.notify(format!("boxes are hidden; {keys} shows them again"), false);
+        }
     }
 
     fn step(&mut self, pings: isize) {

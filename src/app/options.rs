@@ -1,6 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
-use super::{LayerStack, ObjectTable, PrintOptions, Swipe};
+use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
 use crate::picture::Geometry;
@@ -271,6 +271,8 @@ pub struct CloudOptions {
     pub point_size: f32,
     /// Draw the points that the outlier filter would remove, in a third colour; otherwise they are left out.
     pub outlier_preview: bool,
+    /// Draw the boxes of objects.
+    pub boxes: bool,
 }
 
 impl Default for CloudOptions {
@@ -280,6 +282,7 @@ impl Default for CloudOptions {
             vertical_exaggeration: 5.0,
             point_size: 3.0,
             outlier_preview: false,
+            boxes: true,
         }
     }
 }
@@ -332,4 +335,18 @@ pub struct ViewOptions {
     pub print: PrintOptions,
     /// Order and filter of the table of objects.
     pub objects: ObjectTable,
+}
+
+impl ViewOptions {
+    /// Whether boxes are drawn in any view.
+    pub fn shows_boxes(&self) -> bool {
+        self.waterfall.boxes || self.cloud.boxes || self.map.layers.is_visible(MapLayer::Boxes)
+    }
+
+    /// Draws the boxes in all views, or in none.
+    pub fn show_boxes(&mut self, shown: bool) {
+        self.waterfall.boxes = shown;
+        self.cloud.boxes = shown;
+        self.map.layers.set_visible(MapLayer::Boxes, shown);
+    }
 }

@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 pub(super) fn keys() -> String {
     let mut table = String::from("| command | key | does |\n|---|---|---|\n");
     for action in Action::ALL {
-        let keys = action.keys();
-        let keys = keys.map_or(String::new(), |keys| format!("`{keys}`"));
+        let keys: Vec<String> = action.all_keys().map(|keys| format!("`{keys}`")).collect();
+        let keys = keys.join(" or ");
         let (label, hint) = (action.label(), action.hint());
         // Writing to a string cannot fail.
         writeln!(table, "| {label} | {keys} | {hint} |").ok();

@@ -52,6 +52,34 @@ pub fn depth(app: &App, ping: &SidePing) -> String {
     }
 }
 
+/// Height of the transducer over the bottom by the recorded depth, metres; NaN where there is none.
+pub fn altitude_m(app: &App, ping: &SidePing) -> f64 {
+    reduction(app).altitude_m(f64::from(ping.depth_m))
+}
+
+/// Heading of the boat at a ping in a few letters: a course over ground, or the compass.
+pub fn labelled_heading(app: &App, ping: usize) -> String {
+    let products = app.log.products.as_ref();
+    let here = products.and_then(|products| Some((products, products.navigation.pings.get(ping)?)));
+    let Some((products, here)) = here else {
+        return format!("COG {}", text::NONE);
+    };
+    let label = match products.settings.heading.source {
+        HeadingSource::Steps | HeadingSource::TrackFit | HeadingSource::Cog => "COG",
+        HeadingSource::Compass => "compass",
+    };
+    match here.heading_rad.is_finite() {
+        true => format!("{label} {}", whole_degrees(here.heading_rad)),
+        false => format!("{label} {}", text::NONE),
+    }
+}
+
+/// `212°`; never 360.
+fn whole_degrees(heading_rad: f64) -> String {
+    let degrees = heading_rad.to_degrees().round().rem_euclid(360.0);
+    format!("{degrees:.0}°")
+}
+
 /// Heading of the boat at a ping, clockwise from north, and where it comes from.
 pub fn heading(app: &App, ping: usize) -> String {
     let products = app.log.products.as_ref();
@@ -71,10 +99,7 @@ pub fn heading(app: &App, ping: usize) -> String {
         _ => source.to_owned(),
     };
     match here.heading_rad.is_finite() {
-        true => {
-            let degrees = here.heading_rad.to_degrees().rem_euclid(360.0);
-            format!("{degrees:.0}° ({source})")
-        }
+        true => format!("{} ({source})", whole_degrees(here.heading_rad)),
         false => format!("none ({source})"),
     }
 }

@@ -14,7 +14,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 /// A window of so many pixels, with so many of them to a point.
-fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) -> Window {
+pub(crate) fn window_of(pixels: [f32; 2], pixels_per_point: f32, draws: bool) -> Window {
     let builder = Harness::builder()
         .with_pixels_per_point(pixels_per_point)
         .with_size(pixels.map(|side| side / pixels_per_point))

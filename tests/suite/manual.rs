@@ -127,7 +127,7 @@ fn every_key_that_it_names_is_one_of_the_window() {
     let others = ["Ctrl", "Shift", "Alt", "Up", "Down", "1", "9"];
     let keys: BTreeSet<&str> = Action::ALL
         .iter()
-        .filter_map(|action| action.keys())
+        .flat_map(|action| action.all_keys())
         .collect();
     let known = |name: &str| keys.contains(name) || others.contains(&name);
     let is_key = |name: &&String| {

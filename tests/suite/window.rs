@@ -322,13 +322,13 @@ fn views_are_maximised_and_arranged() {
     let mut window = demo_window();
     assert!(window.query_by_label("Map").is_some());
     press(&mut window, Modifiers::NONE, Key::Num3);
-    press(&mut window, Modifiers::NONE, Key::F11);
+    press(&mut window, Modifiers::SHIFT, Key::F11);
     assert!(
         window.query_by_label("Map").is_none(),
         "the cloud has the whole centre"
     );
     assert!(window.query_by_label("3D cloud").is_some());
-    press(&mut window, Modifiers::NONE, Key::F11);
+    press(&mut window, Modifiers::SHIFT, Key::F11);
     assert!(window.query_by_label("Map").is_some());
 }
 

@@ -72,6 +72,9 @@ impl Shell {
             Action::StepsPanel => self.toggle_panel(SidePanel::Steps, ctx),
             Action::DetailsPanel => self.toggle_panel(SidePanel::Details, ctx),
             Action::Play => self.play.toggle(&self.app),
+            Action::PlayFaster => self.play.change_speed(1),
+            Action::PlaySlower => self.play.change_speed(-1),
+            Action::FullScreen => toggle_full_screen(ctx),
             Action::FocusWaterfall => self.layout.focus(View::Waterfall),
             Action::FocusMap => self.layout.focus(View::Map),
             Action::FocusCloud => self.layout.focus(View::Cloud),
@@ -228,4 +231,9 @@ impl Shell {
     fn request(&mut self, request: ViewRequest) {
         self.views.request(self.layout.target(), request);
     }
+}
+
+fn toggle_full_screen(ctx: &egui::Context) {
+    let is_full = ctx.input(|input| input.viewport().fullscreen == Some(true));
+    ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
 }

@@ -7,13 +7,11 @@ use std::sync::LazyLock;
 
 /// All shortcuts, those with most modifiers first: `Z` with Ctrl would otherwise eat `Z` with Ctrl and Shift.
 static SHORTCUTS: LazyLock<Vec<(KeyboardShortcut, Action)>> = LazyLock::new(|| {
-    let mut shortcuts: Vec<_> = Action::ALL
-        .iter()
-        .filter_map(|&action| Some((parse(action.keys()?)?, action)))
-        .collect();
-    // On many keyboards + is = with Shift.
-    let equals = KeyboardShortcut::new(Modifiers::NONE, Key::Equals);
-    shortcuts.push((equals, Action::ZoomIn));
+    let of = |action: Action| {
+        let keys = action.all_keys().filter_map(parse);
+        keys.map(move |shortcut| (shortcut, action))
+    };
+    let mut shortcuts: Vec<_> = Action::ALL.iter().copied().flat_map(of).collect();
     shortcuts.sort_by_key(|(shortcut, _)| {
         let held = shortcut.modifiers;
         std::cmp::Reverse(
@@ -123,16 +121,32 @@ pub fn collect(ui: &mut Ui, app: &App, manual_open: bool, commands: &mut Vec<Com
             }
         }
     }
+    if !control_focused && !manual_open && leaves_full_screen(ui) {
+        commands.push(Command::Do(Action::FullScreen));
+    }
+}
+
+/// Whether Escape, which no tool, field or menu has a use for now, gives the screen back.
+fn leaves_full_screen(ui: &Ui) -> bool {
+    let is_full = ui.input(|input| input.viewport().fullscreen == Some(true));
+    is_full
+        && !egui::Popup::is_any_open(ui.ctx())
+        && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
 /// Whether the palette's key was pressed, with nothing else held: other keys with more modifiers hold its letter too.
 fn asks_for_palette(ui: &Ui) -> bool {
-    let Some(shortcut) = Action::Palette.keys().and_then(parse) else {
-        return false;
-    };
-    let is_it = |event: &Event| {
-        matches!(event, Event::Key { key, pressed: true, modifiers, .. }
-            if *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers))
+    let shortcuts: Vec<_> = Action::Palette.all_keys().filter_map(parse).collect();
+    let is_it = |event: &Event| match event {
+        Event::Key {
+            key,
+            pressed: true,
+            modifiers,
+            ..
+        } => shortcuts.iter().any(|shortcut| {
+            *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers)
+        }),
+        _ => false,
     };
     ui.input_mut(|input| {
         let before = input.events.len();
@@ -253,7 +267,7 @@ mod tests {
     #[test]
     fn every_key_of_the_table_is_understood() {
         for action in Action::ALL {
-            if let Some(keys) = action.keys() {
+            for keys in action.all_keys() {
                 assert!(parse(keys).is_some(), "{keys} of {}", action.label());
             }
         }

@@ -225,7 +225,9 @@ impl Behavior<View> for Panes<'_, '_> {
                 self.pressed = Some(view);
             }
         }
-        response.on_hover_text("Drag to move the view; double-click to maximise it, or press F11.")
+        response.on_hover_text(
+            "Drag to move the view; double-click to maximise it, or press Shift+F11.",
+        )
     }
 
     fn top_bar_right_ui(

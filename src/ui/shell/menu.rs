@@ -39,6 +39,7 @@ const LAYOUTS: &[Action] = &[
     Action::LayoutWaterfall,
     Action::LayoutMap,
     Action::LayoutCloud,
+    Action::FullScreen,
     Action::Maximise,
     Action::FocusPanels,
     Action::StepsPanel,
@@ -59,6 +60,8 @@ const STEPS: &[Action] = &[
     Action::FirstPing,
     Action::LastPing,
     Action::Play,
+    Action::PlayFaster,
+    Action::PlaySlower,
 ];
 const MEASURING: &[Action] = &[
     Action::MeasureDistance,
@@ -110,6 +113,7 @@ const TRUTH: &[Action] = &[
     Action::PreviousMistake,
 ];
 const BOXES: &[Action] = &[
+    Action::Boxes,
     Action::NextBox,
     Action::PreviousBox,
     Action::AcceptBox,
@@ -281,6 +285,10 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.separator();
         ui.checkbox(&mut options.map.flat_spots, "Flat stretches");
         ui.checkbox(&mut options.map.graticule, "Graticule");
+    });
+    ui.menu_button("3D cloud", |ui| {
+        ui.checkbox(&mut options.cloud.outlier_preview, "Outliers");
+        ui.checkbox(&mut options.cloud.boxes, "Boxes");
     });
     ui.menu_button("Coordinates", |ui| {
         for format in CoordinateFormat::ALL {

@@ -6,12 +6,15 @@ use egui::Ui;
 use std::time::Duration;
 
 /// Survey seconds in a second of playing.
-const SPEEDS: [f64; 4] = [1.0, 4.0, 10.0, 30.0];
+const SPEEDS: [f64; 6] = [1.0, 2.0, 4.0, 10.0, 20.0, 30.0];
+/// The one of them to begin with.
+const FIRST_SPEED: usize = 2;
 
 /// Whether and how fast the selection runs.
 pub(super) struct Play {
     running: bool,
-    speed: f64,
+    /// Index into [`SPEEDS`].
+    speed: usize,
     /// Survey time of the play head: finer than the pings.
     time_s: f64,
     /// The ping that it stands on.
@@ -22,7 +25,7 @@ impl Default for Play {
     fn default() -> Self {
         Self {
             running: false,
-            speed: SPEEDS[1],
+            speed: FIRST_SPEED,
             time_s: 0.0,
             ping: 0,
         }
@@ -42,6 +45,12 @@ impl Play {
             self.ping = here;
             self.running = !self.running;
         }
+    }
+
+    /// Takes the next speed up or down; at the fastest and the slowest it stays.
+    pub fn change_speed(&mut self, steps: isize) {
+        let next = self.speed.saturating_add_signed(steps);
+        self.speed = next.min(SPEEDS.len() - 1);
     }
 
     /// Stays where it is.
@@ -65,7 +74,7 @@ impl Play {
             self.time_s = ping.time_s;
         }
         let frame_s = f64::from(ui.input(|input| input.stable_dt)).min(0.25);
-        self.time_s += frame_s * self.speed;
+        self.time_s += frame_s * SPEEDS[self.speed];
         let next = pings.partition_point(|ping| ping.time_s <= self.time_s);
         if next >= pings.len() {
             self.running = false;
@@ -96,17 +105,18 @@ impl Play {
         if button.clicked() {
             context.push(Command::Do(Action::Play));
         }
-        let speed = egui::Button::new(egui::RichText::new(format!("{}×", self.speed)).small());
+        let text = egui::RichText::new(format!("{}×", SPEEDS[self.speed])).small();
+        let hint = format!(
+            "How much faster than the boat; click for the next speed. Faster: {}, slower: {}.",
+            Action::PlayFaster.keys().unwrap_or_default(),
+            Action::PlaySlower.keys().unwrap_or_default()
+        );
         let speed = ui
-            .add_sized(size, speed)
+            .add_sized(size, egui::Button::new(text))
             .accessible_name("Play speed")
-            .on_hover_text("How much faster than the boat; click for the next speed.");
+            .on_hover_text(hint);
         if speed.clicked() {
-            let here = SPEEDS
-                .iter()
-                .position(|speed| *speed == self.speed)
-                .unwrap_or(0);
-            self.speed = SPEEDS[(here + 1) % SPEEDS.len()];
+            self.speed = (self.speed + 1) % SPEEDS.len();
         }
     }
 }

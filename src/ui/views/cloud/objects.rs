@@ -12,6 +12,9 @@ const LEAST: f32 = 3.0;
 
 /// Draws the footprints of the boxes of all visible logs that are in the queue; those that were rejected only while they are selected.
 pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+    if !app.options.cloud.boxes {
+        return;
+    }
     for log in app.visible_logs() {
         let selected = app.log.reviewing.selected.filter(|_| log.id == app.log.id);
         boxes(painter, &log.reviewing, selected, scene, axes);

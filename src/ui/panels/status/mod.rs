@@ -1,40 +1,49 @@
 //! The bottom line: what is under the pointer, and what the program is doing.
 
+mod cells;
+
 use crate::app::{Action, Command, FollowStatus, Mark};
 use crate::pipeline::EngineStatus;
 use crate::presentation::text::count;
-use crate::survey::Side;
-use crate::ui::{ViewContext, place, text, theme};
-use egui::{RichText, Ui};
+use crate::ui::{ViewContext, theme};
+use egui::{Align, Layout, RichText, Ui};
 
 /// A job that takes longer than this is shown.
 const PATIENCE_S: f64 = 0.4;
 
-/// Room at the right for a job with its button, and without one, points.
+/// Room that the right end takes at least with a job and its button, and without one, points: the rest of the line stays as it is
+/// while jobs come and go.
 const JOB_ROOM: f32 = 330.0;
 const REST_ROOM: f32 = 150.0;
 
-/// Draws the line.
+/// Width that the right end leaves to the place under the pointer before it names frame rate and colours, points.
+const PLACE_ROOM: f32 = 560.0;
+
+/// Draws the line: the right end first, which leaves the rest to the place under the pointer.
 pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
-    ui.horizontal_centered(|ui| {
-        ui.spacing_mut().item_spacing.x = 14.0;
+    let right_to_left = Layout::right_to_left(Align::Center);
+    let width = ui.available_width();
+    ui.with_layout(right_to_left, |ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
         // A log that is followed is looked at four times a second: the line must not change with that.
         let follows = context.app.follow_status().is_some();
         let is_busy = follows || !context.app.is_idle() || context.app.is_stopped();
         let taken = if is_busy { JOB_ROOM } else { REST_ROOM };
-        let room = (ui.available_width() - taken).max(120.0);
-        match context.app.hover.or(context.app.selection) {
-            Some(mark) => cursor(ui, context, mark, room),
-            None => {
-                ui.label(RichText::new("Nothing under the pointer").weak());
-            }
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.spacing_mut().item_spacing.x = 8.0;
-            said(ui, context);
-            jobs(ui, context);
-            following(ui, context);
+        said(ui, context);
+        jobs(ui, context);
+        following(ui, context);
+        if ui.available_width() > PLACE_ROOM {
             rest(ui, context);
+        }
+        let room = ui.available_width().min(width - taken);
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 14.0;
+            match context.app.hover.or(context.app.selection) {
+                Some(mark) => place_under_pointer(ui, context, mark, room),
+                None => {
+                    ui.label(RichText::new("Nothing under the pointer").weak());
+                }
+            }
         });
     });
 }
@@ -51,51 +60,23 @@ fn said(ui: &mut Ui, context: &mut ViewContext<'_>) {
     }
 }
 
-/// The place under the pointer: as many of its cells as there is room for, the first ones first.
-fn cursor(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark, room: f32) {
-    let mut left = room;
-    for text in cells(context, mark) {
-        let font = egui::TextStyle::Monospace.resolve(ui.style());
-        let colour = ui.visuals().text_color();
-        let width = ui.painter().layout_no_wrap(text.clone(), font, colour);
-        left -= width.size().x + ui.spacing().item_spacing.x;
-        if left < 0.0 {
-            return;
-        }
-        ui.add(egui::Label::new(RichText::new(text).monospace()));
-    }
-}
-
-fn cells(context: &ViewContext<'_>, mark: Mark) -> Vec<String> {
-    let app = context.app;
-    let units = app.options.units;
-    let survey = app.log.survey.as_ref();
-    let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
-        return Vec::new();
+/// As much of the place as there is room for; all of it when the pointer rests on it.
+fn place_under_pointer(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark, room: f32) {
+    let cells = cells::of(context.app, mark);
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let colour = ui.visuals().text_color();
+    let gap = ui.spacing().item_spacing.x;
+    let width = |text: &str| {
+        let text = (ui.painter()).layout_no_wrap(text.to_owned(), font.clone(), colour);
+        text.size().x + gap
     };
-    let mut cells = Vec::new();
-    let position = place::lon_lat(app, mark).map(|at| place::written(app, at));
-    cells.extend(position);
-    cells.push(format!("ping {}", mark.ping));
-    if let Some(range) = place::range_m(app, mark) {
-        let side = match mark.side {
-            Some(Side::Port) => " port",
-            Some(Side::Starboard) => " stbd",
-            None => "",
-        };
-        cells.push(format!("range {}{side}", units.measure(range, 2)));
+    let shown = cells::fitting(&cells, room, width);
+    let all: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
+    let all = all.join("\n");
+    for text in shown {
+        let label = ui.add(egui::Label::new(RichText::new(text).monospace()));
+        label.on_hover_text(&all);
     }
-    cells.push(format!("depth {}", place::depth(app, ping)));
-    let products = app.log.products.as_ref();
-    let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
-    let speed = here.map_or(f64::NAN, |here| here.speed_mps);
-    cells.push(units.speed(speed, 1));
-    cells.push(format!("heading {}", place::heading(app, mark.ping)));
-    cells.push(text::clock(
-        survey.and_then(|survey| survey.start_unix_s),
-        ping.time_s,
-    ));
-    cells
 }
 
 /// What following does, in words.

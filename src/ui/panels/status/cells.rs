@@ -1,0 +1,115 @@
+//! What the status bar says of a place, and how much of it there is room for.
+
+use crate::app::{App, Mark};
+use crate::survey::Side;
+use crate::ui::{place, text};
+
+/// One fact of a place.
+pub(super) struct Cell {
+    /// In full.
+    pub text: String,
+    /// The same where room is scarce.
+    short: Option<String>,
+    /// The lower, the longer it stays when the window gets narrower.
+    rank: u8,
+}
+
+impl Cell {
+    fn new(rank: u8, text: String) -> Self {
+        let short = None;
+        Self { text, short, rank }
+    }
+}
+
+/// Position, ping, range, altitude, depth, heading, speed and time of a place, in the order of the bar.
+pub(super) fn of(app: &App, mark: Mark) -> Vec<Cell> {
+    let units = app.options.units;
+    let survey = app.log.survey.as_ref();
+    let Some(ping) = survey.and_then(|survey| survey.side_scan.get(mark.ping)) else {
+        return Vec::new();
+    };
+    let position = place::lon_lat(app, mark).map(|at| Cell::new(0, place::written(app, at)));
+    let range = place::range_m(app, mark).map(|range_m| {
+        let side = match mark.side {
+            Some(Side::Port) => " port",
+            Some(Side::Starboard) => " stbd",
+            None => "",
+        };
+        Cell::new(2, format!("range {}{side}", units.measure(range_m, 2)))
+    });
+    let products = app.log.products.as_ref();
+    let here = products.and_then(|products| products.navigation.pings.get(mark.ping));
+    let speed = here.map_or(f64::NAN, |here| here.speed_mps);
+    let start_unix_s = survey.and_then(|survey| survey.start_unix_s);
+    let depth = Cell {
+        text: format!("depth {}", place::depth(app, ping)),
+        short: Some(format!(
+            "depth {}",
+            units.measure(place::depth_m(app, ping), 2)
+        )),
+        rank: 1,
+    };
+    let altitude_m = place::altitude_m(app, ping);
+    let cells = [
+        position,
+        Some(Cell::new(4, format!("ping {}", mark.ping))),
+        range,
+        Some(Cell::new(
+            3,
+            format!("altitude {}", units.measure(altitude_m, 2)),
+        )),
+        Some(depth),
+        Some(Cell::new(6, place::labelled_heading(app, mark.ping))),
+        Some(Cell::new(7, units.speed(speed, 1))),
+        Some(Cell::new(5, text::clock(start_unix_s, ping.time_s))),
+    ];
+    cells.into_iter().flatten().collect()
+}
+
+/// The cells that fit into `room`, in their order: all in full, or all in short, or in short without the least important ones.
+/// `width` is what a text takes with the gap behind it.
+pub(super) fn fitting(cells: &[Cell], room: f32, width: impl Fn(&str) -> f32) -> Vec<&str> {
+    let total = |texts: &[&str]| texts.iter().map(|text| width(text)).sum::<f32>();
+    let full: Vec<&str> = cells.iter().map(|cell| cell.text.as_str()).collect();
+    if total(&full) <= room {
+        return full;
+    }
+    let last = cells.iter().map(|cell| cell.rank).max().unwrap_or(0);
+    let upto = |rank: u8| -> Vec<&str> {
+        let cells = cells.iter().filter(|cell| cell.rank <= rank);
+        cells
+            .map(|cell| cell.short.as_ref().unwrap_or(&cell.text).as_str())
+            .collect()
+    };
+    let candidates = (0..=last).rev().map(upto);
+    let mut fitting = candidates.filter(|texts| total(texts) <= room);
+    fitting.next().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_matters_least_gives_way_first() {
+        let cells = [
+            Cell::new(0, "position".to_owned()),
+            Cell::new(2, "ping".to_owned()),
+            Cell {
+                text: "depth below transducer".to_owned(),
+                short: Some("depth".to_owned()),
+                rank: 1,
+            },
+            Cell::new(3, "speed".to_owned()),
+        ];
+        let shown = |room: f32| fitting(&cells, room, |text| text.len() as f32).join(" ");
+        assert_eq!(shown(39.0), "position ping depth below transducer speed");
+        assert_eq!(shown(38.0), "position ping depth speed");
+        assert_eq!(shown(22.0), "position ping depth speed");
+        assert_eq!(shown(21.0), "position ping depth");
+        assert_eq!(shown(16.0), "position depth");
+        assert_eq!(shown(12.0), "position");
+        assert_eq!(shown(7.0), "", "nothing is cut off");
+        assert!(fitting(&[], 10.0, |_| 1.0).is_empty());
+    }
+}
