@@ -222,6 +222,27 @@ fn boxes_vote_when_the_sidecar_says_so_and_stay_wherever_the_slider_is() {
 }
 
 #[test]
+fn confidences_are_calibrated_as_the_sidecar_says() {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    let found = |sidecar: &str, score: f32| {
+        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
+        model.detect(&picture(), score, IOU).expect("boxes")
+    };
+    let halved = r#"{"calibration": [[0.9, 0.45], [1.0, 0.9]]}"#;
+    let (plain, calibrated) = (found("{}", 0.4), found(halved, 0.2));
+    assert!(plain.len() > 1 && plain.iter().all(|one| one.score < 0.9));
+    assert_eq!(plain.len(), calibrated.len());
+    for (one, other) in plain.iter().zip(&calibrated) {
+        assert_eq!((one.class, one.rect), (other.class, other.rect));
+        assert!((one.score / 2.0 - other.score).abs() < 1e-6);
+    }
+    assert_eq!(found(halved, 0.95), []);
+    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"calibration": [[0.5, 0.2]]}"#));
+    let text = refused.expect_err("no map").to_string();
+    assert!(text.contains("rise from 0 to a confidence of 1"), "{text}");
+}
+
+#[test]
 fn a_mirrored_pass_sees_the_same_and_is_less_sure_than_the_surer() {
     let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
     let model = |sidecar: &str| Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a model");

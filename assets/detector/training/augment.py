@@ -3,7 +3,7 @@
 Rows may be mirrored (the boat may come from either end); columns never: range grows outward and shadows fall outward.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 import torch.nn.functional as F
@@ -30,10 +30,22 @@ class Strength:
     row_gain: float = 0.12
     blur: float = 0.15
     dropouts: float = 0.2
+    # Shares of pictures with the marks of other recorders than the simulated ones.
+    smear: float = 0.0
+    along: float = 0.0
+    floor: float = 0.0
+    law: float = 0.0
+    curve: float = 0.0
+    grains: float = 0.0
 
     def calm(self) -> "Strength":
-        """Nearly the data as it is: no mosaic, little change of scale and light."""
-        return Strength(0.0, 1.06, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1)
+        """Nearly the data as it is: no mosaic, little change of scale and light, other recorders half as often."""
+        others = (share / 2 for share in (self.smear, self.along, self.floor, self.law, self.curve, self.grains))
+        return Strength(0.0, 1.06, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others)
+
+    def of_other_recorders(self) -> "Strength":
+        """The same, and the marks of other recorders: `--recorders`."""
+        return replace(self, smear=0.45, along=0.25, floor=0.25, law=0.3, curve=0.3, grains=0.35)
 
 
 class Augmenter:
@@ -59,7 +71,65 @@ class Augmenter:
     def batch(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Varied pictures `[batch, 1, side, side]` in 0..1 and their boxes `[batch, slots, 5]`."""
         images, boxes = self.compose(index)
-        return self.light(images), compact(boxes)
+        return self.light(self.recorded(images)), compact(boxes)
+
+    def recorded(self, x: torch.Tensor) -> torch.Tensor:
+        """The picture as another recorder would show it: coarser speckle, a pulse that trails outward, a wide beam, a noise
+        floor, another compression and gain over range. Means stay where they are, so that boxes hold."""
+        s, count = self.strength, len(x)
+        if s.grains:
+            x = torch.where(self.chance(s.grains, count), x * self.coarse_speckle(x), x)
+        if s.smear:
+            x = torch.where(self.chance(s.smear, count), self.smeared(x), x)
+        if s.along:
+            x = torch.where(self.chance(s.along, count), self.smeared_along(x), x)
+        if s.floor:
+            level = self.uniform(count, 1, 1, 1, high=0.25) * x.mean((2, 3), keepdim=True)
+            noise = (self.noise(*x.shape) ** 2 + self.noise(*x.shape) ** 2) / 2
+            x = torch.where(self.chance(s.floor, count), (x**2 + level**2 * noise).sqrt(), x)
+        if s.law:
+            strength = self.log_uniform(count, 1, 1, 1, factor=3.0) * 4
+            x = torch.where(self.chance(s.law, count), torch.log1p(x.clamp(min=0) * strength) / torch.log1p(strength), x)
+        if s.curve:
+            knots = torch.exp(self.noise(count, 1, 1, 6) * 0.25)
+            curve = F.interpolate(knots, size=(1, x.shape[-1]), mode="bicubic", align_corners=True)
+            x = torch.where(self.chance(s.curve, count), x * curve, x)
+        return x
+
+    def chance(self, share: float, count: int) -> torch.Tensor:
+        """Which pictures are chosen, `[count, 1, 1, 1]`."""
+        return self.uniform(count, 1, 1, 1) < share
+
+    def coarse_speckle(self, x: torch.Tensor) -> torch.Tensor:
+        """Factors of mean 1 that are alike over one to four pixels of range: an amplitude of several looks."""
+        count, _, rows, columns = x.shape
+        size = 1 + int(self.uniform(1).item() * 4)
+        few = -(-columns // size)
+        power = sum(self.noise(count, 1, rows, few) ** 2 for _ in range(4)) / 4
+        grains = power.sqrt().repeat_interleave(size, 3)[..., :columns]
+        share = self.uniform(count, 1, 1, 1)
+        return 1 + share * (grains - 1)
+
+    def smeared(self, x: torch.Tensor) -> torch.Tensor:
+        """Every echo trails outward over up to 0.3 m, shifted back by the delay of its mean."""
+        length = self.log_uniform(len(x), factor=2.6) * 2.6
+        taps = torch.arange(24, device=self.device)
+        kernel = torch.exp(-taps / length[:, None])
+        kernel = kernel / kernel.sum(1, keepdim=True)
+        delay = (kernel * taps).sum(1).round().long()
+        padded = F.pad(x[:, 0].unsqueeze(0), (23, 23, 0, 0), mode="replicate")
+        out = F.conv2d(padded, kernel.flip(1)[:, None, None, :], groups=len(x))[0]
+        at = torch.arange(x.shape[-1], device=self.device)[None] + delay[:, None]
+        return out.gather(2, at[:, None].expand(-1, x.shape[2], -1)).unsqueeze(1)
+
+    def smeared_along(self, x: torch.Tensor) -> torch.Tensor:
+        """A wide beam: neighbouring pings are alike over up to some 0.2 m."""
+        width = self.uniform(len(x), low=0.6, high=2.5)
+        taps = torch.arange(-6, 7, device=self.device)
+        kernel = torch.exp(-((taps / width[:, None]) ** 2) / 2)
+        kernel = kernel / kernel.sum(1, keepdim=True)
+        padded = F.pad(x[:, 0].unsqueeze(0), (0, 0, 6, 6), mode="replicate")
+        return F.conv2d(padded, kernel[:, None, :, None], groups=len(x))[0].unsqueeze(1)
 
     def quadrants(self, count: int) -> torch.Tensor:
         """The four rectangles `[batch, 4, 4]` (x1, y1, x2, y2) of each picture; without a mosaic the first fills it."""

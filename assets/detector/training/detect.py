@@ -3,6 +3,8 @@
 `look_twice` is what the program does with the shipped detector; `detect` is one look, enough to follow a training.
 """
 
+from pathlib import Path
+
 import numpy as np
 import torch
 
@@ -46,8 +48,24 @@ def vote(kept: np.ndarray, voters: np.ndarray) -> np.ndarray:
     return np.concatenate([np.where(has.any(1, keepdims=True), mean, kept[:, :4]), kept[:, 4:]], 1).astype(kept.dtype)
 
 
+class Exported:
+    """An exported model in place of a network: the same boxes and confidences, by onnxruntime."""
+
+    def __init__(self, path: Path):
+        import onnxruntime
+
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = torch.get_num_threads()
+        self.session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+        self.side = self.session.get_inputs()[0].shape[-1]
+
+    def __call__(self, pictures: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        each = [self.session.run(["boxes", "confs"], {"input": picture[None].numpy()}) for picture in pictures]
+        return tuple(torch.from_numpy(np.concatenate(part)) for part in zip(*each))
+
+
 @torch.no_grad()
-def candidates(decoded: Decoded, images: torch.Tensor) -> list[np.ndarray]:
+def candidates(decoded: "Decoded | Exported", images: torch.Tensor) -> list[np.ndarray]:
     """Before suppression: per chip rows `x1 y1 x2 y2 score class` in pixels, every class above the lowest score."""
     boxes, confs = decoded(images.unsqueeze(1).float() / 255)
     count = min(MOST_CANDIDATES, confs[0].numel())
@@ -58,10 +76,13 @@ def candidates(decoded: Decoded, images: torch.Tensor) -> list[np.ndarray]:
     return [chip[chip[:, 4] >= LOWEST_SCORE] for chip in rows]
 
 
-def detect(network: torch.nn.Module, anchors: list, chips: Chips, batch: int = 64) -> list[np.ndarray]:
-    """Candidates of every chip, by a network in evaluation mode on its own device."""
-    device = next(network.parameters()).device
-    decoded = Decoded(network, torch.tensor(anchors), chips.side).to(device).eval()
+def detect(network: "torch.nn.Module | Exported", anchors: list, chips: Chips, batch: int = 64) -> list[np.ndarray]:
+    """Candidates of every chip, by a network in evaluation mode on its own device, or by an exported one."""
+    if isinstance(network, Exported):
+        device, decoded = torch.device("cpu"), network
+    else:
+        device = next(network.parameters()).device
+        decoded = Decoded(network, torch.tensor(anchors), chips.side).to(device).eval()
     found = []
     for at in range(0, len(chips), batch):
         found += candidates(decoded, chips.images[at : at + batch].to(device))

@@ -30,6 +30,7 @@ class Tiles:
     split: np.ndarray
     names: np.ndarray
     pixel_m: float
+    session: np.ndarray
 
     def whole(self) -> np.ndarray:
         """Which tiles cut no effigy at their edge (those without any included)."""
@@ -45,7 +46,7 @@ class Tiles:
 def read_tiles(path: Path) -> Tiles:
     """The tiles that `real_tiles.py` stored."""
     with np.load(path) as arrays:
-        return Tiles(*(arrays[name] for name in ("images", "echo", "extended", "split", "names")), float(arrays["pixel_m"]))
+        return Tiles(*(arrays[name] for name in ("images", "echo", "extended", "split", "names")), float(arrays["pixel_m"]), arrays["session"])
 
 
 def levelled(pixels: np.ndarray) -> np.ndarray:

@@ -44,13 +44,18 @@ def is_port(name: str) -> bool:
     return name.startswith("left_") if recorded_at(name) else int(Path(name).stem.split("_")[1]) <= LAST_PORT_INDEX
 
 
-def splits(names: list[str]) -> list[str]:
-    """The split of each tile, by session; `plain` for the numbered tiles."""
+def sessions(names: list[str]) -> list[int]:
+    """The session of each tile, counted from 0; -1 for the numbered tiles."""
     session, last, of_time = 0, None, {}
     for time in sorted({time for time in map(recorded_at, names) if time}):
         session += bool(last and time - last > SESSION_GAP)
-        last, of_time[time] = time, SESSION_SPLIT[session]
-    return [of_time[time] if (time := recorded_at(name)) else "plain" for name in names]
+        last, of_time[time] = time, session
+    return [of_time[time] if (time := recorded_at(name)) else -1 for name in names]
+
+
+def splits(names: list[str]) -> list[str]:
+    """The split of each tile, by session; `plain` for the numbered tiles."""
+    return ["plain" if session < 0 else SESSION_SPLIT[session] for session in sessions(names)]
 
 
 def mean_filter(pixels: np.ndarray, rows: int, columns: int) -> np.ndarray:
@@ -146,7 +151,7 @@ def main(folder: str, out: str, sheet: str | None = None) -> None:
             extended.append((index, *with_shadow(box, shadow(pixels, mask, box))))
     images, split = np.stack(images), splits(names)
     np.savez_compressed(
-        out, images=images, names=names, split=split, pixel_m=PIXEL_M,
+        out, images=images, names=names, split=split, session=sessions(names), pixel_m=PIXEL_M,
         echo=np.array(echo, np.float32), extended=np.array(extended, np.float32),
     )  # fmt: skip
     counts = {kind: split.count(kind) for kind in ("train", "val", "test", "plain")}

@@ -116,6 +116,12 @@ class Trainer:
         self.steps, self.seconds = state["steps"], state["seconds"]
 
 
+def strength_of(args) -> Strength:
+    """How far pictures are varied."""
+    strength = Strength(mosaic=args.mosaic)
+    return strength.of_other_recorders() if args.recorders else strength
+
+
 class Batches:
     """Endless varied batches, a fixed share of them from real chips."""
 
@@ -124,7 +130,7 @@ class Batches:
         if real_chips is not None and args.real_share > 0:
             count = round(args.batch * args.real_share)
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
-        self.generator, self.strength = generator, Strength(mosaic=args.mosaic)
+        self.generator, self.strength = generator, strength_of(args)
         self.calm, self.side, self.occupied, self.focus = False, args.crop, args.occupied, args.focus
         # What each simulated chip's loss was when it was last seen, the first time soon.
         self.hard, self.losses, self.drawn = args.hard, torch.full((len(synthetic),), UNSEEN_LOSS, device=args.device), None
@@ -272,6 +278,7 @@ def arguments() -> argparse.Namespace:
     add("--hard", type=float, default=0.0, help="share of each batch drawn by the loss that a simulated chip had when last seen")
     add("--focus", type=float, default=0.0, help="with --crop and no mosaic: share of the chips with objects that are cut around one")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
+    add("--recorders", action="store_true", help="also vary what differs between recorders: smear, beam, floor, law, gain, speckle")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
     add("--state", type=Path, help="checkpoint file to keep and to go on from")
@@ -326,7 +333,7 @@ def provenance(args, trainer: Trainer, chips: dict[str, int], start: str) -> dic
     return {
         "start": start, "steps": trainer.steps, "seconds": round(trainer.seconds, 1), "batch": args.batch, "rate": args.rate,
         "decay": args.decay, "seed": args.seed, "device": torch.cuda.get_device_name() if args.device == "cuda" else "cpu",
-        "torch": torch.__version__, "augmentation": asdict(Strength(mosaic=args.mosaic)), "settle": args.settle, "occupied": args.occupied,
+        "torch": torch.__version__, "augmentation": asdict(strength_of(args)), "settle": args.settle, "occupied": args.occupied,
         "crop": args.crop, "focus": args.focus, "hard": args.hard,
         "real_share": args.real_share if args.real else 0.0, "chips": chips, "data": [read_manifest(root) for root in args.data],
     }  # fmt: skip

@@ -291,6 +291,7 @@ fn assemble(
         },
         vote: thresholds.vote,
         augments,
+        calibration: sidecar.calibration().unwrap_or_default(),
         description,
     }
 }

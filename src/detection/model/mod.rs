@@ -4,9 +4,10 @@
 //! would take too much to run. `tract` compiles and runs (behind `backend`, so that another may come), `guard` keeps failures
 //! and endless work to themselves. `family` infers from the outputs' shapes how boxes are
 //! written; `sidecar` (the JSON file next to the model) and `metadata` (inside it) state the rest. `input` makes the numbers that
-//! the network takes. `shipped` is the model that comes with the program.
+//! the network takes. `calibration` turns a network's confidence into the share of such boxes that are right. `shipped` is the model that comes with the program.
 
 mod backend;
+mod calibration;
 mod constants;
 mod cost;
 mod error;
@@ -25,6 +26,7 @@ pub use error::{DetectError, ModelError, Unusable};
 pub use shipped::shipped;
 
 use super::{Nms, Picture, Scored, level, suppress, test_time_augmentation, vote};
+use calibration::Calibration;
 use family::Family;
 use input::InputSpec;
 use std::path::Path;
@@ -53,6 +55,8 @@ pub struct Model {
     vote: Option<f32>,
     /// Whether a picture that seems to show something is looked at once more, mirrored.
     augments: bool,
+    /// What the network's confidences come to.
+    calibration: Calibration,
     description: String,
 }
 
@@ -126,7 +130,7 @@ impl Model {
         &self.description
     }
 
-    /// The objects in one picture, of at least that score, by falling score, in the picture's pixels. For a network of one
+    /// The objects in one picture, of at least that score (calibrated where the sidecar says how), by falling score, in the picture's pixels. For a network of one
     /// channel the picture is made grey and, unless the sidecar says `raw`, brought to one level; one of three channels gets its
     /// colours as they are.
     ///
@@ -144,7 +148,8 @@ impl Model {
         } else {
             picture
         };
-        let score = score.max(LEAST_SCORE);
+        // Up to the end, confidences are the network's own.
+        let score = self.calibration.confidence(score).max(LEAST_SCORE);
         let least = if self.vote.is_some() || self.augments {
             score.min(LEAST_VOTER)
         } else {
@@ -187,6 +192,9 @@ impl Model {
                 .into_iter()
                 .filter(|one| one.score >= LEAST_VOTER);
             vote(&mut boxes, &voters.collect::<Vec<_>>(), overlap);
+        }
+        for found in &mut boxes {
+            found.score = self.calibration.calibrated(found.score);
         }
         boxes
     }

@@ -2,6 +2,7 @@
 //! named here (how a model was trained) are left alone.
 
 use super::Unusable;
+use super::calibration::Calibration;
 use crate::detection::Overlap;
 use serde::Deserialize;
 
@@ -27,6 +28,8 @@ pub struct Sidecar {
     pub heads: Vec<HeadEntry>,
     /// Which boxes count.
     pub thresholds: ThresholdEntry,
+    /// Points of confidence and share of right boxes (see the module `calibration`).
+    pub calibration: Option<Vec<[f32; 2]>>,
 }
 
 /// How the outputs are laid out.
@@ -196,6 +199,11 @@ impl Sidecar {
         Ok(sidecar)
     }
 
+    /// What the network's confidences come to; `None` where the file does not say, or what it says is no rising map.
+    pub fn calibration(&self) -> Option<Calibration> {
+        Calibration::new(self.calibration.as_deref()?)
+    }
+
     fn check(&self) -> Result<(), Unusable> {
         let wrong = |text: &str| Err(Unusable::Sidecar(text.to_owned()));
         let share = |value: Option<f32>| value.is_none_or(|share| (0.0..=1.0).contains(&share));
@@ -218,6 +226,9 @@ impl Sidecar {
             || anchors.copied().any(|size| size <= 0.0)
         {
             return wrong("a head's stride and its anchors are above 0");
+        }
+        if self.calibration.is_some() && self.calibration().is_none() {
+            return wrong("calibration holds points that rise from 0 to a confidence of 1");
         }
         if self.names.as_ref().is_some_and(Vec::is_empty) {
             return wrong("names holds no name");

@@ -116,6 +116,7 @@ fn agrees_with_onnxruntime() {
     sidecar["level"] = "raw".into();
     sidecar["thresholds"]["vote"] = serde_json::Value::Null;
     sidecar["test_time_augmentation"] = serde_json::Value::Null;
+    sidecar["calibration"] = serde_json::Value::Null;
     let model =
         Model::from_bytes(ONNX.to_vec(), Some(&sidecar.to_string())).expect("a usable model");
     let chip = image::load_from_memory(include_bytes!("chip.png")).expect("a picture");
