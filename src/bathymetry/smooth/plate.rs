@@ -10,10 +10,12 @@ use crate::statistics::median;
 use rayon::prelude::*;
 
 /// Cells along the longer side of the grid that the work begins on.
-const COARSEST: usize = 24;
+const COARSEST: usize = 6;
 /// The gradient falls to this share of its first length before a grid counts as solved, in at most so many steps.
-const SOLVED: f64 = 1e-3;
-const MOST_STEPS: usize = 200;
+const SOLVED: f64 = 1e-5;
+const MOST_STEPS: usize = 400;
+/// Times that the soundings are weighed anew once the plate is found.
+const REWEIGHTED: usize = 2;
 /// Beyond this many usual misfits a sounding pulls no harder.
 const USUAL: f64 = 2.0;
 /// Cells that the bending of a cell reaches.
@@ -66,7 +68,11 @@ impl Plate {
         let mut weights = vec![1.0; nodes.len()];
         for halving in (0..=halvings).rev() {
             plate = plate.on(coarser(grid, 1 << halving));
-            plate.settle(nodes, &mut weights, give, progress)?;
+            plate.settle(nodes, &weights, give, progress)?;
+        }
+        for _ in 0..REWEIGHTED {
+            weights = plate.weights(nodes);
+            plate.settle(nodes, &weights, give, progress)?;
         }
         Ok(plate)
     }
@@ -96,15 +102,15 @@ impl Plate {
         }
     }
 
-    /// Finds the depths by conjugate gradients, and the weights of the soundings by how far they are then missed.
+    /// Finds the depths by conjugate gradients.
     fn settle(
         &mut self,
         nodes: &[Node],
-        weights: &mut [f64],
+        weights: &[f64],
         give: f64,
         progress: &Progress,
     ) -> Result<(), Cancelled> {
-        let knots = nodes.iter().zip(weights.iter()).map(|(node, weight)| {
+        let knots = nodes.iter().zip(weights).map(|(node, weight)| {
             let (cells, shares) = around(&self.grid, [node.east_m, node.north_m]);
             Knot {
                 cells,
@@ -119,17 +125,17 @@ impl Plate {
             stiffness: (give * self.grid.cell_m).powi(-2),
             knots: knots.collect(),
         };
-        equations.solve(&mut self.depth_m, progress)?;
-        let misfits = equations
-            .knots
-            .iter()
-            .map(|knot| (knot.depth_of(&self.depth_m) - knot.depth_m).abs());
-        let misfits: Vec<f64> = misfits.collect();
-        let usual_m = (median(&mut misfits.clone()) / MEDIAN_SIZE).max(LEAST_MISFIT_M);
-        for (weight, misfit_m) in weights.iter_mut().zip(misfits) {
-            *weight = (USUAL * usual_m / misfit_m).min(1.0);
-        }
-        Ok(())
+        equations.solve(&mut self.depth_m, progress)
+    }
+
+    /// What each sounding counts by how far it is missed.
+    fn weights(&self, nodes: &[Node]) -> Vec<f64> {
+        let misfit_m =
+            |node: &Node| (self.depth_at([node.east_m, node.north_m]) - node.depth_m).abs();
+        let misfits_m: Vec<f64> = nodes.iter().map(misfit_m).collect();
+        let usual_m = (median(&mut misfits_m.clone()) / MEDIAN_SIZE).max(LEAST_MISFIT_M);
+        let weight = |misfit_m: f64| (USUAL * usual_m / misfit_m).min(1.0);
+        misfits_m.into_iter().map(weight).collect()
     }
 }
 
