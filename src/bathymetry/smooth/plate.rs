@@ -11,8 +11,8 @@ use rayon::prelude::*;
 
 /// Cells along the longer side of the grid that the work begins on.
 const COARSEST: usize = 6;
-/// The gradient falls to this share of its first length before a grid counts as solved, in at most so many steps.
-const SOLVED: f64 = 1e-5;
+/// The gradient falls to this share of its length at a flat plate before a grid counts as solved, in at most so many steps.
+const SOLVED: f64 = 1e-4;
 const MOST_STEPS: usize = 400;
 /// Times that the soundings are weighed anew once the plate is found.
 const REWEIGHTED: usize = 2;
@@ -202,7 +202,7 @@ impl Equations {
         let mut direction = eased.clone();
         let mut moved = vec![0.0; depth_m.len()];
         let mut size = dot(&left, &eased);
-        let goal = size * SOLVED * SOLVED;
+        let goal = self.flat(&diagonal) * SOLVED * SOLVED;
         for _ in 0..MOST_STEPS {
             if size <= goal || size <= 0.0 {
                 break;
@@ -222,6 +222,23 @@ impl Equations {
             size = next;
         }
         Ok(())
+    }
+
+    /// The square of the gradient's length at a flat plate in the middle of the soundings: what is still to be done is held against it,
+    /// wherever the work begins.
+    fn flat(&self, diagonal: &[f64]) -> f64 {
+        let middle_m =
+            self.knots.iter().map(|knot| knot.depth_m).sum::<f64>() / self.knots.len() as f64;
+        let mut pull = vec![0.0; diagonal.len()];
+        for knot in &self.knots {
+            for (cell, share) in knot.cells.iter().zip(&knot.shares) {
+                pull[*cell] += knot.weight * share * (knot.depth_m - middle_m);
+            }
+        }
+        pull.iter()
+            .zip(diagonal)
+            .map(|(pull, diagonal)| pull * pull / diagonal)
+            .sum()
     }
 
     /// What the equations make of some depths.
