@@ -5,6 +5,19 @@ use std::cmp::Ordering;
 /// Ratio of the standard deviation of normal noise to its median absolute deviation.
 pub const SIGMA_PER_MAD: f64 = 1.4826;
 
+/// The 2nd and the 98th percentile of some values, which a few odd ones do not move: the ends of a scale of colours. `None` without any
+/// finite value.
+pub fn colour_ends(values: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let mut values: Vec<f32> = finite.collect();
+    let last = values.len().checked_sub(1)?;
+    let mut at = |share: f64| {
+        let rank = (share * last as f64).round() as usize;
+        *values.select_nth_unstable_by(rank, f32::total_cmp).1
+    };
+    Some([at(0.02), at(0.98)])
+}
+
 /// Median, the mean of the middle two of an even count; NaN for an empty slice. Reorders `values`.
 pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {

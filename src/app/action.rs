@@ -88,6 +88,7 @@ actions! {
     ZoomOut, "Zoom out", Some("-"), "Reduces the focused view.";
     TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
+    NextCloudColour, "3D: next colours", Some("Shift+C"), "Colours the points by side, depth, echo level, slant range, and by log where there are several.";
     LevelsReset, "Reset waterfall levels", None, "Puts gain, filters and levels of this log's waterfall back.";
     GainNormalised, "Gain normalised or as recorded", Some("Y"), "Divides the levels of the waterfall by the log's own mean at their range and angle, or shows them as recorded.";
     StripeFilter, "Stripe filter on or off", None, "Brings pings of the waterfall that are brighter or darker than those about them to their level.";

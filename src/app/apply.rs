@@ -323,6 +323,10 @@ impl App {
             Action::OutlierPreview => {
                 self.options.cloud.outlier_preview = !self.options.cloud.outlier_preview;
             }
+            Action::NextCloudColour => {
+                let has_several = self.log_count() > 1;
+                self.options.cloud.colour = self.options.cloud.colour.next(has_several);
+            }
             Action::Theme => {
                 self.options.theme = match self.options.theme {
                     ThemeChoice::Dark => ThemeChoice::Light,

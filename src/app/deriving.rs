@@ -3,6 +3,7 @@
 
 use super::{App, LogId, MapLayer};
 use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::cloud::PointScales;
 use crate::picture::{Histogram, LogPicture, Tone};
 use crate::pipeline::{
     Background, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
@@ -204,6 +205,12 @@ impl App {
     /// Ends of the one colour scale of depth over all visible logs, metres: the same on the map and in the cloud.
     pub fn depth_range_m(&self) -> Option<[f32; 2]> {
         colour_range_m(self.visible_logs().filter_map(|log| log.products.as_ref()))
+    }
+
+    /// Ends of the colour scales of points over all visible logs.
+    pub fn point_scales(&self) -> PointScales {
+        let logs = self.visible_logs().filter_map(|log| log.products.as_ref());
+        logs.fold(PointScales::default(), |all, one| all.with(one.scales))
     }
 
     /// Whether something on the map is drawn or measured from the depth map; otherwise it may be older than its settings.

@@ -248,15 +248,53 @@ impl Default for MapOptions {
 }
 
 /// What the colour of a point says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 pub enum CloudColour {
     /// Down-scan, port or starboard.
     #[default]
+    #[value(name = "side")]
     Source,
     /// Depth.
     Depth,
+    /// How strong the echo of the first return is.
+    Level,
+    /// Slant range.
+    Range,
     /// The log that it is of.
     Log,
+}
+
+impl CloudColour {
+    /// All of them in the order of the menu.
+    pub const ALL: [CloudColour; 5] = [
+        CloudColour::Source,
+        CloudColour::Depth,
+        CloudColour::Level,
+        CloudColour::Range,
+        CloudColour::Log,
+    ];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            CloudColour::Source => "side",
+            CloudColour::Depth => "depth",
+            CloudColour::Level => "echo level",
+            CloudColour::Range => "slant range",
+            CloudColour::Log => "log",
+        }
+    }
+
+    /// The next one in the menu; logs are told apart only where there are several.
+    #[must_use]
+    pub fn next(self, has_several_logs: bool) -> Self {
+        let all = match has_several_logs {
+            true => &Self::ALL[..],
+            false => &Self::ALL[..4],
+        };
+        let here = all.iter().position(|one| *one == self);
+        here.map_or(all[0], |here| all[(here + 1) % all.len()])
+    }
 }
 
 /// Cloud display.

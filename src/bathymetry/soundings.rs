@@ -1,5 +1,6 @@
 //! Depths with a place.
 
+use crate::statistics;
 use crate::survey::{Navigation, Survey};
 
 /// A depth at a place.
@@ -34,13 +35,7 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
 
 /// The 2nd and 98th percentile of some depths: the ends of the colour scale. `None` without any finite depth.
 pub fn depth_range(depths: impl IntoIterator<Item = f32>) -> Option<[f32; 2]> {
-    let mut depths: Vec<f32> = depths.into_iter().filter(|d| d.is_finite()).collect();
-    let last = depths.len().checked_sub(1)?;
-    let mut at = |share: f64| {
-        let rank = (share * last as f64).round() as usize;
-        *depths.select_nth_unstable_by(rank, f32::total_cmp).1
-    };
-    Some([at(0.02), at(0.98)])
+    statistics::colour_ends(depths)
 }
 
 #[cfg(test)]

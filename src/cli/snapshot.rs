@@ -4,7 +4,7 @@ use super::settings::SettingsArgs;
 use super::shown::{GeometryArgs, open, parse_pings, parse_size, take_over, wait, within};
 use super::{output, quiet_driver};
 use crate::app::{
-    Action, App, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
+    Action, App, CloudColour, Command, Jobs, MapLayer, Mark, Origin, ThemeChoice, View, ViewOptions,
 };
 use crate::calibration::PingRange;
 use crate::geo::CoordinateFormat;
@@ -46,6 +46,9 @@ pub struct SnapshotArgs {
     /// Layers of the map to draw, comma-separated; those that are not named are left out
     #[arg(long, value_name = "LAYERS", value_enum, value_delimiter = ',')]
     layers: Option<Vec<MapLayer>>,
+    /// What the colours of the 3D points say
+    #[arg(long, value_enum, default_value_t)]
+    colours: CloudColour,
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
@@ -164,6 +167,7 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
         Coordinates::Dms => CoordinateFormat::Seconds,
         Coordinates::Utm => CoordinateFormat::Utm,
     };
+    options.cloud.colour = args.colours;
     if let Some(layers) = &args.layers {
         for layer in MapLayer::ALL {
             let stack = &mut options.map.layers;

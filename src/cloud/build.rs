@@ -2,6 +2,7 @@
 
 use super::above_bottom::stretches_m;
 use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
+use super::level::echo_level;
 use super::specular::{CrossSlope, Pair, specular_point};
 use super::{
     CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource, Reduction,
@@ -69,6 +70,7 @@ pub fn build(
                 true => above_bottom_m[point.ping as usize],
                 false => 0.0,
             },
+            level: echo_level(survey, point.ping as usize, side, point.sample),
             ..point
         }));
     }
@@ -138,6 +140,7 @@ fn sounding_points(
             sounding: SoundingIndex::new(index),
             reliable: sounding.locked || down_scan == DownScan::All,
             above_bottom: false,
+            level: 0,
             above_bottom_m: 0.0,
             confidence: f32::NAN,
             sample: f32::NAN,
@@ -177,6 +180,7 @@ fn side_points<'a>(
             sounding: None,
             reliable: true,
             above_bottom: pick.above_bottom,
+            level: 0,
             above_bottom_m: 0.0,
             confidence: pick.confidence,
             sample: pick.sample,

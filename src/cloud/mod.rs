@@ -1,18 +1,20 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
 //! `build` makes the points, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
-//! depths count from, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
-//! with recorded depths.
+//! depths count from, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
+//! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
 mod build;
 pub mod correction;
 mod geometry;
 mod keep;
+mod level;
 pub mod outliers;
 mod ping_depth;
 mod reduction;
 mod residuals;
+mod scales;
 mod specular;
 
 pub use build::{build, slant_range_m};
@@ -22,6 +24,7 @@ pub use keep::keep_points;
 pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths, without_left_out};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
+pub use scales::PointScales;
 
 use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};
@@ -147,6 +150,9 @@ pub struct CloudPoint {
     pub reliable: bool,
     /// Whether its pick is flagged as an above-bottom return ([`crate::first_return::Pick::above_bottom`]).
     pub above_bottom: bool,
+    /// Level of the echo of a first return: the greatest recorded level, 0 to 255, from the pick to 0.2 m of slant range beyond it; 0 for
+    /// a sounding, of which none is known. Samples of two bytes are scaled to one, as everywhere.
+    pub level: u8,
     /// How far along the track most first returns of both sides lie above the recorded depth as this one does, metres; 0 where
     /// it does not.
     pub above_bottom_m: f32,

@@ -3,8 +3,8 @@
 //!
 //! Slant ranges are those of the picture as calibrated, by the true speed of sound. Depths count from the [`DepthReference`].
 
-use super::Correction;
 use super::correction::DepthReference;
+use super::{CloudPoint, Correction, PointSource, SoundingIndex};
 use crate::calibration::Calibration;
 use crate::survey::{Side, SideSpan, Survey};
 
@@ -38,6 +38,21 @@ impl<'a> Reduction<'a> {
         survey
             .span(ping, side)
             .map_or(f64::NAN, |span| self.range_m(span, f64::from(sample)))
+    }
+
+    /// Slant range at which a point of the cloud was measured, metres; of a sounding its distance straight below. NaN where the log does
+    /// not have the point's ping.
+    pub fn point_range_m(&self, survey: &Survey, point: &CloudPoint) -> f64 {
+        let side = match point.source {
+            PointSource::Port => Side::Port,
+            PointSource::Starboard => Side::Starboard,
+            PointSource::DownScan => {
+                let sounding = point.sounding.map(SoundingIndex::get);
+                let sounding = sounding.and_then(|index| survey.soundings.get(index));
+                return sounding.map_or(f64::NAN, |one| self.altitude_m(f64::from(one.depth_m)));
+            }
+        };
+        self.range_at_m(survey, point.ping as usize, side, point.sample)
     }
 
     /// Inverse of [`Reduction::range_m`].

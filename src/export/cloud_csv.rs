@@ -2,10 +2,12 @@
 
 use super::log_points::LogColumn;
 use super::{ExportError, LogPoints, Summary, write_aside};
+use crate::cloud::PointSource;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Writes every point, kept or not, log by log in the cloud's order; of several logs with the column `log` before the others.
+/// Writes every point, kept or not, log by log in the cloud's order; of several logs with the column `log` before the others. The level
+/// of the echo is that of first returns, 0 to 255; the slant range of a sounding is its distance straight below.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -14,18 +16,26 @@ pub fn cloud_csv(path: &Path, logs: &[LogPoints<'_>]) -> Result<Summary, ExportE
     write_aside(path, |file| {
         let (mut out, mut summary) = (BufWriter::new(file), Summary::default());
         let header = column.header;
-        writeln!(out, "{header}source,ping,lon,lat,east_m,north_m,z_m,kept")?;
+        writeln!(
+            out,
+            "{header}source,ping,lon,lat,east_m,north_m,z_m,kept,level,range_m"
+        )?;
         for log in logs {
-            let name = column.field(log);
+            let (name, reduction) = (column.field(log), log.reduction());
             for (point, &kept) in log.cloud.points.iter().zip(log.kept) {
                 let (east_m, north_m) = (point.east_m, point.north_m);
                 let at = log
                     .navigation
                     .to_lon_lat(&log.survey.track, east_m, north_m);
                 summary.add([at.lon_deg, at.lat_deg], point.z_m);
+                let range_m = reduction.point_range_m(log.survey, point);
+                let level = match point.source {
+                    PointSource::DownScan => String::new(),
+                    PointSource::Port | PointSource::Starboard => point.level.to_string(),
+                };
                 writeln!(
                     out,
-                    "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{}",
+                    "{name}{},{},{:.9},{:.9},{east_m:.4},{north_m:.4},{:.4},{},{level},{range_m:.3}",
                     point.source.name(),
                     point.ping,
                     at.lon_deg,

@@ -21,7 +21,7 @@ const U32: u8 = 5;
 const F32: u8 = 9;
 
 /// In the order of [`values`].
-const DIMENSIONS: [Dimension; 4] = [
+const DIMENSIONS: [Dimension; 5] = [
     Dimension {
         name: "source",
         kind: U8,
@@ -46,10 +46,16 @@ const DIMENSIONS: [Dimension; 4] = [
         no_data: Some(NO_CONFIDENCE as f64),
         what: "of the first return, 0 to 1",
     },
+    Dimension {
+        name: "range_m",
+        kind: F32,
+        no_data: None,
+        what: "slant range, metres",
+    },
 ];
 
 /// Bytes that [`values`] adds to a point.
-pub(super) const LENGTH: u16 = 1 + 4 + 1 + 4;
+pub(super) const LENGTH: u16 = 1 + 4 + 1 + 4 + 4;
 
 /// The record that names the dimensions.
 pub(super) fn record() -> Vlr {
@@ -75,22 +81,23 @@ fn described(dimension: &Dimension) -> Vec<u8> {
     bytes
 }
 
-/// The dimensions of a point; `confidence` is that of its first return, NaN for a sounding.
-pub(super) fn values(point: &CloudPoint, confidence: f32) -> Vec<u8> {
+/// The dimensions of a point, which was measured at a slant range.
+pub(super) fn values(point: &CloudPoint, range_m: f64) -> Vec<u8> {
     let (source, side) = match point.source {
         PointSource::DownScan => (0, 0),
         PointSource::Port => (1, 1),
         PointSource::Starboard => (1, 2),
     };
-    let confidence = if confidence.is_nan() {
+    let confidence = if point.confidence.is_nan() {
         NO_CONFIDENCE
     } else {
-        confidence
+        point.confidence
     };
     let mut bytes = Vec::with_capacity(usize::from(LENGTH));
     bytes.push(source);
     bytes.extend(point.ping.to_le_bytes());
     bytes.push(side);
     bytes.extend(confidence.to_le_bytes());
+    bytes.extend((range_m as f32).to_le_bytes());
     bytes
 }

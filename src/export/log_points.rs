@@ -1,7 +1,7 @@
 //! What the tables and clouds of points are written from: one log, or all of a survey.
 
 use crate::calibration::Calibration;
-use crate::cloud::{CloudPoint, PointCloud};
+use crate::cloud::{CloudPoint, Correction, PointCloud, Reduction};
 use crate::first_return::FirstReturns;
 use crate::survey::{LeftOut, Navigation, Survey};
 use std::borrow::Cow;
@@ -19,6 +19,8 @@ pub struct LogPoints<'a> {
     pub returns: &'a FirstReturns,
     /// Its scales.
     pub calibration: &'a Calibration,
+    /// What was done to depths.
+    pub correction: &'a Correction,
     /// What counts for nothing.
     pub left_out: &'a LeftOut,
     /// Its points.
@@ -28,6 +30,11 @@ pub struct LogPoints<'a> {
 }
 
 impl<'a> LogPoints<'a> {
+    /// What its samples and recorded depths are in metres.
+    pub fn reduction(&self) -> Reduction<'a> {
+        Reduction::new(self.calibration, self.correction)
+    }
+
     /// The kept points in the cloud's order.
     pub fn kept_points(&self) -> impl Iterator<Item = &'a CloudPoint> + Clone + use<'a> {
         let flagged = self.cloud.points.iter().zip(self.kept);

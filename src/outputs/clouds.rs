@@ -3,7 +3,7 @@
 use super::manifest::{Coordinates, FileContent};
 use super::results::Results;
 use crate::cloud::CloudPoint;
-use crate::export::{self, LogPoints};
+use crate::export::{self, LasPacking, LogPoints};
 use crate::outputs::OutputError;
 use std::path::Path;
 
@@ -23,9 +23,22 @@ pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
 
 /// Writes the kept points to `cloud.laz`, in the system of the map.
 pub fn laz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    las_file(results, path, LasPacking::Packed)
+}
+
+/// Writes the kept points to `cloud.las`, in the system of the map.
+pub fn las(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    las_file(results, path, LasPacking::Plain)
+}
+
+fn las_file(
+    results: &Results<'_>,
+    path: &Path,
+    packing: LasPacking,
+) -> Result<FileContent, OutputError> {
     let crs = &results.plane.map.crs;
     let place = |log: &LogPoints<'_>, point: &CloudPoint| place(results, log, point);
-    let points = export::cloud_laz(path, crs, place, &results.log_points());
+    let points = export::cloud_las(path, packing, crs, place, &results.log_points());
     let knows_time = |log: &LogPoints<'_>| log.survey.start_unix_s.is_some();
     Ok(FileContent {
         detail: match results.log_points().iter().all(knows_time) {

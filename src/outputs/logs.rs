@@ -35,6 +35,7 @@ pub(super) fn log_points<'a>(logs: &'a [ProcessedLog], names: &'a [String]) -> V
             navigation: &products.navigation,
             returns: &products.returns,
             calibration: &products.calibration,
+            correction: &products.correction,
             left_out: &products.left_out,
             cloud: &products.cloud,
             kept: &products.kept,

@@ -154,6 +154,7 @@ const TRACK: &str = "The boat's track, thinned to half a metre, broken where the
 const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
 const KEPT_POINTS: &str =
     "The points that the outlier filter kept; z is elevation above the transducer";
+const LAS_POINTS: &str = "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257";
 const BOXES: &str = "Boxes that the detector proposes, not reviewed";
 
 /// A row with the columns that most rows share.
@@ -276,7 +277,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 31] = [
+pub const OUTPUT_FILES: [OutputFile; 32] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -307,10 +308,19 @@ pub const OUTPUT_FILES: [OutputFile; 31] = [
     },
     cloud(
         "points/cloud.laz",
-        "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257",
+        LAS_POINTS,
         "kept points for GIS and point cloud programs",
         Writer::Results(clouds::laz),
     ),
+    OutputFile {
+        needs: &[Need::PlainLas, Need::KeptPoints],
+        ..cloud(
+            "points/cloud.las",
+            LAS_POINTS,
+            "the same as plain LAS, where the settings ask for it",
+            Writer::Results(clouds::las),
+        )
+    },
     cloud(
         "points/cloud.ply",
         KEPT_POINTS,

@@ -24,6 +24,8 @@ use std::sync::{Arc, OnceLock};
 pub enum Need {
     /// A point that the outlier filter keeps.
     KeptPoints,
+    /// `points.las`.
+    PlainLas,
     /// A boat that moves, with positions.
     Track,
     /// Ground that the side-scan covers.
@@ -121,6 +123,7 @@ impl<'a> Results<'a> {
         Ok(match need {
             Need::KeptPoints if self.logs().any(|(_, made)| made.kept.contains(&true)) => None,
             Need::KeptPoints => told(no_cloud(self.products)),
+            Need::PlainLas if !self.products.settings.points.las => silent(),
             Need::Track if self.track().is_empty() => {
                 told("no track: the log has no position, or the boat lay still")
             }
@@ -150,7 +153,8 @@ impl<'a> Results<'a> {
                 Ok(_) => None,
             },
             Need::Reference if self.order.reference.is_none() => silent(),
-            Need::Track
+            Need::PlainLas
+            | Need::Track
             | Need::Footprint
             | Need::Surface
             | Need::Agreement

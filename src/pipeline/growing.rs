@@ -6,7 +6,7 @@
 
 use super::Products;
 use crate::bathymetry;
-use crate::cloud::{self, PointCloud, PointSource, SoundingIndex};
+use crate::cloud::{self, PointCloud, PointScales, PointSource, Reduction, SoundingIndex};
 use crate::first_return::{self, FirstReturns, Normalisation};
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
@@ -111,6 +111,8 @@ pub fn extend(
     let all_depths = cloud::without_left_out(all_depths, &left_out);
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
     let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
+    let reduction = Reduction::new(&before.calibration, correction);
+    let new_scales = PointScales::of(&stretch, &cloud, &kept, &reduction);
     let (cloud, kept) = part.join_cloud(before, &cloud, &kept, &left_out, &all_navigation);
     Ok(Products {
         settings: settings.clone(),
@@ -125,6 +127,7 @@ pub fn extend(
         kept: Arc::new(kept),
         depths: Arc::new(all_depths),
         depth_range_m,
+        scales: before.scales.with(new_scales),
     })
 }
 

@@ -3,7 +3,7 @@
 use super::Settings;
 use crate::bathymetry;
 use crate::calibration::{self, Calibration, FlatSpot};
-use crate::cloud::{self, Correction, PingDepth, PointCloud, Reduction};
+use crate::cloud::{self, Correction, PingDepth, PointCloud, PointScales, Reduction};
 use crate::first_return::{self, FirstReturns};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{LeftOut, Navigation, Sounding, Survey, navigate_mounted};
@@ -98,6 +98,8 @@ pub struct Products {
     /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives;
     /// `None` where no depth is known.
     pub depth_range_m: Option<[f32; 2]>,
+    /// Ends of the colour scales of echo level and slant range.
+    pub scales: PointScales,
 }
 
 impl Products {
@@ -230,8 +232,13 @@ pub fn run(
             Arc::new(made.without(&left_out))
         }
     };
-    let (kept, depths, depth_range_m) = match reuse(Stage::Outliers) {
-        Some(old) => (old.kept.clone(), old.depths.clone(), old.depth_range_m),
+    let (kept, depths, depth_range_m, scales) = match reuse(Stage::Outliers) {
+        Some(old) => (
+            old.kept.clone(),
+            old.depths.clone(),
+            old.depth_range_m,
+            old.scales,
+        ),
         None => {
             begin(Stage::Outliers)?;
             let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
@@ -239,7 +246,9 @@ pub fn run(
             let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
             let depths = cloud::without_left_out(depths, &left_out);
             let range_m = depth_range_m(survey, &correction, &depths);
-            (Arc::new(kept), Arc::new(depths), range_m)
+            let reduction = Reduction::new(&calibration, &correction);
+            let scales = PointScales::of(survey, &cloud, &kept, &reduction);
+            (Arc::new(kept), Arc::new(depths), range_m, scales)
         }
     };
     Ok(Products {
@@ -255,6 +264,7 @@ pub fn run(
         kept,
         depths,
         depth_range_m,
+        scales,
     })
 }
 

@@ -4,7 +4,7 @@ use crate::resources::processor_s;
 use bathyscope::app::{App, Jobs, MapLayer, View};
 use bathyscope::calibration::{Calibration, PpdReach, ScaleMode};
 use bathyscope::cloud::{Correction, PointCloud, ping_depths};
-use bathyscope::first_return::{self, FirstReturns};
+use bathyscope::first_return;
 use bathyscope::formats;
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
@@ -159,7 +159,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         }),
         flat_spots: Arc::new(Vec::new()),
         found: Arc::default(),
-        returns: Arc::new(FirstReturns::default()),
+        returns: Arc::default(),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,
             reach: PpdReach::Factor,
@@ -176,6 +176,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         kept: Arc::new(Vec::new()),
         depths: Arc::new(depths),
         depth_range_m: Some([2.0, 4.0]),
+        scales: Default::default(),
     }
 }
 

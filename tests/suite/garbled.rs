@@ -224,7 +224,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
         text.lines().count() - 1
     };
     assert_eq!(rows("points/first_returns.csv", 15), survey.side_scan.len());
-    assert_eq!(rows("points/cloud.csv", 8), products.cloud.points.len());
+    assert_eq!(rows("points/cloud.csv", 10), products.cloud.points.len());
     let kept = products.kept.iter().filter(|&&kept| kept).count();
     for name in ["points/cloud.ply", "points/cloud.laz"] {
         if kept == 0 {

@@ -44,6 +44,7 @@ mod navigation;
 mod objects_window;
 mod offsets;
 mod outputs;
+mod point_attributes;
 mod printing;
 mod project;
 mod project_window;

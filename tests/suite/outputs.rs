@@ -45,7 +45,14 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
     run(folder, &[&before[..], &["-o", "before"]].concat());
     let compared = ["--reference", "before/points/cloud.csv:lon,lat,z_m"];
     // So that there are boxes to write pictures of.
-    let search = ["--set", "detector.score=0.01", "-o", "out"];
+    let search = [
+        "--set",
+        "detector.score=0.01",
+        "--set",
+        "points.las=true",
+        "-o",
+        "out",
+    ];
     run(
         folder,
         &[&["process", "pond.sl2"], &compared[..], &search[..]].concat(),
@@ -108,7 +115,7 @@ fn help_and_panel_name_the_files_of_the_registry() {
         files(Product::Track),
         "track/track.gpx, .geojson, .kmz, .shp; track/footprint.geojson, .kmz"
     );
-    assert_eq!(files(Product::Cloud), "points/cloud.laz, .ply, .xyz");
+    assert_eq!(files(Product::Cloud), "points/cloud.laz, .las, .ply, .xyz");
     assert_eq!(
         files(Product::Depth),
         "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml (colours for QGIS)"

@@ -7,7 +7,6 @@ use bathyscope::calibration::{Calibration, FlatSpot, PingRange, PpdReach, ScaleM
 use bathyscope::cloud::{
     CloudPoint, Correction, PointCloud, PointSource, SoundingIndex, ping_depths,
 };
-use bathyscope::first_return::FirstReturns;
 use bathyscope::formats;
 use bathyscope::geo::LonLat;
 use bathyscope::pipeline::Products;
@@ -95,6 +94,7 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
             sounding: SoundingIndex::new(ping).filter(|_| source == PointSource::DownScan),
             reliable: true,
             above_bottom: false,
+            level: 0,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,
@@ -158,7 +158,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
             moving: 0,
         }),
         found: Arc::default(),
-        returns: Arc::new(FirstReturns::default()),
+        returns: Arc::default(),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
             reach: PpdReach::Factor,
@@ -176,6 +176,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         kept: Arc::new(kept),
         depths: Arc::new(depths),
         depth_range_m,
+        scales: Default::default(),
     }
 }
 

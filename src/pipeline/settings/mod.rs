@@ -110,6 +110,8 @@ pub struct Settings {
     pub surface: SurfaceSettings,
     /// `isobaths.*`.
     pub isobaths: IsobathSettings,
+    /// `points.*`.
+    pub points: PointFileSettings,
     /// `report.*`.
     pub report: ReportSettings,
 }
@@ -121,6 +123,14 @@ pub struct SourceSettings {
     /// The system of positions that a log has in metres; logs whose positions are degrees need none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crs: Option<SourceCrs>,
+}
+
+/// `points.*` settings: which files of points are written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PointFileSettings {
+    /// `cloud.las` beside `cloud.laz`, for programs that cannot unpack LAZ.
+    pub las: bool,
 }
 
 /// `report.*` settings: what the report shows.
@@ -222,6 +232,7 @@ impl Settings {
         plain.mosaic = MosaicSettings::default();
         plain.surface = SurfaceSettings::default();
         plain.isobaths = IsobathSettings::default();
+        plain.points = PointFileSettings::default();
         plain.report = ReportSettings::default();
         plain.crs = CrsChoice::default();
         [Preset::Recommended, Preset::Published]

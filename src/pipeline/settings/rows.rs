@@ -353,6 +353,12 @@ rows! {
     SMOOTH: "isobaths.smooth", "Smoothing", "isobath smoothing",
         "How often the corners of isobaths are cut; 0 leaves them as measured.",
         number!(isobaths.smooth, "", [0.0, 8.0], 1.0, 0, Slider);
+    POINTS_LAS: "points.las", "Plain LAS", "plain LAS",
+        "Whether the kept points are written as plain LAS beside LAZ, for programs that cannot unpack LAZ.",
+        choice!(points.las, [
+            "false", "LAZ alone", "points/cloud.laz alone.";
+            "true", "LAZ and LAS", "points/cloud.las too: the same points, four to five times as large.";
+        ]);
     REPORT_PROPOSALS: "report.proposals", "Proposals", "proposals in the report",
         "Whether proposals that nobody has decided about have a section of their own in the report, as accepted and added targets have.",
         choice!(report.proposals, [

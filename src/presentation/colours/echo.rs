@@ -15,7 +15,7 @@ const GOLD: &[Rgb] = &[
     [255, 236, 150],
 ];
 /// Matplotlib's `viridis` at every 32nd entry: even steps to the eye, safe for the colour-blind.
-const VIRIDIS: &[Rgb] = &[
+pub(super) const VIRIDIS: &[Rgb] = &[
     [68, 1, 84],
     [71, 44, 122],
     [59, 81, 139],

@@ -6,6 +6,7 @@ mod echo;
 
 pub use depth::{depth_colour, depth_share};
 pub use difference::{difference_colour, difference_reach_m};
+use echo::VIRIDIS;
 pub use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};
 
 /// Red, green and blue, sRGB.
@@ -38,6 +39,24 @@ pub fn distance_colour(share: f32) -> Rgb {
     ramp(&PURPLES, share)
 }
 
+/// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest): perceptually even.
+pub fn share_colour(share: f32) -> Rgb {
+    ramp(VIRIDIS, share)
+}
+
+/// Colour of a value of a scale with these ends; grey where there is no value, or no scale.
+pub fn value_colour(value: f32, ends: Option<[f32; 2]>) -> Rgb {
+    const NONE: Rgb = [128; 3];
+    let Some([low, high]) = ends.filter(|_| value.is_finite()) else {
+        return NONE;
+    };
+    let share = match high > low {
+        true => (value - low) / (high - low),
+        false => 0.5,
+    };
+    share_colour(share)
+}
+
 /// The colour at a share, 0 to 1, of the way through colours at even distances, linear between them. There are two colours at least.
 fn ramp(colours: &[Rgb], share: f32) -> Rgb {
     let position = share.clamp(0.0, 1.0) * (colours.len() - 1) as f32;
@@ -60,6 +79,11 @@ mod tests {
         }
         assert_eq!(uncertainty_colour(-1.0), YELLOW_TO_RED[0]);
         assert_eq!(uncertainty_colour(7.0), YELLOW_TO_RED[4]);
+        let ends = Some([2.0, 6.0]);
+        assert_eq!(value_colour(4.0, ends), share_colour(0.5));
+        assert_eq!(value_colour(9.0, ends), share_colour(1.0));
+        assert_eq!(value_colour(4.0, Some([4.0, 4.0])), share_colour(0.5));
+        assert_eq!(value_colour(f32::NAN, ends), value_colour(4.0, None));
         assert_eq!(ramp(&[[0, 0, 0], [255, 255, 255]], 0.5), [128; 3]);
     }
 }

@@ -40,6 +40,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
         }
         setting(ui, context, &rows::CRS);
         groups(ui, context);
+        setting(ui, context, &rows::POINTS_LAS);
         setting(ui, context, &rows::REPORT_PROPOSALS);
         parts::remark(
             ui,

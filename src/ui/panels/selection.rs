@@ -195,13 +195,17 @@ fn point(ui: &mut Ui, context: &ViewContext<'_>, mark: Mark) {
         PointSource::Port => "port",
         PointSource::Starboard => "starboard",
     };
+    let level = match point.source {
+        PointSource::DownScan => String::new(),
+        PointSource::Port | PointSource::Starboard => format!(" · level {}", point.level),
+    };
     let removed = products.kept.get(index).is_some_and(|kept| !kept);
     fact(
         ui,
         "Point",
-        "What measured the selected point of the cloud, and its depth.",
+        "What measured the selected point of the cloud, its depth, and the level of its echo from 0 to 255.",
         format!(
-            "{source} · {} deep{}",
+            "{source} · {} deep{level}{}",
             context.app.options.units.measure(-point.z_m, 2),
             if removed { " · outlier" } else { "" }
         ),

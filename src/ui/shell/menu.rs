@@ -2,7 +2,7 @@
 
 use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
-use crate::app::{Action, ColourMap, Command, SideColours, ThemeChoice};
+use crate::app::{Action, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
 use crate::presentation::units::{LengthUnit, SpeedUnit};
 use crate::ui::ViewContext;
@@ -51,6 +51,7 @@ const CAMERAS: &[Action] = &[
     Action::ZoomOut,
     Action::TopView,
     Action::SideView,
+    Action::NextCloudColour,
 ];
 const STEPS: &[Action] = &[
     Action::PreviousPing,
@@ -287,6 +288,11 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.map.graticule, "Graticule");
     });
     ui.menu_button("3D cloud", |ui| {
+        for colour in CloudColour::ALL {
+            let name = format!("by {}", colour.name());
+            ui.radio_value(&mut options.cloud.colour, colour, name);
+        }
+        ui.separator();
         ui.checkbox(&mut options.cloud.outlier_preview, "Outliers");
         ui.checkbox(&mut options.cloud.boxes, "Boxes");
     });

@@ -184,27 +184,22 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         "Outliers",
         "Shows the points that the filter removes in a third colour (O).",
     );
-    let mut by_depth = shown.colour == CloudColour::Depth;
-    switch(
-        ui,
-        &mut by_depth,
-        "By depth",
-        "Colours the points by depth instead of by side.",
+    let several_logs = context.app.log_count() > 1;
+    let hint = format!(
+        "What the colour of a point says ({}).",
+        Action::NextCloudColour.keys().unwrap_or_default()
     );
-    let mut by_log = shown.colour == CloudColour::Log;
-    let was = [shown.colour == CloudColour::Depth, by_log];
-    if context.app.log_count() > 1 || by_log {
-        switch(
-            ui,
-            &mut by_log,
-            "By log",
-            "Colours the points by the log that they are of.",
-        );
-    }
-    // The switch that was just turned on turns the other off.
-    shown.colour = match (by_depth && (!by_log || was[1]), by_log) {
-        (true, _) => CloudColour::Depth,
-        (false, true) => CloudColour::Log,
-        (false, false) => CloudColour::Source,
-    };
+    egui::ComboBox::from_id_salt("colours of points")
+        .width(92.0)
+        .selected_text(egui::RichText::new(format!("by {}", shown.colour.name())).small())
+        .show_ui(ui, |ui| {
+            for colour in CloudColour::ALL {
+                if colour != CloudColour::Log || several_logs {
+                    ui.selectable_value(&mut shown.colour, colour, colour.name());
+                }
+            }
+        })
+        .response
+        .accessible_name("Colours of points")
+        .on_hover_text(hint);
 }

@@ -3,7 +3,7 @@
 use super::ticks;
 use crate::app::ViewOptions;
 use crate::cloud::DepthReference;
-use crate::presentation::colours::{depth_colour, difference_colour};
+use crate::presentation::colours::{depth_colour, difference_colour, share_colour};
 use crate::presentation::units::Units;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
@@ -79,6 +79,26 @@ impl Scale {
             title: reference.title(units.symbol()),
             ends: range_m.map(|depth_m| units.from_m(f64::from(depth_m))),
             colour: depth_colour,
+            signed: false,
+        }
+    }
+
+    /// Levels of echoes, the strongest on top.
+    pub fn of_levels([low, high]: [f32; 2]) -> Self {
+        Self {
+            title: "echo level".to_owned(),
+            ends: [high, low].map(f64::from),
+            colour: |share| share_colour(1.0 - share),
+            signed: false,
+        }
+    }
+
+    /// Slant ranges, the nearest on top.
+    pub fn of_ranges(range_m: [f32; 2], units: Units) -> Self {
+        Self {
+            title: format!("slant range, {}", units.symbol()),
+            ends: range_m.map(|range_m| units.from_m(f64::from(range_m))),
+            colour: share_colour,
             signed: false,
         }
     }

@@ -2,8 +2,9 @@
 
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
-use crate::cloud::DepthReference;
+use crate::cloud::{DepthReference, PointSource};
 use crate::pipeline::Products;
+use crate::presentation::colours::share_colour;
 use crate::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
@@ -71,7 +72,13 @@ fn exaggeration(ui: &mut Ui, options: &mut ViewOptions) {
 }
 
 /// The point under the pointer, in words, beside the button above.
-pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Products) {
+pub fn paint_read_out(
+    painter: &Painter,
+    rect: Rect,
+    app: &App,
+    survey: &Survey,
+    products: &Products,
+) {
     let index = app.hover.and_then(|mark| mark.point);
     let Some(point) = index.and_then(|index| products.cloud.points.get(index)) else {
         return;
@@ -83,8 +90,19 @@ pub fn paint_read_out(painter: &Painter, rect: Rect, app: &App, products: &Produ
         ""
     };
     let units = app.options.units;
+    // What the colours say, as a number; there is no room for all that is known.
+    let coloured = match app.options.cloud.colour {
+        CloudColour::Level if point.source != PointSource::DownScan => {
+            format!(", level {}", point.level)
+        }
+        CloudColour::Range => {
+            let range_m = products.reduction().point_range_m(survey, point);
+            format!(", range {}", units.measure(range_m, 2))
+        }
+        _ => String::new(),
+    };
     let text = format!(
-        "{}, ping {}: {} {}, E {}  N {}{outlier}",
+        "{}, ping {}: {} {}{coloured}, E {}  N {}{outlier}",
         point.source.name(),
         point.ping,
         units.measure(-point.z_m, 2),
@@ -135,12 +153,21 @@ pub fn paint_legend(
         let warning = theme::outlier_colour();
         legend::plate(painter, options, at, Align2::LEFT_TOP, &text, warning);
     }
-    if options.cloud.colour == CloudColour::Depth
-        && let Some(range_m) = scene.range_m
-    {
+    if let Some(scale) = scale(options, scene, reference) {
         let corner = rect.right_bottom() - vec2(8.0, 8.0);
         let height = (rect.height() * 0.4).clamp(50.0, 160.0);
-        Scale::of_depth(range_m, reference, options.units).show(painter, options, corner, height);
+        scale.show(painter, options, corner, height);
+    }
+}
+
+/// The scale of what the colour of a point says, where that is a number.
+fn scale(options: &ViewOptions, scene: &CloudScene, reference: DepthReference) -> Option<Scale> {
+    let (ends, units) = (&scene.ends, options.units);
+    match options.cloud.colour {
+        CloudColour::Source | CloudColour::Log => None,
+        CloudColour::Depth => (ends.depth_m).map(|ends| Scale::of_depth(ends, reference, units)),
+        CloudColour::Level => ends.scales.level.map(Scale::of_levels),
+        CloudColour::Range => (ends.scales.range_m).map(|ends| Scale::of_ranges(ends, units)),
     }
 }
 
@@ -163,8 +190,16 @@ fn lines(options: &ViewOptions, scene: &CloudScene) -> Vec<(String, Color32)> {
             let starboard = theme::side_colour(options, Side::Starboard);
             kind(counts.starboard, "starboard", starboard);
         }
-        CloudColour::Depth => {
+        CloudColour::Depth | CloudColour::Range => {
             kind(counts.kept(), "points", theme::canvas_text_colour(options));
+        }
+        CloudColour::Level => {
+            let first_returns = counts.port + counts.starboard;
+            // Of the middle of the scale: soundings have its text's colour.
+            let [r, g, b] = share_colour(0.5);
+            kind(first_returns, "first returns", Color32::from_rgb(r, g, b));
+            let down_scan = theme::down_scan_colour(options);
+            kind(counts.down_scan, "down-scan, no level", down_scan);
         }
         CloudColour::Log => {
             for (name, [r, g, b], kept) in scene.by_log().take(MOST_LOGS) {

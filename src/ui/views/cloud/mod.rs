@@ -16,7 +16,7 @@ use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::CloudPicture;
-use scene::{CloudScene, LogPoints};
+use scene::{CloudScene, ColourEnds, LogPoints};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
@@ -24,7 +24,7 @@ const LABEL_ROOM: f32 = 90.0;
 
 type Key = (
     Vec<LogPoints>,
-    Option<[f32; 2]>,
+    ColourEnds,
     (CloudColour, ThemeChoice, SideColours),
 );
 
@@ -137,7 +137,7 @@ impl CloudView {
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
         let reference = place::reduction(context.app).reference();
         controls::paint_legend(&painter, rect, options, &survey, &scene, reference);
-        controls::paint_read_out(&painter, rect, context.app, &products);
+        controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
         match context.app.is_picture {
@@ -154,10 +154,13 @@ impl CloudView {
         let uploader = context
             .render_state
             .map(|state| Uploader::new(&state.device, &state.queue));
-        let range_m = context.app.depth_range_m();
-        let key = (logs.clone(), range_m, colours);
+        let ends = ColourEnds {
+            depth_m: context.app.depth_range_m(),
+            scales: context.app.point_scales(),
+        };
+        let key = (logs.clone(), ends, colours);
         self.scene.ask(key, context.app.jobs(), move |progress| {
-            let scene = CloudScene::new(logs, range_m, &options, uploader.as_ref(), progress);
+            let scene = CloudScene::new(logs, ends, &options, uploader.as_ref(), progress);
             scene.map(Arc::new)
         });
     }

@@ -222,7 +222,7 @@ mod tests {
     use crate::app::ViewOptions;
     use crate::cloud::{CloudPoint, PointCloud, PointSource};
     use crate::progress::Progress;
-    use crate::ui::views::cloud::scene::LogPoints;
+    use crate::ui::views::cloud::scene::{ColourEnds, LogPoints};
     use std::sync::Arc;
 
     /// Two lines of points 40 m apart, and nothing between.
@@ -233,6 +233,7 @@ mod tests {
             sounding: None,
             reliable: true,
             above_bottom: false,
+            level: 0,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 1.0,
@@ -249,11 +250,18 @@ mod tests {
             name: String::new(),
             cloud: Arc::new(cloud),
             kept: Arc::new(vec![true; 120]),
+            ranging: None,
             min_confidence: 0.0,
             colour: [0; 3],
         };
         let options = ViewOptions::default();
-        let made = CloudScene::new(vec![log], None, &options, None, &Progress::new());
+        let made = CloudScene::new(
+            vec![log],
+            ColourEnds::default(),
+            &options,
+            None,
+            &Progress::new(),
+        );
         made.expect("a scene")
     }
 

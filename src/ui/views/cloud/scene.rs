@@ -1,11 +1,14 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
-use crate::cloud::{CloudPoint, Outliers, PointCloud, PointSource};
-use crate::presentation::colours::{depth_colour, depth_share};
+use crate::calibration::Calibration;
+use crate::cloud::{
+    CloudPoint, Correction, Outliers, PointCloud, PointScales, PointSource, Reduction,
+};
+use crate::presentation::colours::{depth_colour, depth_share, value_colour};
 use crate::progress::Progress;
 use crate::render::{CloudBuffers, PointVertex, Uploader};
-use crate::survey::Side;
+use crate::survey::{Side, Survey};
 use crate::ui::theme;
 use glam::Vec3;
 use std::sync::Arc;
@@ -51,6 +54,14 @@ impl Counts {
     }
 }
 
+/// What the slant range of a point follows from.
+#[derive(Clone)]
+pub struct Ranging {
+    survey: Arc<Survey>,
+    calibration: Arc<Calibration>,
+    correction: Arc<Correction>,
+}
+
 /// The points of one log.
 #[derive(Clone)]
 pub struct LogPoints {
@@ -62,6 +73,8 @@ pub struct LogPoints {
     pub cloud: Arc<PointCloud>,
     /// One flag a point: kept.
     pub kept: Arc<Vec<bool>>,
+    /// What their slant ranges follow from; without it none is known.
+    pub ranging: Option<Ranging>,
     /// Points of first returns that are less sure are no outliers ([`PointCloud::outliers`]).
     pub min_confidence: f32,
     /// The log's colour where logs are told apart.
@@ -77,9 +90,22 @@ impl LogPoints {
             name: shown.log.survey.name(),
             cloud: products.cloud.clone(),
             kept: products.kept.clone(),
+            ranging: Some(Ranging {
+                survey: shown.log.survey.clone(),
+                calibration: products.calibration.clone(),
+                correction: products.correction.clone(),
+            }),
             min_confidence: products.settings.first_return.min_confidence,
             colour: shown.colour,
         }
+    }
+
+    /// Slant range of a point, metres; NaN where it is not known.
+    fn range_m(&self, point: &CloudPoint) -> f64 {
+        self.ranging.as_ref().map_or(f64::NAN, |ranging| {
+            let reduction = Reduction::new(&ranging.calibration, &ranging.correction);
+            reduction.point_range_m(&ranging.survey, point)
+        })
     }
 
     /// Points that have a place and are kept, or are not, with their index.
@@ -120,15 +146,24 @@ pub struct CloudScene {
     kept: Vec<usize>,
     /// What the outlier filter removes.
     pub outliers: Outliers,
-    /// Ends of the colour scale of depth, metres.
-    pub range_m: Option<[f32; 2]>,
+    /// Ends of the colour scales.
+    pub ends: ColourEnds,
+}
+
+/// Ends of the colour scales of points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ColourEnds {
+    /// Of depth, metres.
+    pub depth_m: Option<[f32; 2]>,
+    /// Of what else is known of them.
+    pub scales: PointScales,
 }
 
 impl CloudScene {
-    /// In colours between two depths, metres; `None` when there is no point, or cancelled.
+    /// In colours between these values; `None` when there is no point, or cancelled.
     pub fn new(
         logs: Vec<LogPoints>,
-        range_m: Option<[f32; 2]>,
+        ends: ColourEnds,
         options: &ViewOptions,
         uploader: Option<&Uploader>,
         progress: &Progress,
@@ -154,7 +189,7 @@ impl CloudScene {
                 side_scan: sum.side_scan + one.side_scan,
                 removed: sum.removed + one.removed,
             }),
-            range_m,
+            ends,
             starts: starts.collect(),
             logs,
         };
@@ -261,8 +296,14 @@ impl CloudScene {
             CloudColour::Depth => {
                 let depth_m = -point.z_m as f32;
                 let share = |range_m| depth_share(depth_m, range_m);
-                depth_colour(self.range_m.map_or(f32::NAN, share))
+                depth_colour(self.ends.depth_m.map_or(f32::NAN, share))
             }
+            // Of a sounding no level is known.
+            CloudColour::Level if point.source == PointSource::DownScan => {
+                return theme::down_scan_colour(options);
+            }
+            CloudColour::Level => value_colour(f32::from(point.level), self.ends.scales.level),
+            CloudColour::Range => value_colour(log.range_m(point) as f32, self.ends.scales.range_m),
             CloudColour::Log => log.colour,
         };
         egui::Color32::from_rgb(r, g, b)
@@ -333,6 +374,7 @@ mod tests {
             sounding: None,
             reliable: true,
             above_bottom: false,
+            level: 200,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 100.0,
@@ -361,6 +403,7 @@ mod tests {
             name: String::new(),
             cloud: Arc::new(cloud),
             kept: Arc::new(kept.to_vec()),
+            ranging: None,
             min_confidence: 0.0,
             colour: [1, 2, 3],
         };
@@ -376,7 +419,13 @@ mod tests {
         };
         let both = CloudScene::new(
             vec![first.clone(), second],
-            Some([1.0, 9.0]),
+            ColourEnds {
+                depth_m: Some([1.0, 9.0]),
+                scales: PointScales {
+                    level: Some([0.0, 255.0]),
+                    range_m: None,
+                },
+            },
             &options,
             None,
             &progress,
@@ -406,7 +455,28 @@ mod tests {
             .vertices(&by_log, &progress)
             .map(|vertex| vertex.colour[0]);
         assert_eq!(colours.collect::<Vec<_>>()[..3], [1, 1, 7]);
-        let scene = CloudScene::new(vec![first], None, &options, None, &progress).unwrap();
+        let by_level = ViewOptions {
+            cloud: CloudOptions {
+                colour: CloudColour::Level,
+                ..options.cloud.clone()
+            },
+            ..options.clone()
+        };
+        let colours = both.vertices(&by_level, &progress);
+        let colours: Vec<[u8; 3]> = colours
+            .map(|vertex| [vertex.colour[0], vertex.colour[1], vertex.colour[2]])
+            .collect();
+        let sounding = theme::down_scan_colour(&options).to_array();
+        assert_eq!(colours[0], sounding[..3], "a sounding has no level");
+        assert_eq!(colours[1], value_colour(200.0, Some([0.0, 255.0])));
+        let scene = CloudScene::new(
+            vec![first],
+            ColourEnds::default(),
+            &options,
+            None,
+            &progress,
+        )
+        .unwrap();
         let order = |preview| scene.places(preview).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);

@@ -112,6 +112,7 @@ mod tests {
             sounding: None,
             reliable: true,
             above_bottom: false,
+            level: 0,
             above_bottom_m: 0.0,
             confidence: 1.0,
             sample: 0.0,

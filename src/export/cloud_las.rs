@@ -1,12 +1,10 @@
-//! `cloud.laz`: kept points in a map's coordinates, for survey programs.
+//! `cloud.laz` and `cloud.las`: kept points in a map's coordinates, for survey programs.
 
 use super::gps_time::adjusted_standard_s;
 use super::{ExportError, LogPoints, Summary, colour, extra_bytes, write_aside};
-use crate::cloud::{CloudPoint, PointSource};
-use crate::first_return::{FirstReturns, Pick};
+use crate::cloud::CloudPoint;
 use crate::formats::points::{LasWriter, transforms};
 use crate::geo::Crs;
-use crate::survey::{Side, Survey};
 use las::point::{Classification, Format};
 use las::{Builder, Color, GpsTimeType, Header, Point, Transform, Vector, Version};
 use rayon::prelude::*;
@@ -19,23 +17,31 @@ const RESOLUTION_M: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 1e-8;
 /// LAS 1.4 point format with time and colour.
 const FORMAT: u8 = 7;
-/// Slant range from the edge of a first return within which its echo is strongest, metres.
-const ECHO_M: f64 = 0.2;
 /// ASPRS class of a bathymetric point.
 const BATHYMETRIC: u8 = 40;
 
-/// Writes the kept points as LAZ 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
+/// Whether points are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LasPacking {
+    /// LAZ: a fraction of the size.
+    Packed,
+    /// LAS, for programs that cannot unpack.
+    Plain,
+}
+
+/// Writes the kept points as LAZ or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
 /// Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
-/// the paper's; the extra dimensions are source, ping, side and confidence of the first return; the user data are 0
+/// the paper's; the extra dimensions are source, ping, side, confidence of the first return and slant range; the user data are 0
 /// for soundings, 1 for port, 2 for starboard. The GPS time field holds adjusted standard GPS time, and the header says so, where
 /// the log knows when it was; otherwise seconds after the log's time zero.
 ///
 /// Of several logs the point source is the number of the log, from 1 on; of one it is 0. Times are seconds after each log's time zero
 /// where one of them does not know when it was.
-pub fn cloud_laz(
+pub fn cloud_las(
     path: &Path,
+    packing: LasPacking,
     crs: &Crs,
     place: impl Fn(&LogPoints<'_>, &CloudPoint) -> [f64; 2] + Sync,
     logs: &[LogPoints<'_>],
@@ -58,13 +64,13 @@ pub fn cloud_laz(
         let [x, y] = origin.map_or([0.0; 2], |origin| crs.place(origin));
         let finest = [resolution, resolution, RESOLUTION_M];
         let transforms = transforms(places, [x, y, 0.0], finest)?;
-        let header = las_header(knows_time, crs, transforms).map_err(io::Error::other)?;
+        let header = las_header(packing, knows_time, crs, transforms).map_err(io::Error::other)?;
         let mut writer = LasWriter::new(file, header)?;
         let mut summary = Summary::default();
         for (source, log, point, at) in points {
             summary.add(at, point.z_m);
             let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
-            let written = las_point(log.survey, log.returns, start_unix_s, point, at);
+            let written = las_point(log, start_unix_s, point, at);
             writer.point(Point {
                 point_source_id: source,
                 ..written.map_err(io::Error::other)?
@@ -75,14 +81,19 @@ pub fn cloud_laz(
     })
 }
 
-fn las_header(knows_time: bool, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
+fn las_header(
+    packing: LasPacking,
+    knows_time: bool,
+    crs: &Crs,
+    transforms: Vector<Transform>,
+) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
     if knows_time {
         builder.gps_time_type = GpsTimeType::Standard;
     }
     builder.point_format = Format::new(FORMAT)?;
-    builder.point_format.is_compressed = true;
+    builder.point_format.is_compressed = packing == LasPacking::Packed;
     builder.point_format.extra_bytes = extra_bytes::LENGTH;
     builder.vlrs.push(extra_bytes::record());
     builder.transforms = transforms;
@@ -92,12 +103,13 @@ fn las_header(knows_time: bool, crs: &Crs, transforms: Vector<Transform>) -> las
 }
 
 fn las_point(
-    survey: &Survey,
-    returns: &FirstReturns,
+    log: &LogPoints<'_>,
     start_unix_s: Option<f64>,
     point: &CloudPoint,
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
+    let survey = log.survey;
+    let range_m = log.reduction().point_range_m(survey, point);
     let time_s = match point.sounding {
         Some(sounding) => survey.soundings.get(sounding.get()).map(|s| s.time_s),
         None => survey
@@ -114,45 +126,14 @@ fn las_point(
         x,
         y,
         z: point.z_m,
-        intensity: u16::from(echo_level(survey, returns, point)) * 257,
+        intensity: u16::from(point.level) * 257,
         return_number: 1,
         number_of_returns: 1,
         classification: Classification::new(BATHYMETRIC)?,
         user_data: point.source as u8,
         gps_time: Some(gps_time_s),
         color: Some(Color { red, green, blue }),
-        extra_bytes: extra_bytes::values(point, confidence(returns, point)),
+        extra_bytes: extra_bytes::values(point, range_m),
         ..Point::default()
     })
-}
-
-/// Confidence of the first return that a point is; NaN for a sounding.
-fn confidence(returns: &FirstReturns, point: &CloudPoint) -> f32 {
-    first_return(returns, point).map_or(f32::NAN, |(_, pick)| pick.confidence)
-}
-
-/// The first return that a point is, and its side; `None` for a sounding.
-fn first_return(returns: &FirstReturns, point: &CloudPoint) -> Option<(Side, Pick)> {
-    let side = match point.source {
-        PointSource::DownScan => return None,
-        PointSource::Port => Side::Port,
-        PointSource::Starboard => Side::Starboard,
-    };
-    let pick = returns.side(side).get(point.ping as usize)?;
-    pick.is_some().then_some((side, *pick))
-}
-
-/// The greatest level within a pulse's length of the first return: the pick itself lies on the edge of the echo, where the level says
-/// little of the ground. 0 for a sounding.
-fn echo_level(survey: &Survey, returns: &FirstReturns, point: &CloudPoint) -> u8 {
-    let level = || {
-        let (side, pick) = first_return(returns, point)?;
-        let ping = point.ping as usize;
-        let (span, samples) = (survey.span(ping, side)?, survey.samples(ping, side)?);
-        let length = (ECHO_M / span.metres_per_sample()).clamp(1.0, f64::from(u16::MAX)) as usize;
-        let first = pick.sample.max(0.0) as usize;
-        let last = samples.len().min(first + length);
-        (first..last).map(|sample| samples.get(sample)).max()
-    };
-    level().unwrap_or(0)
 }
