@@ -188,7 +188,8 @@ impl App {
             return self.schedule();
         }
         let same_returns = self.log.products.as_ref().is_some_and(|products| {
-            products.settings.first_return == self.log.settings.first_return
+            let made_with = &products.settings.first_return;
+            made_with.finds_the_same(&self.log.settings.first_return)
                 && products.settings.image == self.log.settings.image
         });
         if !same_returns && changed {

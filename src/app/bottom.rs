@@ -125,7 +125,9 @@ impl App {
         let line = self.log.settings.bottom.line_at(side, mark.ping);
         let drawn_m = line.and_then(|line| line.range_m(mark.ping));
         let span = survey.span(mark.ping, side)?;
-        let pick = self.returns().and_then(|all| all.side(side).get(mark.ping));
+        let pick = self
+            .bottom_line()
+            .and_then(|all| all.side(side).get(mark.ping));
         let found_m = pick
             .filter(|pick| pick.is_some())
             .map(|pick| span.range_m(f64::from(pick.sample)));

@@ -157,6 +157,14 @@ impl OpenLog {
         self.preview.as_ref().or(found)
     }
 
+    /// The bottom line to draw: the first returns under the slider if there are any, else that of the last result.
+    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+        let is_of_result = self.preview.is_none() && self.returns().is_some();
+        let products = self.products.as_ref().filter(|_| is_of_result);
+        let line = products.map(|products| &products.bottom_line);
+        line.or_else(|| self.returns())
+    }
+
     /// The first stage whose result is older than its settings.
     pub fn stale(&self) -> Option<Stage> {
         let products = self.products.as_ref()?;

@@ -78,7 +78,7 @@ pub(super) struct Preview {
 impl Preview {
     /// Whether these are still the settings in force.
     pub fn is_for(&self, settings: &Settings) -> bool {
-        self.image == settings.image && self.first_return == settings.first_return
+        self.image == settings.image && self.first_return.finds_the_same(&settings.first_return)
     }
 }
 

@@ -207,6 +207,11 @@ impl App {
         self.log.returns()
     }
 
+    /// The bottom line to draw over the waterfall: what the picture is laid out by, or the first returns under the slider.
+    pub fn bottom_line(&self) -> Option<&Arc<FirstReturns>> {
+        self.log.bottom_line()
+    }
+
     /// The first stage whose result is older than its settings.
     pub fn stale(&self) -> Option<Stage> {
         self.log.stale()

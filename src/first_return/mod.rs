@@ -2,9 +2,10 @@
 //!
 //! `normalise` scales the picture, `int32_image` is the published int32 picture, `threshold` the plain method, `tracker` the one
 //! that follows the bottom as a whole line, `confidence` says how sure a pick is, `above_bottom` which lie above the recorded depth,
-//! `manual_picks` holds what the analyst drew instead.
+//! `manual_picks` holds what the analyst drew instead, `bottom_line` which bottom the picture is laid out by.
 
 mod above_bottom;
+mod bottom_line;
 mod confidence;
 mod int32_image;
 mod manual_picks;
@@ -12,6 +13,7 @@ mod normalise;
 mod threshold;
 mod tracker;
 
+pub use bottom_line::{BottomLine, at_recorded_depth};
 pub use confidence::Evidence;
 pub use manual_picks::{BottomEdit, BottomSettings};
 pub use normalise::Normalisation;
@@ -68,6 +70,8 @@ pub struct FirstReturnSettings {
     pub above_bottom_margin_m: f64,
     /// Least confidence of a first return whose point is kept, 0 to 1.
     pub min_confidence: f32,
+    /// Which bottom the picture is laid out by.
+    pub bottom_line: BottomLine,
 }
 
 impl Default for FirstReturnSettings {
@@ -79,16 +83,18 @@ impl Default for FirstReturnSettings {
             above_bottom_margin_m: 0.15,
             // On ponds less than one in four threshold picks below it is right, weed counted; the tracker has hardly one there.
             min_confidence: 0.2,
+            bottom_line: BottomLine::Search,
         }
     }
 }
 
 impl FirstReturnSettings {
-    /// Whether both find the same picks: the least confidence only decides which of them are kept.
+    /// Whether both find the same picks: the least confidence only decides which of them are kept, and the bottom line which of them the
+    /// picture is laid out by.
     pub fn finds_the_same(&self, other: &Self) -> bool {
-        let min_confidence = other.min_confidence;
         Self {
-            min_confidence,
+            min_confidence: other.min_confidence,
+            bottom_line: other.bottom_line,
             ..self.clone()
         } == *other
     }

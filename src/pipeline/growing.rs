@@ -5,6 +5,7 @@
 //! from [`run`](super::run) over the whole log.
 
 use super::Products;
+use super::products::bottom_line;
 use crate::bathymetry;
 use crate::cloud::{self, PointCloud, PointScales, PointSource, Reduction, SoundingIndex};
 use crate::first_return::{self, FirstReturns, Normalisation};
@@ -112,6 +113,8 @@ pub fn extend(
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
     let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
     let reduction = Reduction::new(&before.calibration, correction);
+    let returns = Arc::new(returns);
+    let bottom_line = bottom_line(survey, settings, &returns, &reduction);
     let new_scales = PointScales::of(&stretch, &cloud, &kept, &reduction);
     let (cloud, kept) = part.join_cloud(before, &cloud, &kept, &left_out, &all_navigation);
     Ok(Products {
@@ -120,7 +123,8 @@ pub fn extend(
         left_out: Arc::new(left_out),
         flat_spots: before.flat_spots.clone(),
         found: Arc::new(found),
-        returns: Arc::new(returns),
+        returns,
+        bottom_line,
         calibration: before.calibration.clone(),
         correction: correction.clone(),
         cloud: Arc::new(cloud),

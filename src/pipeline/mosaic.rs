@@ -22,7 +22,7 @@ pub fn mosaic_layout_by(
     Layout::new(
         survey,
         &products.navigation,
-        &products.returns,
+        &products.bottom_line,
         &products.calibration,
         &products.settings.mosaic,
         place,

@@ -4,9 +4,9 @@ use super::Settings;
 use crate::bathymetry;
 use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, PointScales, Reduction};
-use crate::first_return::{self, FirstReturns};
+use crate::first_return::{self, BottomLine, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Sounding, Survey, navigate_mounted};
+use crate::survey::{LeftOut, Navigation, SideSpan, Sounding, Survey, navigate_mounted};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -84,6 +84,8 @@ pub struct Products {
     pub found: Arc<FirstReturns>,
     /// First returns with the bottom edits.
     pub returns: Arc<FirstReturns>,
+    /// The bottom that the picture is laid out by: these first returns, or the recorded depths with the bottom edits.
+    pub bottom_line: Arc<FirstReturns>,
     /// Scales.
     pub calibration: Arc<Calibration>,
     /// What was done to depths.
@@ -215,6 +217,16 @@ pub fn run(
         Some(old) => old.correction.clone(),
         None => Arc::new(Correction::new(settings.depth(), survey)),
     };
+    let reduction = Reduction::new(&calibration, &correction);
+    let same_line = |old: &&Products| {
+        Arc::ptr_eq(&old.returns, &returns)
+            && Arc::ptr_eq(&old.calibration, &calibration)
+            && old.settings.first_return.bottom_line == settings.first_return.bottom_line
+    };
+    let bottom_line = match previous.filter(same_line) {
+        Some(old) => old.bottom_line.clone(),
+        None => bottom_line(survey, settings, &returns, &reduction),
+    };
     let cloud = match reuse(Stage::Cloud) {
         Some(old) => old.cloud.clone(),
         None => {
@@ -246,7 +258,6 @@ pub fn run(
             let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
             let depths = cloud::without_left_out(depths, &left_out);
             let range_m = depth_range_m(survey, &correction, &depths);
-            let reduction = Reduction::new(&calibration, &correction);
             let scales = PointScales::of(survey, &cloud, &kept, &reduction);
             (Arc::new(kept), Arc::new(depths), range_m, scales)
         }
@@ -258,6 +269,7 @@ pub fn run(
         flat_spots,
         found,
         returns,
+        bottom_line,
         calibration,
         correction,
         cloud,
@@ -286,6 +298,21 @@ fn with_bottom(
     let mut returns = FirstReturns::clone(found);
     settings.bottom.apply(survey, &mut returns);
     Arc::new(returns)
+}
+
+/// The bottom line by the settings.
+pub(super) fn bottom_line(
+    survey: &Survey,
+    settings: &Settings,
+    returns: &Arc<FirstReturns>,
+    reduction: &Reduction<'_>,
+) -> Arc<FirstReturns> {
+    if settings.first_return.bottom_line == BottomLine::Search {
+        return returns.clone();
+    }
+    let sample_at =
+        |span: &SideSpan, depth_m: f64| reduction.sample_at(span, reduction.altitude_m(depth_m));
+    Arc::new(first_return::at_recorded_depth(survey, returns, sample_at))
 }
 
 /// The flat stretches; those of `previous`, results of the same picks, where the track is the same too. They depend on track and picks

@@ -363,7 +363,7 @@ impl CalibrationReport {
 /// All warnings of the reader and the stages, for the report and the window.
 pub fn warnings(survey: &Survey, products: &Products) -> Vec<String> {
     let read = survey.warnings.iter().map(|warning| warning.text.clone());
-    read.chain(products.returns.warnings.iter().cloned())
+    read.chain(products.bottom_line.warnings.iter().cloned())
         .chain(products.calibration.warnings.iter().cloned())
         .chain(products.correction.refused().map(str::to_owned))
         .chain(products.left_out.warnings.iter().cloned())

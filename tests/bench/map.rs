@@ -160,6 +160,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         flat_spots: Arc::new(Vec::new()),
         found: Arc::default(),
         returns: Arc::default(),
+        bottom_line: Arc::default(),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::Header,
             reach: PpdReach::Factor,

@@ -159,6 +159,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         }),
         found: Arc::default(),
         returns: Arc::default(),
+        bottom_line: Arc::default(),
         calibration: Arc::new(Calibration {
             mode: ScaleMode::FlatSpot,
             reach: PpdReach::Factor,

@@ -12,7 +12,7 @@ use crate::survey::{LeftOut, Navigation, Survey};
 pub struct SideScanKey {
     survey: Same<Survey>,
     navigation: Same<Navigation>,
-    returns: Same<FirstReturns>,
+    bottom_line: Same<FirstReturns>,
     calibration: Same<Calibration>,
     left_out: Same<LeftOut>,
     range_factor: f64,
@@ -24,7 +24,7 @@ impl SideScanKey {
         Self {
             survey: Same(survey.clone()),
             navigation: Same(products.navigation.clone()),
-            returns: Same(products.returns.clone()),
+            bottom_line: Same(products.bottom_line.clone()),
             calibration: Same(products.calibration.clone()),
             left_out: Same(products.left_out.clone()),
             range_factor: products.correction.range_factor(),
@@ -59,7 +59,7 @@ pub fn made(log: &ProcessedLog, progress: &Progress) -> Result<Option<GainTable>
     match table(&mosaic_layout_by(survey, products, |place| place))? {
         Some(made) => Ok(Some(made)),
         None => {
-            let placeless = Layout::placeless(survey, &products.returns, &products.calibration)
+            let placeless = Layout::placeless(survey, &products.bottom_line, &products.calibration)
                 .with_range_factor(products.correction.range_factor());
             table(&placeless.without(&products.left_out))
         }

@@ -39,7 +39,7 @@ pub fn growing(
     progress: &Progress,
 ) -> Result<LogPicture, Cancelled> {
     let factor = products.correction.range_factor();
-    let scales = PingScales::new(survey, &products.returns, &products.calibration, factor);
+    let scales = PingScales::new(survey, &products.bottom_line, &products.calibration, factor);
     LogPicture::new(survey, Arc::new(scales), gain, None, progress)
 }
 
@@ -51,7 +51,7 @@ pub fn made(
     let ProcessedLog { survey, products } = log;
     let scales = PingScales::new(
         survey,
-        &products.returns,
+        &products.bottom_line,
         &products.calibration,
         products.correction.range_factor(),
     );

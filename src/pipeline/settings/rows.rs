@@ -118,6 +118,12 @@ rows! {
     MIN_CONFIDENCE: "first_return.min_confidence", "Least conf.", "least confidence",
         "The point of a first return that is less sure than this is not kept. Confidence is the chance that a return lies within 25 cm of the nearest ground, as measured on simulated ponds.",
         number!(first_return.min_confidence, "", [0.0, 1.0], 0.05, 2, Slider);
+    BOTTOM_LINE: "first_return.bottom_line", "Bottom line", "bottom line",
+        "Which bottom water column, ground range, gain and mosaic follow. Points and calibration are those of the first returns, whatever the line; bottom edits stay on top.",
+        choice!(first_return.bottom_line, [
+            "search", "first return", "The first return of each side.";
+            "recorded", "recorded depth", "The recorder's own depth, the same on both sides; the first return where the recorder had lost the bottom.";
+        ]);
     SCALE: "calibration.mode", "Scale", "scale", "Which scale turns samples into metres.",
         choice!(calibration.mode, [
             "header", "recorded range", "The range that the recorder states for each ping.";

@@ -72,7 +72,7 @@ fn found(ui: &mut Ui, context: &ViewContext<'_>) {
         ui.label(format!("{} not kept for their confidence", text::count(figures.unsure)))
             .on_hover_text(format!("First returns that are less sure than the least confidence, {share:.1} % of all: their points are neither in the cloud nor in the map."));
     }
-    for text in &products.returns.warnings {
+    for text in &products.bottom_line.warnings {
         parts::warning(ui, context, &context.app.options.units.sentence(text));
     }
 }
@@ -123,6 +123,7 @@ fn controls(ui: &mut Ui, context: &mut ViewContext<'_>) {
         &rows::DEAD_ZONE,
         &rows::ABOVE_BOTTOM_MARGIN,
         &rows::MIN_CONFIDENCE,
+        &rows::BOTTOM_LINE,
     ] {
         setting(ui, context, row);
     }

@@ -1,6 +1,7 @@
 //! What the view says about itself to screen readers and tests, and while it has nothing to show.
 
 use super::marks;
+use crate::first_return::BottomLine;
 use crate::survey::Survey;
 use crate::ui::views::empty;
 use crate::ui::{ViewContext, left_out_words};
@@ -55,10 +56,12 @@ pub(super) fn describe(
 
 fn name(visible: &Range<usize>, survey: &Survey, context: &ViewContext<'_>) -> String {
     let options = &context.app.options.waterfall;
-    let first_return = match (context.app.returns(), options.first_return) {
-        (_, false) => "first return hidden",
-        (None, true) => "first return not yet found",
-        (Some(_), true) => "first return shown",
+    let source = context.app.log.settings.first_return.bottom_line;
+    let first_return = match (context.app.bottom_line(), options.first_return, source) {
+        (_, false, _) => "first return hidden",
+        (None, true, _) => "first return not yet found",
+        (Some(_), true, BottomLine::Search) => "first return shown",
+        (Some(_), true, BottomLine::Recorded) => "bottom line at the recorded depth shown",
     };
     let units = context.app.options.units;
     let warning =

@@ -297,7 +297,9 @@ impl Over<'_> {
         let depth = pen(theme::depth_line_colour());
         let as_recorded = Reduction::default();
         lines::depth(painter, lens, self.survey, self.drawing, as_recorded, depth);
-        let returns = app.returns().filter(|_| app.options.waterfall.first_return);
+        let returns = app
+            .bottom_line()
+            .filter(|_| app.options.waterfall.first_return);
         let (Some(returns), Some(side_scan), Some(log)) =
             (returns, self.side_scan, &app.log.survey)
         else {

@@ -291,7 +291,7 @@ impl WaterfallView {
         }
         if let Some(drawing) = &mut self.drawing {
             let had_failed = drawing.has_failed;
-            drawing.poll(app.returns());
+            drawing.poll(app.bottom_line());
             if drawing.has_failed && !had_failed {
                 let text = "drawing the waterfall failed unexpectedly; what is missing comes when the log is opened again";
                 context.push(Command::Notify(text.to_owned()));

@@ -124,7 +124,7 @@ fn draw_lines(painter: &Painter, lens: &Lens, shown: &Shown<'_>, drawing: &Drawi
         let reduction = place::reduction(shown.app);
         lines::depth(painter, lens, shown.survey, drawing, reduction, pen);
     }
-    let returns = shown.app.returns();
+    let returns = shown.app.bottom_line();
     let Some(returns) = returns.filter(|_| options.waterfall.first_return) else {
         return;
     };

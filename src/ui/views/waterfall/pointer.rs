@@ -239,7 +239,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
         lines += "\ndepth dashed: the recorder had lost the bottom";
     }
     let pick = app
-        .returns()
+        .bottom_line()
         .and_then(|returns| returns.side(side).get(number));
     if shown.first_return && pick.is_some_and(|pick| pick.above_bottom) {
         lines += &format!(
