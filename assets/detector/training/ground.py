@@ -13,7 +13,9 @@ train) and of real tiles (sessions of the split train): each pixel of a crop ove
 ground it comes to, its edges blended. Range grows outward in both, so a shadow falls the right way; rows may be mirrored.
 `contacts.json` says what was seen to lie there already: `{"picture/side": {"objects": [[class, x1, y1, x2, y2], ...], "hidden":
 [[x1, y1, x2, y2], ...]}}` in pixels of the side at 0.06 m a pixel. Objects are labels, and stock to be pasted; at hidden places, which may
-hold one, no loss is taken. It was made from the proposals of the detector before, each of the surest looked at.
+hold one, no loss is taken. `contacts.json` beside this file was made from
+the proposals of the detector (confidence 0.1 and more), the 192 surest looked at: objects that are contacts, hidden what cannot be told
+or was not looked at, and nothing at all on surge bands.
 """
 
 import argparse
