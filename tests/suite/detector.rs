@@ -228,15 +228,16 @@ fn confidences_are_calibrated_as_the_sidecar_says() {
         let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
         model.detect(&picture(), score, IOU).expect("boxes")
     };
-    let halved = r#"{"calibration": [[0.9, 0.45], [1.0, 0.9]]}"#;
+    let halved = r#"{"calibration": [[0.5, 0.25], [1.0, 0.5]]}"#;
     let (plain, calibrated) = (found("{}", 0.4), found(halved, 0.2));
-    assert!(plain.len() > 1 && plain.iter().all(|one| one.score < 0.9));
+    assert!(plain.len() > 1);
     assert_eq!(plain.len(), calibrated.len());
     for (one, other) in plain.iter().zip(&calibrated) {
         assert_eq!((one.class, one.rect), (other.class, other.rect));
         assert!((one.score / 2.0 - other.score).abs() < 1e-6);
     }
-    assert_eq!(found(halved, 0.95), []);
+    // None is as sure as that.
+    assert_eq!(found(halved, 0.6), []);
     let refused = Model::from_bytes(bytes.clone(), Some(r#"{"calibration": [[0.5, 0.2]]}"#));
     let text = refused.expect_err("no map").to_string();
     assert!(text.contains("rise from 0 to a confidence of 1"), "{text}");
