@@ -85,7 +85,7 @@ impl Plate {
         }
     }
 
-    /// Depth at a place, bilinear between the centres of cells; outside of them that of the edge.
+    /// Depth at a place, bilinear between the centres of cells; outside of them it goes on as between the outermost two.
     pub fn depth_at(&self, place: [f64; 2]) -> f64 {
         let (cells, shares) = around(&self.grid, place);
         let parts = cells.into_iter().zip(shares);
@@ -149,12 +149,12 @@ pub fn coarser(grid: &Grid, times: usize) -> Grid {
     }
 }
 
-/// The four cells whose centres lie about a place, and their bilinear shares.
+/// The four cells whose centres lie about a place, and their bilinear shares, which continue the plane beyond the outermost centres.
 fn around(grid: &Grid, [east_m, north_m]: [f64; 2]) -> ([usize; 4], [f64; 4]) {
     let between = |cells: f64, count: usize| {
         let last = count.saturating_sub(1);
-        let from_centre = (cells - 0.5).clamp(0.0, last as f64);
-        let before = (from_centre as usize).min(last.saturating_sub(1));
+        let from_centre = cells - 0.5;
+        let before = (from_centre.max(0.0) as usize).min(last.saturating_sub(1));
         (before, (before + 1).min(last), from_centre - before as f64)
     };
     let (west, east, right) = between((east_m - grid.west_m) / grid.cell_m, grid.columns);

@@ -166,10 +166,14 @@ fn search(items: Vec<Item>, query: &str) -> Vec<Item> {
 }
 
 /// How well the letters of `query` fit into `label` in order: letters that start a word or follow each other count
-/// more. `None` when they do not fit.
+/// more, and most where the label begins with all of them. `None` when they do not fit.
 fn score(label: &str, query: &str) -> Option<i32> {
-    let letters: Vec<char> = label.to_lowercase().chars().collect();
-    let requested = query.to_lowercase();
+    let label = label.to_lowercase();
+    let letters: Vec<char> = label.chars().collect();
+    let requested = query.trim().to_lowercase();
+    if label.starts_with(&requested) {
+        return Some(900 * requested.chars().count() as i32 - letters.len() as i32);
+    }
     let mut total = 0;
     let mut from = 0;
     let mut last = None;
@@ -217,6 +221,7 @@ mod tests {
         assert_eq!(best("outl"), "Outlier preview");
         assert_eq!(best("preset pub"), "Preset: published");
         assert_eq!(best("lcl"), "Layout: 3D cloud only");
+        assert_eq!(best("redo"), "Redo", "not Recorded depth on or off");
         assert_eq!(score("Undo", "xyz"), None);
         assert!(score("Undo", "").is_some());
     }
