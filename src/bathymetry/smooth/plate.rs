@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// Cells along the longer side of the grid that the work begins on.
 const COARSEST: usize = 6;
 /// The gradient falls to this share of its length at a flat plate before a grid counts as solved, in at most so many steps.
-const SOLVED: f64 = 1e-4;
+const SOLVED: f64 = 1e-5;
 const MOST_STEPS: usize = 400;
 /// Times that the soundings are weighed anew once the plate is found.
 const REWEIGHTED: usize = 2;
