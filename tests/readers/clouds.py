@@ -33,11 +33,12 @@ def check_laz(path, record, points):
     same("x, y of cloud.laz", xyz[:, :2], into(record, points.lon, points.lat), tolerance(record, 0.002))
     same("z of cloud.laz", las.z, points.z, 0.0011)
     same("colour of cloud.laz", numpy.array([las.red, las.green, las.blue]).T // 257, COLOURS[points.source], 0)
-    assert list(header.point_format.extra_dimension_names) == ["source", "ping", "side", "confidence"]
+    assert list(header.point_format.extra_dimension_names) == ["source", "ping", "side", "confidence", "range_m"]
     same("source of cloud.laz", las.source, points.source > 0, 0)
     same("ping of cloud.laz", las.ping, points.ping, 0)
     same("side of cloud.laz", las.side, points.source, 0)
     same("confidence of cloud.laz", las.confidence, points.confidence, 0.00051)
+    same("range of cloud.laz", las.range_m, points.range, 0.00051)
     check_intensity(las, points)
     check_time(las, record, points)
     no_data = header.point_format.dimension_by_name("confidence").no_data
@@ -48,7 +49,7 @@ def check_intensity(las, points):
     """Echo levels of one byte in the upper range of two; soundings have none."""
     intensity = numpy.asarray(las.intensity)
     of_side_scan = intensity[points.source > 0]
-    assert (intensity % 257 == 0).all() and (intensity[points.source == 0] == 0).all()
+    same("intensity of cloud.laz", intensity, 257 * points.level, 0)
     assert (of_side_scan > 0).mean() > 0.99 and len(numpy.unique(of_side_scan)) > 20, "the intensity says nothing"
 
 
@@ -71,6 +72,8 @@ def check_ply(path, record, points):
     same("x, y, z of cloud.ply", xyz, points.local, 0.000051)
     colours = numpy.array([vertices[name] for name in ("red", "green", "blue")]).T
     same("colour of cloud.ply", colours.astype(int), COLOURS[points.source], 0)
+    same("level of cloud.ply", vertices["intensity"], points.level, 0)
+    same("range of cloud.ply", vertices["range_m"], points.range, 0.00051)
 
 
 def check_xyz(path, record, points):

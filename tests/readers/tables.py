@@ -17,7 +17,7 @@ def rows(path):
 
 
 class Points:
-    """cloud.csv: the kept points, and the confidence of the first return that each is (-1 for a sounding)."""
+    """cloud.csv: the kept points, and the confidence of the first return that each is (-1 for a sounding, whose level is 0)."""
 
     def __init__(self, folder):
         all_rows = rows(folder / "points/cloud.csv")
@@ -29,6 +29,9 @@ class Points:
         self.lon, self.lat = column("lon"), column("lat")
         self.local = numpy.array([column("east_m"), column("north_m"), column("z_m")]).T
         self.z = self.local[:, 2]
+        self.range = column("range_m")
+        assert all((row["level"] == "") == (row["source"] == "downscan") for row in all_rows), "a level where there is none"
+        self.level = numpy.array([int(row["level"] or 0) for row in kept])
         self.pings = rows(folder / "points/first_returns.csv")
         names = {1: "port_confidence", 2: "starboard_confidence"}
         confidence = lambda source, ping: float(self.pings[ping][names[source]]) if source else -1.0
