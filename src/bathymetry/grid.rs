@@ -73,6 +73,15 @@ impl Grid {
         Some(row * self.columns + column)
     }
 
+    /// Rows and columns before and behind a place, and how far on from the centre of the first to that of the second it is: below 0 and
+    /// above 1 beyond the outermost centres. Rows count from the north.
+    pub fn about(&self, [east_m, north_m]: [f64; 2]) -> [CentresAbout; 2] {
+        [
+            CentresAbout::of((self.north_m - north_m) / self.cell_m, self.rows),
+            CentresAbout::of((east_m - self.west_m) / self.cell_m, self.columns),
+        ]
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.columns * self.rows
@@ -81,6 +90,27 @@ impl Grid {
     /// Whether there is no cell.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+/// Two neighbouring rows or columns; the same twice where there is only one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CentresAbout {
+    /// The one before, and the one behind.
+    pub cells: [usize; 2],
+    /// Way from the centre of the first, in cells.
+    pub share: f64,
+}
+
+impl CentresAbout {
+    fn of(cells: f64, count: usize) -> Self {
+        let last = count.saturating_sub(1);
+        let from_centre = cells - 0.5;
+        let before = (from_centre.max(0.0) as usize).min(last.saturating_sub(1));
+        Self {
+            cells: [before, (before + 1).min(last)],
+            share: from_centre - before as f64,
+        }
     }
 }
 

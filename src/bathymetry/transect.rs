@@ -60,34 +60,24 @@ pub fn transect(
 impl Surface {
     /// Depth at a place, bilinear between the centres of the four cells about it; `None` where one of those that count is
     /// unknown, so that a gap stays a gap. In the outer half of the outermost cells it is that of their centres.
-    pub fn depth_at(&self, [east_m, north_m]: [f64; 2]) -> Option<f32> {
+    pub fn depth_at(&self, place: [f64; 2]) -> Option<f32> {
         let grid = &self.grid;
-        let (column, east_share) = between((east_m - grid.west_m) / grid.cell_m, grid.columns)?;
-        let (row, south_share) = between((grid.north_m - north_m) / grid.cell_m, grid.rows)?;
+        grid.index_at(place[0], place[1])?;
+        let [rows, columns] = grid.about(place);
+        let [down, right] = [rows, columns].map(|about| about.share.clamp(0.0, 1.0));
         let mut depth_m = 0.0;
-        for (down, row_share) in [(0, 1.0 - south_share), (1, south_share)] {
-            for (right, column_share) in [(0, 1.0 - east_share), (1, east_share)] {
+        for (row, row_share) in rows.cells.into_iter().zip([1.0 - down, down]) {
+            for (column, column_share) in columns.cells.into_iter().zip([1.0 - right, right]) {
                 let share = row_share * column_share;
                 // A hair off a centre is on it.
                 if share > 1e-9 {
-                    let index = (row + down) * grid.columns + column + right;
+                    let index = row * grid.columns + column;
                     depth_m += share * f64::from(*self.depth_m.get(index)?);
                 }
             }
         }
         depth_m.is_finite().then_some(depth_m as f32)
     }
-}
-
-/// The cell whose centre lies before `cells` from the edge, and how far on to the next one it is; `None` outside.
-fn between(cells: f64, count: usize) -> Option<(usize, f64)> {
-    if !(0.0..=count as f64).contains(&cells) {
-        return None;
-    }
-    let last = count.checked_sub(1)?;
-    let from_centre = (cells - 0.5).clamp(0.0, last as f64);
-    let before = from_centre.floor();
-    Some((before as usize, from_centre - before))
 }
 
 #[cfg(test)]

@@ -98,19 +98,10 @@ mod tests {
     use crate::calibration::{PpdReach, ScaleMode};
     use crate::cloud::DepthSettings;
     use crate::cloud::correction::SoundSpeedSettings;
-    use crate::survey::{Encoding, Order};
 
     #[test]
     fn a_range_comes_back_to_its_sample_and_a_depth_names_what_it_counts_from() {
-        let span = SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
-            offset: 0,
-            count: 1000,
-            near_m: 0.5,
-            far_m: 20.5,
-        };
+        let span = SideSpan::of_bytes(1000, [0.5, 20.5]);
         let calibration = Calibration {
             mode: ScaleMode::Header,
             reach: PpdReach::Factor,

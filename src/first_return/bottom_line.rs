@@ -76,20 +76,12 @@ fn drawn(returns: &FirstReturns, side: Side) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, SidePing};
+    use crate::survey::SidePing;
     use std::sync::Arc;
 
     #[test]
     fn edits_stay_and_what_was_not_recorded_is_searched_and_said() {
-        let span = SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
-            offset: 0,
-            count: 1000,
-            near_m: 0.0,
-            far_m: 20.0,
-        };
+        let span = SideSpan::of_bytes(1000, [0.0, 20.0]);
         let ping = |depth_m: f32, depth_locked| SidePing {
             time_s: 0.0,
             depth_m,

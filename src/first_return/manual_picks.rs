@@ -323,7 +323,7 @@ fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, SidePing, SideSpan};
+    use crate::survey::{SidePing, SideSpan};
     use std::sync::Arc;
 
     fn line(side: Side, pings: [usize; 2], range_m: f64) -> BottomEdit {
@@ -405,15 +405,7 @@ mod tests {
 
     #[test]
     fn damaged_ranges_and_edits_of_another_log_do_no_harm() {
-        let span = |near_m: f32, far_m: f32| SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
-            offset: 0,
-            count: 100,
-            near_m,
-            far_m,
-        };
+        let span = |near_m: f32, far_m: f32| SideSpan::of_bytes(100, [near_m, far_m]);
         let pings = [(0.0, 10.0), (2.0, 2.0), (f32::NAN, 5.0), (9.0, 1.0)];
         let survey = Survey {
             side_scan: Arc::new(

@@ -79,17 +79,12 @@ impl Survey {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, Side, Sounding};
+    use crate::survey::{Side, Sounding};
 
     fn span(offset: u64) -> SideSpan {
         SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
             offset,
-            count: 10,
-            near_m: 0.0,
-            far_m: 5.0,
+            ..SideSpan::of_bytes(10, [0.0, 5.0])
         }
     }
 

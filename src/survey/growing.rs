@@ -363,19 +363,14 @@ fn wider<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Bytes, Order, SidePing};
+    use crate::survey::{Bytes, SidePing};
     use std::path::PathBuf;
 
     /// A log of one record a ping: 100 bytes of header and two sides of 200 samples, the port one first.
     fn log(pings: u64) -> Survey {
         let span = |offset| SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
             offset,
-            count: 200,
-            near_m: 0.0,
-            far_m: 10.0,
+            ..SideSpan::of_bytes(200, [0.0, 10.0])
         };
         let ping = |index: u64| SidePing {
             time_s: 0.05 * index as f64,

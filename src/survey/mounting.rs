@@ -121,7 +121,7 @@ fn exchange_channel(channel: &mut Channel) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::{Encoding, Order, Side, SideSpan};
+    use crate::survey::{Side, SideSpan};
 
     #[test]
     fn an_arm_is_said_in_words() {
@@ -143,13 +143,8 @@ mod tests {
     #[test]
     fn exchanged_twice_a_log_is_as_it_was() {
         let span = |offset| SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
             offset,
-            count: 10,
-            near_m: 0.0,
-            far_m: 5.0,
+            ..SideSpan::of_bytes(10, [0.0, 5.0])
         };
         let survey = Survey {
             start_unix_s: Some(100.0),

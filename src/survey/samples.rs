@@ -64,6 +64,20 @@ pub struct SideSpan {
 }
 
 impl SideSpan {
+    /// Bytes from the near to the far one, at the start of the first file: what tests of ranges need.
+    #[cfg(test)]
+    pub(crate) fn of_bytes(count: u32, [near_m, far_m]: [f32; 2]) -> Self {
+        Self {
+            file: 0,
+            encoding: Encoding::U8,
+            order: Order::NearToFar,
+            offset: 0,
+            count,
+            near_m,
+            far_m,
+        }
+    }
+
     /// Metres of slant range that one sample covers, as the recorder states it.
     pub fn metres_per_sample(&self) -> f64 {
         f64::from(self.far_m - self.near_m) / f64::from(self.count.max(1))

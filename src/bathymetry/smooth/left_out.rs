@@ -56,6 +56,8 @@ impl Judgement {
         square_m: f64,
         progress: &Progress,
     ) -> Result<Option<Self>, Cancelled> {
+        // Rarely are all of them tried: what comes then is sooner than the progress says.
+        progress.start((GIVES.len() * FOLDS) as u64 * Plate::steps(grid));
         let mut tried: [Option<Vec<Miss>>; GIVES.len()] = Default::default();
         let mut best = FIRST;
         loop {

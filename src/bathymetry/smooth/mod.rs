@@ -40,7 +40,9 @@ pub fn bend_least(
     };
     let judged = Judgement::of(&within(MOST_CELLS_TRIED), nodes, square_m, progress)?;
     let give = judged.as_ref().map_or(USUAL_GIVE, |judged| judged.give);
-    let plate = Plate::through(&within(MOST_CELLS), nodes, give, progress)?;
+    let cells = within(MOST_CELLS);
+    progress.start(Plate::steps(&cells));
+    let plate = Plate::through(&cells, nodes, give, progress)?;
     let grid = made.grid;
     made.depth_m
         .par_iter_mut()

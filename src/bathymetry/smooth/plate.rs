@@ -6,7 +6,7 @@
 
 use crate::bathymetry::{Grid, Node};
 use crate::progress::{Cancelled, Progress};
-use crate::statistics::median;
+use crate::statistics::{SIGMA_PER_MAD, median};
 use rayon::prelude::*;
 
 /// Cells along the longer side of the grid that the work begins on.
@@ -22,8 +22,6 @@ const USUAL: f64 = 2.0;
 const REACH: usize = 2;
 /// Rows that a worker takes at least: fewer are done sooner than given away.
 const ROWS_AT_ONCE: usize = 64;
-/// Median of the size of a normal deviate.
-const MEDIAN_SIZE: f64 = 0.674_489_75;
 /// Least misfit that counts as unusual, metres: recorders write centimetres.
 const LEAST_MISFIT_M: f64 = 0.01;
 
@@ -61,8 +59,7 @@ impl Plate {
         give: f64,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let longer = grid.columns.max(grid.rows);
-        let halvings = (longer / COARSEST).max(1).ilog2();
+        let halvings = halvings(grid);
         let mean_m = nodes.iter().map(|node| node.depth_m).sum::<f64>() / nodes.len() as f64;
         let mut plate = Self::level(coarser(grid, 1 << halvings), mean_m);
         let mut weights = vec![1.0; nodes.len()];
@@ -75,6 +72,11 @@ impl Plate {
             plate.settle(nodes, &weights, give, progress)?;
         }
         Ok(plate)
+    }
+
+    /// Steps of progress that [`Plate::through`] makes.
+    pub fn steps(grid: &Grid) -> u64 {
+        u64::from(halvings(grid)) + 1 + REWEIGHTED as u64
     }
 
     /// As deep everywhere.
@@ -125,7 +127,9 @@ impl Plate {
             stiffness: (give * self.grid.cell_m).powi(-2),
             knots: knots.collect(),
         };
-        equations.solve(&mut self.depth_m, progress)
+        equations.solve(&mut self.depth_m, progress)?;
+        progress.advance(1);
+        Ok(())
     }
 
     /// What each sounding counts by how far it is missed.
@@ -133,10 +137,15 @@ impl Plate {
         let misfit_m =
             |node: &Node| (self.depth_at([node.east_m, node.north_m]) - node.depth_m).abs();
         let misfits_m: Vec<f64> = nodes.iter().map(misfit_m).collect();
-        let usual_m = (median(&mut misfits_m.clone()) / MEDIAN_SIZE).max(LEAST_MISFIT_M);
+        let usual_m = (SIGMA_PER_MAD * median(&mut misfits_m.clone())).max(LEAST_MISFIT_M);
         let weight = |misfit_m: f64| (USUAL * usual_m / misfit_m).min(1.0);
         misfits_m.into_iter().map(weight).collect()
     }
+}
+
+/// How often the grid is made coarser by half before the work begins.
+fn halvings(grid: &Grid) -> u32 {
+    (grid.columns.max(grid.rows) / COARSEST).max(1).ilog2()
 }
 
 /// The grid with cells `times` as long; its far edges may lie beyond.
@@ -150,15 +159,10 @@ pub fn coarser(grid: &Grid, times: usize) -> Grid {
 }
 
 /// The four cells whose centres lie about a place, and their bilinear shares, which continue the plane beyond the outermost centres.
-fn around(grid: &Grid, [east_m, north_m]: [f64; 2]) -> ([usize; 4], [f64; 4]) {
-    let between = |cells: f64, count: usize| {
-        let last = count.saturating_sub(1);
-        let from_centre = cells - 0.5;
-        let before = (from_centre.max(0.0) as usize).min(last.saturating_sub(1));
-        (before, (before + 1).min(last), from_centre - before as f64)
-    };
-    let (west, east, right) = between((east_m - grid.west_m) / grid.cell_m, grid.columns);
-    let (north, south, down) = between((grid.north_m - north_m) / grid.cell_m, grid.rows);
+fn around(grid: &Grid, place: [f64; 2]) -> ([usize; 4], [f64; 4]) {
+    let [rows, columns] = grid.about(place);
+    let ([north, south], [west, east]) = (rows.cells, columns.cells);
+    let (down, right) = (rows.share, columns.share);
     let cell = |row: usize, column: usize| row * grid.columns + column;
     (
         [

@@ -268,22 +268,14 @@ mod tests {
     use super::*;
     use crate::calibration::{Calibration, PpdReach, ScaleMode};
     use crate::cloud::Correction;
-    use crate::survey::{Encoding, Order, SidePing};
+    use crate::survey::SidePing;
     use crate::ui::views::waterfall::camera::{Camera, Extent, Size};
     use egui::{Rect, pos2, vec2};
     use std::sync::Arc;
 
     #[test]
     fn range_lines_stand_at_the_ranges_of_the_read_outs() {
-        let span = SideSpan {
-            file: 0,
-            encoding: Encoding::U8,
-            order: Order::NearToFar,
-            offset: 0,
-            count: 1000,
-            near_m: 0.0,
-            far_m: 20.0,
-        };
+        let span = SideSpan::of_bytes(1000, [0.0, 20.0]);
         let ping = SidePing {
             time_s: 0.0,
             depth_m: 3.0,
