@@ -9,6 +9,7 @@ import torch
 import torch.nn.functional as F
 
 from data import ABSENT, IGNORE, Chips
+from weed import Weed
 
 # Below this visible share a cut object is no longer a truth, and below the second nothing at all.
 TRUTH_SHARE, TRACE_SHARE = 0.45, 0.08
@@ -37,15 +38,18 @@ class Strength:
     law: float = 0.0
     curve: float = 0.0
     grains: float = 0.0
+    # Share of pictures with beds of weed.
+    weed: float = 0.0
 
     def calm(self) -> "Strength":
         """Nearly the data as it is: no mosaic, little change of scale and light, other recorders half as often."""
         others = (share / 2 for share in (self.smear, self.along, self.floor, self.law, self.curve, self.grains))
-        return Strength(0.0, 1.06, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others)
+        scale = 1 + (self.scale - 1) / 4
+        return Strength(0.0, scale, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others, self.weed)
 
     def of_other_recorders(self) -> "Strength":
         """The same, and the marks of other recorders: `--recorders`."""
-        return replace(self, smear=0.45, along=0.25, floor=0.25, law=0.3, curve=0.3, grains=0.35)
+        return replace(self, scale=1.45, smear=0.45, along=0.25, floor=0.25, law=0.3, curve=0.3, grains=0.35)
 
 
 class Augmenter:
@@ -71,6 +75,9 @@ class Augmenter:
     def batch(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Varied pictures `[batch, 1, side, side]` in 0..1 and their boxes `[batch, slots, 5]`."""
         images, boxes = self.compose(index)
+        if self.strength.weed:
+            overgrown = Weed(self.generator, self.device).grown(images, boxes)
+            images = torch.where(self.chance(self.strength.weed, len(images)), overgrown, images)
         return self.light(self.recorded(images)), compact(boxes)
 
     def recorded(self, x: torch.Tensor) -> torch.Tensor:
@@ -89,7 +96,9 @@ class Augmenter:
             x = torch.where(self.chance(s.floor, count), (x**2 + level**2 * noise).sqrt(), x)
         if s.law:
             strength = self.log_uniform(count, 1, 1, 1, factor=3.0) * 4
-            x = torch.where(self.chance(s.law, count), torch.log1p(x.clamp(min=0) * strength) / torch.log1p(strength), x)
+            pressed = torch.log1p(x.clamp(min=0) * strength) / torch.log1p(strength)
+            pressed = pressed * (x.mean((2, 3), keepdim=True) / pressed.mean((2, 3), keepdim=True).clamp(min=1e-6))
+            x = torch.where(self.chance(s.law, count), pressed, x)
         if s.curve:
             knots = torch.exp(self.noise(count, 1, 1, 6) * 0.25)
             curve = F.interpolate(knots, size=(1, x.shape[-1]), mode="bicubic", align_corners=True)

@@ -118,7 +118,7 @@ class Trainer:
 
 def strength_of(args) -> Strength:
     """How far pictures are varied."""
-    strength = Strength(mosaic=args.mosaic)
+    strength = Strength(mosaic=args.mosaic, weed=args.weed)
     return strength.of_other_recorders() if args.recorders else strength
 
 
@@ -279,6 +279,7 @@ def arguments() -> argparse.Namespace:
     add("--focus", type=float, default=0.0, help="with --crop and no mosaic: share of the chips with objects that are cut around one")
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--recorders", action="store_true", help="also vary what differs between recorders: smear, beam, floor, law, gain, speckle")
+    add("--weed", type=float, default=0.0, help="share of pictures with beds of water weed laid over them, which are no objects")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
     add("--state", type=Path, help="checkpoint file to keep and to go on from")
