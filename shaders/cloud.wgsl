@@ -6,7 +6,8 @@ struct View {
     // Size of the picture in pixels.
     size_px: vec2f,
     radius_px: f32,
-    padding: f32,
+    // By this share of their distance the points count as nearer than they are.
+    nearer: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -32,7 +33,8 @@ fn vertex(@builtin(vertex_index) index: u32, point: Point) -> Corner {
     let centre = view.clip_from_world * vec4f(point.place_m, 1.0);
     let offset = within * view.radius_px * 2.0 / view.size_px * centre.w;
     var corner: Corner;
-    corner.clip = vec4f(centre.xy + offset, centre.zw);
+    // Reverse-Z: the depth falls with the distance.
+    corner.clip = vec4f(centre.xy + offset, centre.z * (1.0 + view.nearer), centre.w);
     corner.within = within;
     corner.colour = point.colour;
     return corner;

@@ -89,6 +89,11 @@ actions! {
     TopView, "3D: from above", Some("7"), "Looks down on the cloud.";
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
     NextCloudColour, "3D: next colours", Some("Shift+C"), "Colours the points by side, depth, echo level, slant range, and by log where there are several.";
+    Bottom3d, "3D: bottom on or off", Some("Shift+V"), "Shows or hides the depth map as a lit body in 3D.";
+    NextBottomColour, "3D: next colours of the bottom", Some("Shift+M"), "Colours the bottom in 3D by depth, by the mosaic, by uncertainty, and by the distance to the nearest depth.";
+    BottomIsobaths, "3D: isobaths on or off", None, "Shows or hides lines of equal depth on the bottom in 3D.";
+    TurnLight, "3D: turn the light", Some("Shift+L"), "Lets the light on the bottom come from an eighth of a turn farther clockwise.";
+    Points3d, "3D: points on or off", Some("Shift+P"), "Shows or hides the points in 3D.";
     LevelsReset, "Reset waterfall levels", None, "Puts gain, filters and levels of this log's waterfall back.";
     GainNormalised, "Gain normalised or as recorded", Some("Y"), "Divides the levels of the waterfall by the log's own mean at their range and angle, or shows them as recorded.";
     StripeFilter, "Stripe filter on or off", None, "Brings pings of the waterfall that are brighter or darker than those about them to their level.";

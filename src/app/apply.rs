@@ -328,6 +328,17 @@ impl App {
                 let has_several = self.log_count() > 1;
                 self.options.cloud.colour = self.options.cloud.colour.next(has_several);
             }
+            Action::Bottom3d => self.options.cloud.bottom = !self.options.cloud.bottom,
+            Action::NextBottomColour => {
+                let cloud = &mut self.options.cloud;
+                // What is not shown is shown as it was.
+                if std::mem::replace(&mut cloud.bottom, true) {
+                    cloud.bottom_colour = cloud.bottom_colour.next();
+                }
+            }
+            Action::BottomIsobaths => self.options.cloud.isobaths = !self.options.cloud.isobaths,
+            Action::TurnLight => self.options.cloud.turn_light(),
+            Action::Points3d => self.options.cloud.points = !self.options.cloud.points,
             Action::Theme => {
                 self.options.theme = match self.options.theme {
                     ThemeChoice::Dark => ThemeChoice::Light,

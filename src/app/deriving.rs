@@ -2,18 +2,21 @@
 //! and what the waterfall of the shown log is drawn with.
 
 use super::{App, LogId, MapLayer};
-use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels, evenly_apart_m};
 use crate::cloud::PointScales;
 use crate::picture::{Histogram, LogPicture, Tone};
 use crate::pipeline::{
-    Background, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic, MosaicKey,
-    MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
+    Background, Bottom, BottomKey, DepthMap, DepthMapKey, Derived, IsobathKey, Isobaths, Mosaic,
+    MosaicKey, MosaicPlane, PictureKey, ProcessedLog, Same, colour_range_m,
 };
 use crate::presentation::units::LengthUnit;
 use std::sync::Arc;
 
 /// Layers that are drawn from the depth map.
 const FROM_DEPTH_MAP: [MapLayer; 3] = [MapLayer::DepthMap, MapLayer::HillShade, MapLayer::Isobaths];
+
+/// Most corners of the bottom in 3D: more than a screen has pixels, and some 90 MB on the GPU.
+const BOTTOM_CORNERS: usize = 4_000_000;
 
 /// Isobaths as they are drawn.
 pub struct DrawnIsobaths {
@@ -35,6 +38,7 @@ pub(super) struct Deriving {
     depth_map: Background<DepthMapKey, Option<Arc<DepthMap>>>,
     isobaths: Background<(IsobathKey, LengthUnit), Arc<DrawnIsobaths>>,
     mosaic: Background<MosaicKey, Option<Arc<Mosaic>>>,
+    bottom: Background<BottomKey, Option<Arc<Bottom>>>,
     picture: Background<PictureKey, (LogId, Arc<LogPicture>)>,
     histogram: Option<CountedLevels>,
 }
@@ -51,6 +55,7 @@ impl Deriving {
         self.depth_map.is_running()
             || self.isobaths.is_running()
             || self.mosaic.is_running()
+            || self.bottom.is_running()
             || self.picture.is_running()
     }
 
@@ -83,6 +88,9 @@ impl App {
         }
         if isobaths {
             self.derive_isobaths(&logs);
+        }
+        if self.options.cloud.bottom {
+            self.derive_bottom(&logs);
         }
     }
 
@@ -189,6 +197,19 @@ impl App {
             });
     }
 
+    fn derive_bottom(&mut self, logs: &[ProcessedLog]) {
+        let Some(depth_map) = self.deriving.depth_map.result().cloned().flatten() else {
+            self.deriving.bottom = Background::default();
+            return;
+        };
+        let colour = self.options.cloud.bottom_colour;
+        let key = BottomKey::of(&depth_map, logs, colour, BOTTOM_CORNERS);
+        let (results, of) = (self.deriving.results.clone(), logs.to_vec());
+        self.deriving.bottom.ask(key, &self.jobs, move |progress| {
+            results.bottom(&of, colour, BOTTOM_CORNERS, progress).ok()
+        });
+    }
+
     fn derive_mosaic(&mut self, logs: &[ProcessedLog]) {
         let (results, of) = (self.deriving.results.clone(), logs.to_vec());
         let key = MosaicKey::of(logs, MosaicPlane::Survey);
@@ -217,7 +238,9 @@ impl App {
     pub fn needs_depth_map(&self) -> bool {
         let layers = &self.options.map.layers;
         let shows = |layer: &MapLayer| layers.is_visible(*layer);
-        FROM_DEPTH_MAP.iter().any(shows) || self.measuring.shows_profile()
+        FROM_DEPTH_MAP.iter().any(shows)
+            || self.measuring.shows_profile()
+            || self.options.cloud.bottom
     }
 
     /// The isobaths as they were made last.
@@ -230,6 +253,22 @@ impl App {
         self.deriving.mosaic.result().map(Option::as_ref)
     }
 
+    /// The bottom as a body, as it was made last; `None` where there is none, or it is not shown.
+    pub fn bottom(&self) -> Option<&Arc<Bottom>> {
+        let is_shown = self.options.cloud.bottom;
+        self.deriving.bottom.result().filter(|_| is_shown)?.as_ref()
+    }
+
+    /// Metres from one isobath on the bottom in 3D to the next, and the depth of one of them; `None` where none are shown, and where the
+    /// settings name depths that are not equally far apart.
+    pub fn bottom_isobaths_m(&self) -> Option<[f32; 2]> {
+        let bottom = self.bottom().filter(|_| self.options.cloud.isobaths)?;
+        let settings = &self.log.settings.isobaths;
+        let settings = settings.round_in(self.options.units.length.metres(), bottom.range_m);
+        let levels_m = settings.levels_m(bottom.range_m).ok()?;
+        evenly_apart_m(&levels_m).map(|metres| metres.map(|metres| metres as f32))
+    }
+
     /// What is being made of all logs, in words.
     pub fn deriving(&self) -> impl Iterator<Item = &'static str> {
         let jobs = [
@@ -239,6 +278,7 @@ impl App {
                 self.deriving.mosaic.is_running(),
                 "normalising the mosaic's gain",
             ),
+            (self.deriving.bottom.is_running(), "making the bottom in 3D"),
             (
                 // While a log is followed, that is done with every few pings.
                 self.deriving.picture.is_running() && self.log.whole.is_none(),

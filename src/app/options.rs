@@ -4,6 +4,7 @@ use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
 use crate::picture::Geometry;
+use crate::pipeline::BottomColour;
 use crate::presentation::units::Units;
 use crate::survey::ChannelKind;
 use serde::{Deserialize, Serialize};
@@ -311,6 +312,23 @@ pub struct CloudOptions {
     pub outlier_preview: bool,
     /// Draw the boxes of objects.
     pub boxes: bool,
+    /// Draw the points.
+    pub points: bool,
+    /// Draw the bottom: the depth map as a body.
+    pub bottom: bool,
+    /// What the colours of the bottom say.
+    pub bottom_colour: BottomColour,
+    /// Draw lines of equal depth on the bottom.
+    pub isobaths: bool,
+    /// Where the light on the bottom comes from: degrees clockwise from north, and over the horizon.
+    pub light_deg: [f32; 2],
+}
+
+impl CloudOptions {
+    /// The light comes from an eighth of a turn farther clockwise.
+    pub fn turn_light(&mut self) {
+        self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
+    }
 }
 
 impl Default for CloudOptions {
@@ -321,6 +339,12 @@ impl Default for CloudOptions {
             point_size: 3.0,
             outlier_preview: false,
             boxes: true,
+            points: true,
+            bottom: true,
+            bottom_colour: BottomColour::default(),
+            isobaths: true,
+            // As the hill-shade of the map: from below, hills would be taken for hollows.
+            light_deg: [315.0, 45.0],
         }
     }
 }

@@ -73,6 +73,26 @@ impl Grid {
         Some(row * self.columns + column)
     }
 
+    /// The grid with cells `times` as long; its far edges may lie beyond.
+    #[must_use]
+    pub fn coarser(&self, times: usize) -> Self {
+        Self {
+            cell_m: self.cell_m * times as f64,
+            columns: self.columns.div_ceil(times),
+            rows: self.rows.div_ceil(times),
+            ..*self
+        }
+    }
+
+    /// The least factor on the cell with which there are no more cells than this.
+    pub fn times_coarser(&self, most: usize) -> usize {
+        let mut times = 1;
+        while self.coarser(times).len() > most.max(1) {
+            times += 1;
+        }
+        times
+    }
+
     /// Rows and columns before and behind a place, and how far on from the centre of the first to that of the second it is: below 0 and
     /// above 1 beyond the outermost centres. Rows count from the north.
     pub fn about(&self, [east_m, north_m]: [f64; 2]) -> [CentresAbout; 2] {

@@ -4,8 +4,9 @@
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
-//! along a line.
+//! along a line; `coarser` gives it larger cells.
 
+mod coarser;
 pub mod compare;
 pub mod crosslines;
 mod grid;

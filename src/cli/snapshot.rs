@@ -8,6 +8,7 @@ use crate::app::{
 };
 use crate::calibration::PingRange;
 use crate::geo::CoordinateFormat;
+use crate::pipeline::BottomColour;
 use crate::progress::Progress;
 use crate::ui::{
     Alone, Shell,
@@ -49,6 +50,9 @@ pub struct SnapshotArgs {
     /// What the colours of the 3D points say
     #[arg(long, value_enum, default_value_t)]
     colours: CloudColour,
+    /// What the colours of the bottom in 3D say; `none` leaves it out
+    #[arg(long, value_enum, default_value_t)]
+    bottom: ShownBottom,
     /// GeoTIFF of your own to lie under the map
     #[arg(long, value_name = "FILE.tif")]
     base_map: Option<PathBuf>,
@@ -84,6 +88,34 @@ enum Picture {
 enum Theme {
     Dark,
     Light,
+}
+
+/// The bottom in 3D.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+enum ShownBottom {
+    /// Depth
+    #[default]
+    Depth,
+    /// How strong the side-scan's echo is
+    Mosaic,
+    /// What the depth is worth
+    Uncertainty,
+    /// Distance to the nearest depth
+    Distance,
+    /// No bottom: the points alone
+    None,
+}
+
+impl ShownBottom {
+    fn colour(self) -> Option<BottomColour> {
+        match self {
+            Self::Depth => Some(BottomColour::Depth),
+            Self::Mosaic => Some(BottomColour::Mosaic),
+            Self::Uncertainty => Some(BottomColour::Uncertainty),
+            Self::Distance => Some(BottomColour::Distance),
+            Self::None => None,
+        }
+    }
 }
 
 /// How positions are written.
@@ -168,6 +200,9 @@ fn show_as(options: &mut ViewOptions, args: &SnapshotArgs) {
         Coordinates::Utm => CoordinateFormat::Utm,
     };
     options.cloud.colour = args.colours;
+    let bottom = args.bottom.colour();
+    options.cloud.bottom = bottom.is_some();
+    options.cloud.bottom_colour = bottom.unwrap_or_default();
     if let Some(layers) = &args.layers {
         for layer in MapLayer::ALL {
             let stack = &mut options.map.layers;

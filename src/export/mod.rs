@@ -21,6 +21,7 @@ mod first_returns;
 mod footprint;
 mod geojson;
 mod geotiff;
+mod glb;
 mod gps_time;
 mod isobaths;
 mod log_points;
@@ -51,6 +52,7 @@ pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
 pub use first_returns::first_returns_csv;
 pub use footprint::footprint_geojson;
 pub use geotiff::{RasterError, geotiff};
+pub use glb::{TexturedMesh, glb};
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use log_points::LogPoints;
 pub use objects::{

@@ -16,6 +16,8 @@ pub enum Product {
     Depth,
     /// The depth map as text.
     Xyz,
+    /// The depth map as a body for 3D programs.
+    Bottom,
     /// Lines of equal depth, the areas between them and what lies below each.
     Isobaths,
     /// The side-scan mosaic.
@@ -28,11 +30,12 @@ pub enum Product {
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 8] = [
+    pub const ALL: [Product; 9] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
         Product::Xyz,
+        Product::Bottom,
         Product::Isobaths,
         Product::Mosaic,
         Product::Residuals,
@@ -46,6 +49,7 @@ impl Product {
             Product::Track => "track",
             Product::Depth => "depth",
             Product::Xyz => "xyz",
+            Product::Bottom => "bottom",
             Product::Isobaths => "isobaths",
             Product::Mosaic => "mosaic",
             Product::Residuals => "residuals",

@@ -136,6 +136,7 @@ const NOT_OF_TRACK: &[&str] = &[
 ];
 const NOT_OF_FOOTPRINT: &[&str] = &["cloud", "detector", "isobaths", "outliers", "surface"];
 const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic"];
+const NOT_OF_BODY: &[&str] = &["detector", "isobaths"];
 const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic"];
 const NOT_OF_MOSAIC: &[&str] = &[
     "cloud",
@@ -277,7 +278,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 32] = [
+pub const OUTPUT_FILES: [OutputFile; 33] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -391,6 +392,18 @@ pub const OUTPUT_FILES: [OutputFile; 32] = [
             "depth_m",
             "cells of the depth map as plain text",
             Writer::Results(depth::cells::write),
+        )
+    },
+    OutputFile {
+        when: When::Chosen(Product::Bottom),
+        regardless_of: NOT_OF_BODY,
+        ..raster(
+            "depth/bottom.glb",
+            &[],
+            "The depth map as a mesh with its colours and the mosaic as pictures (glTF 2.0: y up, metres)",
+            "depth_m",
+            "the bottom for 3D programs",
+            Writer::Results(depth::body::write),
         )
     },
     contours(

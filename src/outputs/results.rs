@@ -12,8 +12,9 @@ use crate::geo::LonLat;
 use crate::mosaic::{Layout, footprint};
 use crate::outputs::OutputError;
 use crate::pipeline::{
-    Agreement, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic, MosaicPlane,
-    NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines, mosaic_layout,
+    Agreement, Bottom, BottomColour, Contours, Crosslines, DepthMap, Input, Isobaths, Mosaic,
+    MosaicPlane, NamedComparison, Plane, ProcessedLog, Products, comparisons, crosslines,
+    mosaic_layout,
 };
 use crate::progress::Progress;
 use crate::survey::Survey;
@@ -235,6 +236,17 @@ impl<'a> Results<'a> {
     /// Its depths.
     pub fn surface(&self) -> Result<Option<&Surface>, OutputError> {
         Ok(self.depth_map()?.map(|depth_map| &depth_map.surface))
+    }
+
+    /// The bottom with so many corners at most; `None` where there is no depth map.
+    pub fn bottom(
+        &self,
+        colour: BottomColour,
+        most_corners: usize,
+    ) -> Result<Option<Arc<Bottom>>, OutputError> {
+        let (derived, logs) = (self.order.derived, self.order.logs);
+        let made = derived.bottom(logs, colour, most_corners, self.progress);
+        made.map_err(OutputError::from)
     }
 
     /// The isobaths; why there are none.

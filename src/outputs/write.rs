@@ -239,9 +239,13 @@ fn step(when: When) -> &'static str {
         When::Chosen(Product::Track) => "track",
         When::Chosen(Product::Mosaic) => "mosaic",
         When::Chosen(Product::Report) => "report",
-        When::Chosen(Product::Depth | Product::Xyz | Product::Isobaths | Product::Residuals) => {
-            "depths"
-        }
+        When::Chosen(
+            Product::Depth
+            | Product::Xyz
+            | Product::Bottom
+            | Product::Isobaths
+            | Product::Residuals,
+        ) => "depths",
         When::Compared => "comparing",
         When::Searched => "objects",
     }

@@ -33,8 +33,8 @@ pub use depth::{
     joint_depth_surface,
 };
 pub use derived::{
-    DepthMap, DepthMapKey, Derived, FINEST, IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane,
-    PictureKey,
+    Bottom, BottomColour, BottomCorner, BottomKey, DepthMap, DepthMapKey, Derived, FINEST,
+    IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
 };
 pub use engine::{Engine, EngineStatus};
 pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};

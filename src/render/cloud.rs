@@ -1,7 +1,7 @@
-//! Draws points into a [`Target`].
+//! Draws points in a pass of a [`Target`].
 
 use super::Uploader;
-use super::target::{PipelineParts, Target, quad_pipeline, uniform};
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
@@ -22,7 +22,7 @@ struct ViewUniform {
     clip_from_world: Mat4,
     size_px: [f32; 2],
     radius_px: f32,
-    padding: f32,
+    nearer: f32,
 }
 
 /// Points a buffer holds: 64 MB, a quarter of what every device grants.
@@ -42,7 +42,8 @@ impl CloudBuffers {
     ) -> Self {
         let upload = |start: usize| {
             let held = POINTS_A_BUFFER.min(count - start);
-            let buffer = uploader.buffer("points", held, points.by_ref());
+            let buffer =
+                uploader.buffer("points", wgpu::BufferUsages::VERTEX, held, points.by_ref());
             (buffer, held as u32)
         };
         Self {
@@ -60,6 +61,8 @@ pub struct CloudDraw {
     pub radius_px: f32,
     /// The first so many points are drawn.
     pub count: usize,
+    /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
+    pub nearer: f32,
 }
 
 /// The pipeline for points, with the uniforms of one view.
@@ -72,17 +75,18 @@ pub struct CloudRenderer {
 impl CloudRenderer {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let (pipeline, layout) = quad_pipeline(
+        let (pipeline, layout) = offscreen_pipeline(
             device,
             PipelineParts {
                 label: "cloud",
                 shader: include_str!("../../shaders/cloud.wgsl"),
-                instances: &[Some(wgpu::VertexBufferLayout {
+                buffers: &[Some(wgpu::VertexBufferLayout {
                     array_stride: size_of::<PointVertex>() as u64,
                     step_mode: wgpu::VertexStepMode::Instance,
                     attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4],
                 })],
                 blend: None,
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
                 writes_depth: true,
             },
         );
@@ -94,12 +98,12 @@ impl CloudRenderer {
         }
     }
 
-    /// Draws the points into the target.
+    /// Draws the points in a pass of the target.
     pub fn draw(
         &self,
-        device: &wgpu::Device,
         queue: &wgpu::Queue,
         target: &Target,
+        pass: &mut wgpu::RenderPass<'_>,
         points: &CloudBuffers,
         draw: &CloudDraw,
     ) {
@@ -107,23 +111,18 @@ impl CloudRenderer {
             clip_from_world: draw.clip_from_world,
             size_px: target.size_px().map(|side| side as f32),
             radius_px: draw.radius_px,
-            padding: 0.0,
+            nearer: draw.nearer,
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
-        let mut encoder = device.create_command_encoder(&Default::default());
-        {
-            let mut pass = target.begin(&mut encoder);
-            pass.set_pipeline(&self.pipeline);
-            pass.set_bind_group(0, &self.group, &[]);
-            let mut left = draw.count;
-            for (buffer, count) in &points.buffers {
-                let drawn = left.min(*count as usize);
-                pass.set_vertex_buffer(0, buffer.slice(..));
-                pass.draw(0..4, 0..drawn as u32);
-                left -= drawn;
-            }
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.group, &[]);
+        let mut left = draw.count;
+        for (buffer, count) in &points.buffers {
+            let drawn = left.min(*count as usize);
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..4, 0..drawn as u32);
+            left -= drawn;
         }
-        queue.submit([encoder.finish()]);
     }
 }
 
@@ -141,7 +140,7 @@ mod tests {
             offset_of!(ViewUniform, clip_from_world),
             offset_of!(ViewUniform, size_px),
             offset_of!(ViewUniform, radius_px),
-            offset_of!(ViewUniform, padding),
+            offset_of!(ViewUniform, nearer),
         ];
         assert_eq!(offsets, ours.map(|offset| offset as u32));
     }

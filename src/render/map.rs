@@ -2,7 +2,7 @@
 
 use super::Uploader;
 use super::lod::Vertex;
-use super::target::{PipelineParts, Target, quad_pipeline, uniform};
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
@@ -32,8 +32,14 @@ impl TrackBuffers {
     /// Uploads one more level, coarser than those before. One that no buffer can hold is left out.
     pub fn add(&mut self, uploader: &Uploader, vertices: &[Vertex]) {
         let fits = size_of_val(vertices) as u64 <= uploader.most_bytes();
-        let buffer = (vertices.len() > 1 && fits)
-            .then(|| uploader.buffer("track", vertices.len(), vertices.iter().copied()));
+        let buffer = (vertices.len() > 1 && fits).then(|| {
+            uploader.buffer(
+                "track",
+                wgpu::BufferUsages::VERTEX,
+                vertices.len(),
+                vertices.iter().copied(),
+            )
+        });
         self.levels.push(buffer);
     }
 }
@@ -60,13 +66,13 @@ pub struct LineRenderer {
 impl LineRenderer {
     /// Builds the pipeline.
     pub fn new(device: &wgpu::Device) -> Self {
-        let (pipeline, layout) = quad_pipeline(
+        let (pipeline, layout) = offscreen_pipeline(
             device,
             PipelineParts {
                 label: "track",
                 shader: include_str!("../../shaders/track.wgsl"),
                 // The same vertices twice, one apart: a segment goes from each to the next.
-                instances: &[
+                buffers: &[
                     Some(vertices(
                         &wgpu::vertex_attr_array![0 => Float32x2, 2 => Unorm8x4],
                     )),
@@ -75,6 +81,7 @@ impl LineRenderer {
                     )),
                 ],
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                topology: wgpu::PrimitiveTopology::TriangleStrip,
                 writes_depth: false,
             },
         );

@@ -1,8 +1,9 @@
 //! wgpu only: slices and matrices in, pictures out. Knows no survey and no widget.
 //!
-//! `cloud` draws points and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
+//! `cloud` draws points, `bottom` a mesh and `map` lines into an offscreen `target`, `waterfall` draws tiles into a pass of the window;
 //! `upload` fills buffers, `camera` orbits, `lod` thins long lines.
 
+mod bottom;
 mod camera;
 mod cloud;
 mod lod;
@@ -11,6 +12,9 @@ mod target;
 mod upload;
 pub mod waterfall;
 
+pub use bottom::{
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, towards_light,
+};
 pub use camera::{Direction, OrbitCamera, Projection};
 pub use cloud::{CloudBuffers, CloudDraw, CloudRenderer, PointVertex};
 pub use lod::{LineLevel, LinePyramid, Specks, Vertex};

@@ -82,7 +82,10 @@ fn texture(
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        // A picture may be read back, too.
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC,
         view_formats: &[],
     });
     texture.create_view(&wgpu::TextureViewDescriptor::default())
@@ -92,13 +95,14 @@ fn texture(
 pub(super) struct PipelineParts<'a> {
     pub label: &'static str,
     pub shader: &'a str,
-    pub instances: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    pub topology: wgpu::PrimitiveTopology,
     pub blend: Option<wgpu::BlendState>,
     pub writes_depth: bool,
 }
 
-/// A pipeline that draws instanced quads into a [`Target`], with one uniform buffer at group 0, binding 0.
-pub(super) fn quad_pipeline(
+/// A pipeline that draws into a [`Target`], with one uniform buffer at group 0, binding 0.
+pub(super) fn offscreen_pipeline(
     device: &wgpu::Device,
     parts: PipelineParts<'_>,
 ) -> (wgpu::RenderPipeline, wgpu::BindGroupLayout) {
@@ -136,7 +140,7 @@ pub(super) fn quad_pipeline(
             module: &shader,
             entry_point: Some("vertex"),
             compilation_options: Default::default(),
-            buffers: parts.instances,
+            buffers: parts.buffers,
         },
         fragment: Some(wgpu::FragmentState {
             module: &shader,
@@ -149,7 +153,7 @@ pub(super) fn quad_pipeline(
             })],
         }),
         primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            topology: parts.topology,
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {

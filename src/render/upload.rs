@@ -21,17 +21,18 @@ impl Uploader {
         }
     }
 
-    /// A buffer with the first `count` of the vertices. Vertices that are missing are zeros.
+    /// A buffer with the first `count` of the vertices, or of numbers of vertices. Those that are missing are zeros.
     pub(super) fn buffer<T: Pod>(
         &self,
         label: &str,
+        usage: wgpu::BufferUsages,
         count: usize,
         vertices: impl Iterator<Item = T>,
     ) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size: (count * size_of::<T>()) as u64,
-            usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+            usage: usage | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         let mut vertices = vertices.take(count);

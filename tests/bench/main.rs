@@ -4,6 +4,7 @@
 //! absolute times of one machine prove nothing on another.
 
 mod accuracy;
+mod bottom;
 mod confidence;
 mod decode;
 mod detector;
@@ -42,6 +43,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("products", products::run),
     ("surface", surface::run),
     ("waterfall", waterfall::run),
+    ("bottom", bottom::run),
     ("map", map::run),
     ("accuracy", accuracy::run),
     ("confidence", confidence::run),

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import clouds
+import meshes
 import rasters
 import tables
 import vectors
@@ -39,6 +40,7 @@ def check(folder):
     points = tables.check(folder, report, made)
     clouds.check(folder, made, points)
     rasters.check(folder, made, points)
+    meshes.check(folder, made)
     vectors.check(folder, made, points)
     tables.check_found(folder, made)
     return len(made)

@@ -4,6 +4,7 @@
 import hashlib
 import json
 import shutil
+import struct
 import sys
 import tempfile
 from pathlib import Path
@@ -78,6 +79,16 @@ def darken(folder):
         raster.write(values, 1)
 
 
+def raise_a_corner(folder):
+    """Takes the first corner of the bottom up by a centimetre."""
+    path = folder / "depth/bottom.glb"
+    content = bytearray(path.read_bytes())
+    at = 20 + int.from_bytes(content[12:16], "little") + 8 + 4
+    (up,) = struct.unpack_from("<f", content, at)
+    struct.pack_into("<f", content, at, up + 0.01)
+    path.write_bytes(content)
+
+
 def other_zone(folder):
     path = folder / "isobaths/isobaths.prj"
     path.write_text(path.read_text().replace("-81", "-87"))
@@ -94,6 +105,7 @@ SPOILERS = {
     "a map 10 cm too deep": hashed(deepen, "depth/depth.tif"),
     "a mosaic that is darker than it says": hashed(darken, "mosaic/mosaic.tif"),
     "overviews at the end of the file": hashed(append_overviews, "mosaic/mosaic.tif"),
+    "a corner of the bottom a centimetre too high": hashed(raise_a_corner, "depth/bottom.glb"),
     "another zone": hashed(other_zone, "isobaths/isobaths.prj"),
     "a line too few": hashed(edit("track/track.geojson", lambda lines: lines["features"].pop()), "track/track.geojson"),
     "an isobath of another depth": hashed(

@@ -5,6 +5,7 @@ mod architecture;
 mod base_map;
 mod bathymetry;
 mod bottom;
+mod bottom_3d;
 mod bottom_line;
 mod calibration;
 mod calm_window;

@@ -334,7 +334,7 @@ fn the_views_name_what_they_show_and_look_as_they_did() {
     map.snapshot("map");
 
     let mut cloud = open(Room::cloud());
-    cloud.get_by_label("3D point cloud, 2 121 points, 31 removed (2.1 %)");
+    cloud.get_by_label("3D point cloud, 2 121 points, 31 removed (2.1 %), bottom by depth");
     cloud.snapshot("cloud");
 
     let mut room = Room::cloud();

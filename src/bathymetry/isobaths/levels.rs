@@ -33,6 +33,16 @@ pub struct TooManyLevels {
     most_m: f64,
 }
 
+/// Metres from one of some rising depths to the next, and the first of them; `None` where they are not equally far apart, and of none.
+pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
+    const ALONE_M: f64 = 1e6;
+    let first_m = *levels_m.first()?;
+    let apart_m = levels_m.get(1).map_or(ALONE_M, |next_m| next_m - first_m);
+    let mut steps = levels_m.windows(2).map(|pair| pair[1] - pair[0]);
+    let is_even = steps.all(|step_m| (step_m - apart_m).abs() < 1e-6 * apart_m.abs().max(1.0));
+    is_even.then_some([apart_m, first_m])
+}
+
 impl IsobathSettings {
     /// The same with an interval that is round in a unit of so many metres, where it is left to the depths between two.
     pub fn round_in(&self, unit_m: f64, [least_m, most_m]: [f64; 2]) -> Self {

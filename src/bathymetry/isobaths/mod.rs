@@ -11,7 +11,7 @@ mod smooth;
 mod storage;
 
 pub use areas::{DepthArea, Polygon, depth_areas, polygons};
-pub use levels::{IsobathSettings, TooManyLevels};
+pub use levels::{IsobathSettings, TooManyLevels, evenly_apart_m};
 pub use lines::{Isobath, isobaths};
 pub use smooth::smoothed;
 pub use storage::{Storage, storage};

@@ -8,7 +8,7 @@ mod plate;
 use super::{Node, Surface};
 use crate::progress::{Cancelled, Progress};
 use left_out::Judgement;
-use plate::{Plate, coarser};
+use plate::Plate;
 use rayon::prelude::*;
 
 /// Most cells of a plate, and of those that its stiffness is tried on: on a larger map the cells are larger.
@@ -31,13 +31,7 @@ pub fn bend_least(
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let square_m = 2.0 * usual_distance_m(made).max(2.0 * made.grid.cell_m);
-    let within = |most: usize| {
-        let mut times = 1;
-        while coarser(&made.grid, times).len() > most {
-            times += 1;
-        }
-        coarser(&made.grid, times)
-    };
+    let within = |most: usize| made.grid.coarser(made.grid.times_coarser(most));
     let judged = Judgement::of(&within(MOST_CELLS_TRIED), nodes, square_m, progress)?;
     let give = judged.as_ref().map_or(USUAL_GIVE, |judged| judged.give);
     let cells = within(MOST_CELLS);

@@ -61,10 +61,10 @@ impl Plate {
     ) -> Result<Self, Cancelled> {
         let halvings = halvings(grid);
         let mean_m = nodes.iter().map(|node| node.depth_m).sum::<f64>() / nodes.len() as f64;
-        let mut plate = Self::level(coarser(grid, 1 << halvings), mean_m);
+        let mut plate = Self::level(grid.coarser(1 << halvings), mean_m);
         let mut weights = vec![1.0; nodes.len()];
         for halving in (0..=halvings).rev() {
-            plate = plate.on(coarser(grid, 1 << halving));
+            plate = plate.on(grid.coarser(1 << halving));
             plate.settle(nodes, &weights, give, progress)?;
         }
         for _ in 0..REWEIGHTED {
@@ -146,16 +146,6 @@ impl Plate {
 /// How often the grid is made coarser by half before the work begins.
 fn halvings(grid: &Grid) -> u32 {
     (grid.columns.max(grid.rows) / COARSEST).max(1).ilog2()
-}
-
-/// The grid with cells `times` as long; its far edges may lie beyond.
-pub fn coarser(grid: &Grid, times: usize) -> Grid {
-    Grid {
-        cell_m: grid.cell_m * times as f64,
-        columns: grid.columns.div_ceil(times),
-        rows: grid.rows.div_ceil(times),
-        ..*grid
-    }
 }
 
 /// The four cells whose centres lie about a place, and their bilinear shares, which continue the plane beyond the outermost centres.

@@ -1,6 +1,7 @@
-//! Writes what the depths give: the map and its uncertainty as rasters and text, isobaths and depth areas, storage. All in the system
+//! Writes what the depths give: the map and its uncertainty as rasters and text, the bottom as a body, isobaths and depth areas, storage. All in the system
 //! that `crs` names.
 
+pub mod body;
 pub mod cells;
 pub mod contours;
 pub mod rasters;

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! results of the logs --surface--> DepthMap (with its hill-shade) --lines--> Isobaths
+//!                     |                                     '--colours--> Bottom
 //!                     --layout--> GainTable of each log --> Mosaic
 //!                                                       '--> LogPicture
 //! ```
@@ -9,6 +10,7 @@
 //! [`Derived`] has one node for each: of the same results and settings it makes nothing twice, whoever asks, the map on the screen, the
 //! files or the report. Nobody else makes one.
 
+mod bottom;
 mod depth_map;
 mod gain;
 mod isobaths;
@@ -16,6 +18,7 @@ mod mosaic;
 mod node;
 mod picture;
 
+pub use bottom::{Bottom, BottomColour, BottomCorner, BottomKey};
 pub use depth_map::{DepthMap, DepthMapKey};
 pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
@@ -40,6 +43,7 @@ pub struct Derived {
     gain: Node<GainKey, Option<Arc<GainTable>>>,
     mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
     picture: Node<PictureKey, Arc<LogPicture>>,
+    bottom: Node<BottomKey, Arc<Bottom>>,
 }
 
 impl Default for Derived {
@@ -49,6 +53,7 @@ impl Default for Derived {
             isobaths: Node::keeping(1),
             gain: Node::keeping(GAIN_TABLES),
             picture: Node::keeping(2),
+            bottom: Node::keeping(1),
             // In the plane of the survey on the screen, in that of the map in files.
             mosaic: Node::keeping(2),
         }
@@ -89,6 +94,28 @@ impl Derived {
             let made = Isobaths::new(depth_map, levels_m, progress)?;
             Ok(Ok(Arc::new(made)))
         })
+    }
+
+    /// The bottom as a body of so many corners at most; `None` where the depths span no surface.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn bottom(
+        &self,
+        logs: &[ProcessedLog],
+        colour: BottomColour,
+        most_corners: usize,
+        progress: &Progress,
+    ) -> Result<Option<Arc<Bottom>>, Cancelled> {
+        let Some(depth_map) = self.depth_map(logs, progress)? else {
+            return Ok(None);
+        };
+        let key = BottomKey::of(&depth_map, logs, colour, most_corners);
+        let made = self.bottom.get(key, progress, || {
+            let made = Bottom::new(self, &depth_map, logs, colour, most_corners, progress)?;
+            Ok(Arc::new(made))
+        })?;
+        Ok(Some(made))
     }
 
     /// The mosaic of some logs in a plane; `None` where nothing is shown.

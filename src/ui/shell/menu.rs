@@ -4,6 +4,7 @@ use super::sides::SidePanel;
 use super::{levels, map_layers, swipe};
 use crate::app::{Action, CloudColour, ColourMap, Command, SideColours, ThemeChoice};
 use crate::geo::CoordinateFormat;
+use crate::pipeline::BottomColour;
 use crate::presentation::units::{LengthUnit, SpeedUnit};
 use crate::ui::ViewContext;
 use egui::{Button, Ui};
@@ -52,6 +53,11 @@ const CAMERAS: &[Action] = &[
     Action::TopView,
     Action::SideView,
     Action::NextCloudColour,
+    Action::Points3d,
+    Action::Bottom3d,
+    Action::NextBottomColour,
+    Action::BottomIsobaths,
+    Action::TurnLight,
 ];
 const STEPS: &[Action] = &[
     Action::PreviousPing,
@@ -293,6 +299,14 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
             ui.radio_value(&mut options.cloud.colour, colour, name);
         }
         ui.separator();
+        ui.checkbox(&mut options.cloud.bottom, "Bottom");
+        for colour in BottomColour::ALL {
+            let name = format!("bottom by {}", colour.name());
+            ui.radio_value(&mut options.cloud.bottom_colour, colour, name);
+        }
+        ui.checkbox(&mut options.cloud.isobaths, "Isobaths on the bottom");
+        ui.separator();
+        ui.checkbox(&mut options.cloud.points, "Points");
         ui.checkbox(&mut options.cloud.outlier_preview, "Outliers");
         ui.checkbox(&mut options.cloud.boxes, "Boxes");
     });

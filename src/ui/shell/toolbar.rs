@@ -2,8 +2,10 @@
 
 use super::{levels, map_layers, swipe};
 use crate::app::{
-    Action, CloudColour, ColourMap, Command, EchogramChannel, View, ViewOptions, WaterfallOptions,
+    Action, CloudColour, CloudOptions, ColourMap, Command, EchogramChannel, View, ViewOptions,
+    WaterfallOptions,
 };
+use crate::pipeline::BottomColour;
 use crate::ui::{ViewContext, toggle};
 use egui::Ui;
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -13,7 +15,7 @@ fn room(view: View) -> f32 {
     match view {
         View::Waterfall => 640.0,
         View::Map => 220.0,
-        View::Cloud => 330.0,
+        View::Cloud => 470.0,
     }
 }
 
@@ -184,15 +186,26 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         "Outliers",
         "Shows the points that the filter removes in a third colour (O).",
     );
+    bottom_colours(ui, shown);
+    point_colours(ui, context, shown);
+}
+
+fn point_colours(ui: &mut Ui, context: &ViewContext<'_>, shown: &mut CloudOptions) {
     let several_logs = context.app.log_count() > 1;
     let hint = format!(
         "What the colour of a point says ({}).",
         Action::NextCloudColour.keys().unwrap_or_default()
     );
+    let selected = match shown.points {
+        true => format!("points by {}", shown.colour.name()),
+        false => "no points".to_owned(),
+    };
     egui::ComboBox::from_id_salt("colours of points")
-        .width(92.0)
-        .selected_text(egui::RichText::new(format!("by {}", shown.colour.name())).small())
+        .width(116.0)
+        .selected_text(egui::RichText::new(selected).small())
         .show_ui(ui, |ui| {
+            ui.checkbox(&mut shown.points, "points");
+            ui.separator();
             for colour in CloudColour::ALL {
                 if colour != CloudColour::Log || several_logs {
                     ui.selectable_value(&mut shown.colour, colour, colour.name());
@@ -201,5 +214,31 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         })
         .response
         .accessible_name("Colours of points")
+        .on_hover_text(hint);
+}
+
+fn bottom_colours(ui: &mut Ui, shown: &mut CloudOptions) {
+    let hint = format!(
+        "What the colour of the bottom says ({}).",
+        Action::NextBottomColour.keys().unwrap_or_default()
+    );
+    let selected = match shown.bottom {
+        true => format!("bottom by {}", shown.bottom_colour.name()),
+        false => "no bottom".to_owned(),
+    };
+    egui::ComboBox::from_id_salt("colours of the bottom")
+        .width(128.0)
+        .selected_text(egui::RichText::new(selected).small())
+        .show_ui(ui, |ui| {
+            ui.checkbox(&mut shown.bottom, "bottom");
+            ui.separator();
+            for colour in BottomColour::ALL {
+                ui.selectable_value(&mut shown.bottom_colour, colour, colour.name());
+            }
+            ui.separator();
+            ui.checkbox(&mut shown.isobaths, "isobaths");
+        })
+        .response
+        .accessible_name("Colours of the bottom")
         .on_hover_text(hint);
 }

@@ -3,7 +3,9 @@
 use super::ticks;
 use crate::app::ViewOptions;
 use crate::cloud::DepthReference;
-use crate::presentation::colours::{depth_colour, difference_colour, share_colour};
+use crate::presentation::colours::{
+    depth_colour, difference_colour, distance_colour, share_colour, uncertainty_colour,
+};
 use crate::presentation::units::Units;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Vec2, pos2, vec2};
@@ -99,6 +101,26 @@ impl Scale {
             title: format!("slant range, {}", units.symbol()),
             ends: range_m.map(|range_m| units.from_m(f64::from(range_m))),
             colour: share_colour,
+            signed: false,
+        }
+    }
+
+    /// What depths are worth, the surest on top.
+    pub fn of_uncertainty(ends_m: [f32; 2], units: Units) -> Self {
+        Self {
+            title: format!("uncertainty, {}", units.symbol()),
+            ends: ends_m.map(|metres| units.from_m(f64::from(metres))),
+            colour: uncertainty_colour,
+            signed: false,
+        }
+    }
+
+    /// Distances to the nearest depth, the nearest on top.
+    pub fn of_distance(ends_m: [f32; 2], units: Units) -> Self {
+        Self {
+            title: format!("to a depth, {}", units.symbol()),
+            ends: ends_m.map(|metres| units.from_m(f64::from(metres))),
+            colour: distance_colour,
             signed: false,
         }
     }

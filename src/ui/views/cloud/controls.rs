@@ -1,9 +1,10 @@
 //! The buttons on the cloud, its vertical exaggeration and its legend.
 
+use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
 use crate::cloud::{DepthReference, PointSource};
-use crate::pipeline::Products;
+use crate::pipeline::{Bottom, BottomColour, Products};
 use crate::presentation::colours::share_colour;
 use crate::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
@@ -44,7 +45,14 @@ pub fn show(
         vec2(rect.width() - 90.0, 26.0),
     );
     ui.scope_builder(UiBuilder::new().max_rect(bottom), |ui| {
-        frame.show(ui, |ui| ui.horizontal(|ui| exaggeration(ui, &mut options)));
+        frame.show(ui, |ui| {
+            ui.horizontal(|ui| {
+                exaggeration(ui, &mut options);
+                if options.cloud.bottom {
+                    light::dial(ui, &mut options.cloud.light_deg);
+                }
+            })
+        });
     });
     if options.cloud != context.app.options.cloud {
         context.push(Command::Show(Box::new(options)));
@@ -133,11 +141,15 @@ pub fn paint_legend(
     rect: Rect,
     options: &ViewOptions,
     survey: &Survey,
-    scene: &CloudScene,
+    (scene, bottom): (&CloudScene, Option<&Bottom>),
     reference: DepthReference,
 ) {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
-    for (text, colour) in lines(options, scene) {
+    let lines = match options.cloud.points {
+        true => lines(options, scene),
+        false => Vec::new(),
+    };
+    for (text, colour) in lines {
         let plate = legend::plate(
             painter,
             options,
@@ -153,11 +165,30 @@ pub fn paint_legend(
         let warning = theme::outlier_colour();
         legend::plate(painter, options, at, Align2::LEFT_TOP, &text, warning);
     }
-    if let Some(scale) = scale(options, scene, reference) {
-        let corner = rect.right_bottom() - vec2(8.0, 8.0);
-        let height = (rect.height() * 0.4).clamp(50.0, 160.0);
-        scale.show(painter, options, corner, height);
+    let of_points = options
+        .cloud
+        .points
+        .then(|| scale(options, scene, reference))
+        .flatten();
+    let of_bottom = bottom.and_then(|bottom| bottom_scale(bottom, reference, options.units));
+    let by_depth = options.cloud.colour == CloudColour::Depth;
+    let is_one = by_depth && bottom.is_some_and(|one| one.colour == BottomColour::Depth);
+    let mut corner = rect.right_bottom() - vec2(8.0, 8.0);
+    let height = (rect.height() * 0.4).clamp(50.0, 160.0);
+    for scale in of_bottom.into_iter().chain(of_points.filter(|_| !is_one)) {
+        corner.x = scale.show(painter, options, corner, height).left() - 4.0;
     }
+}
+
+/// The scale of what the colour of the bottom says, where that is a number.
+fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<Scale> {
+    let ends_m = bottom.ends_m?;
+    Some(match bottom.colour {
+        BottomColour::Mosaic => return None,
+        BottomColour::Depth => Scale::of_depth(ends_m, reference, units),
+        BottomColour::Uncertainty => Scale::of_uncertainty(ends_m, units),
+        BottomColour::Distance => Scale::of_distance(ends_m, units),
+    })
 }
 
 /// The scale of what the colour of a point says, where that is a number.

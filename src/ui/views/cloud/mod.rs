@@ -1,7 +1,9 @@
 //! The cloud view: soundings and first returns in 3D.
 
 mod axes;
+mod bottom;
 mod controls;
+mod light;
 mod objects;
 mod picture;
 mod pointer;
@@ -14,13 +16,17 @@ use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use axes::Axes;
+use bottom::ShownBottom;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
-use picture::CloudPicture;
+use picture::{CloudPicture, Drawing};
 use scene::{CloudScene, ColourEnds, LogPoints};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
 const LABEL_ROOM: f32 = 90.0;
+
+/// Beside the bottom, points count as nearer by this share of their distance: they lie on it, half of each within.
+const NEARER: f32 = 0.004;
 
 type Key = (
     Vec<LogPoints>,
@@ -36,6 +42,7 @@ pub struct CloudView {
     fitted: Option<(OrbitCamera, Vec2)>,
     request: Option<ViewRequest>,
     scene: Background<Key, Arc<CloudScene>>,
+    bottom: ShownBottom,
     picture: CloudPicture,
     pointer: pointer::Pointer,
     /// Width over height of the last frame.
@@ -83,7 +90,7 @@ impl CloudView {
 
     /// Whether everything on screen is drawn at its final quality.
     pub fn is_settled(&self) -> bool {
-        !self.scene.is_running() && self.request.is_none()
+        !self.scene.is_running() && !self.bottom.is_running() && self.request.is_none()
     }
 
     /// Everything inside the frame; returns the view's accessible name.
@@ -130,13 +137,33 @@ impl CloudView {
         };
         let painter = ui.painter_at(rect);
         axes.walls(&painter);
-        let draw = draw(&axes, &scene, options, ui.pixels_per_point());
-        self.picture.show(&painter, rect, state, &scene, draw);
+        let uploader = Uploader::new(&state.device, &state.queue);
+        let bottom = self
+            .bottom
+            .of(context.app, scene.origin_m, &uploader)
+            .cloned();
+        let scale = ui.pixels_per_point();
+        let draw = draw(&axes, &scene, options, scale, bottom.is_some());
+        let drawing = Drawing {
+            points: options.cloud.points.then(|| (scene.clone(), draw)),
+            bottom: bottom
+                .clone()
+                .map(|bottom| (bottom, bottom::draw(context.app, axes.projection, scale))),
+        };
+        self.picture.show(&painter, rect, state, drawing);
         axes.labels(&painter);
         objects::paint(&painter, context.app, &scene, &axes);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
         let reference = place::reduction(context.app).reference();
-        controls::paint_legend(&painter, rect, options, &survey, &scene, reference);
+        let shown_bottom = bottom.as_ref().map(|scene| &*scene.bottom);
+        controls::paint_legend(
+            &painter,
+            rect,
+            options,
+            &survey,
+            (&scene, shown_bottom),
+            reference,
+        );
         controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
@@ -144,7 +171,14 @@ impl CloudView {
             true => controls::paint_exaggeration(&painter, rect, options),
             false => controls::show(ui, context, rect, &mut self.request),
         }
-        name(&scene)
+        match bottom {
+            Some(bottom) => format!(
+                "{}, bottom by {}",
+                name(&scene),
+                bottom.bottom.colour.name()
+            ),
+            None => name(&scene),
+        }
     }
 
     fn ask_for_scene(&mut self, context: &ViewContext<'_>) {
@@ -314,11 +348,13 @@ fn draw(
     scene: &CloudScene,
     options: &ViewOptions,
     pixels_per_point: f32,
+    on_bottom: bool,
 ) -> CloudDraw {
     CloudDraw {
         clip_from_world: axes.projection.clip_from_world,
         radius_px: (0.5 * options.cloud.point_size * pixels_per_point).max(0.5),
         count: scene.shown(options.cloud.outlier_preview),
+        nearer: if on_bottom { NEARER } else { 0.0 },
     }
 }
 

@@ -1,44 +1,85 @@
-//! The points, drawn by the GPU and only when camera or data changed.
+//! The bottom and the points, drawn by the GPU and only when camera or data changed.
 
+use super::bottom::BottomScene;
 use super::scene::CloudScene;
-use crate::render::{CloudDraw, CloudRenderer};
+use crate::render::{BottomDraw, BottomRenderer, CloudDraw, CloudRenderer, Target};
 use crate::ui::views::picture::Picture;
 use eframe::egui_wgpu::RenderState;
 use egui::{Painter, Rect};
 use std::sync::Arc;
 
+/// What is drawn, and how.
+#[derive(Clone, Default)]
+pub struct Drawing {
+    /// The bottom, where it is shown.
+    pub bottom: Option<(Arc<BottomScene>, BottomDraw)>,
+    /// The points, where they are shown.
+    pub points: Option<(Arc<CloudScene>, CloudDraw)>,
+}
+
+/// Two are the same when they draw the same data alike, not equal ones.
+impl PartialEq for Drawing {
+    fn eq(&self, other: &Self) -> bool {
+        fn same<S, D: PartialEq>(a: &Option<(Arc<S>, D)>, b: &Option<(Arc<S>, D)>) -> bool {
+            match (a, b) {
+                (Some((a, of_a)), Some((b, of_b))) => Arc::ptr_eq(a, b) && of_a == of_b,
+                (None, None) => true,
+                _ => false,
+            }
+        }
+        same(&self.bottom, &other.bottom) && same(&self.points, &other.points)
+    }
+}
+
+/// What draws.
+struct Renderers {
+    bottom: BottomRenderer,
+    points: CloudRenderer,
+}
+
 /// GPU objects of one cloud view.
 #[derive(Default)]
 pub struct CloudPicture {
     picture: Picture,
-    renderer: Option<CloudRenderer>,
-    drawn: Option<(Arc<CloudScene>, CloudDraw)>,
+    renderers: Option<Renderers>,
+    drawn: Option<Drawing>,
 }
 
 impl CloudPicture {
-    /// Draws the points if something changed, and shows them.
-    pub fn show(
-        &mut self,
-        painter: &Painter,
-        rect: Rect,
-        state: &RenderState,
-        scene: &Arc<CloudScene>,
-        draw: CloudDraw,
-    ) {
+    /// Draws if something changed, and shows it.
+    pub fn show(&mut self, painter: &Painter, rect: Rect, state: &RenderState, drawing: Drawing) {
         let is_new = self.picture.resize(state, rect, painter.pixels_per_point());
-        let same = self
-            .drawn
-            .as_ref()
-            .is_some_and(|(drawn, with)| Arc::ptr_eq(drawn, scene) && *with == draw);
-        if (is_new || !same)
-            && let (Some(target), Some(points)) = (self.picture.target(), &scene.buffers)
+        if (is_new || self.drawn.as_ref() != Some(&drawing))
+            && let Some(target) = self.picture.target()
         {
-            let renderer = self
-                .renderer
-                .get_or_insert_with(|| CloudRenderer::new(&state.device));
-            renderer.draw(&state.device, &state.queue, target, points, &draw);
-            self.drawn = Some((scene.clone(), draw));
+            let renderers = self.renderers.get_or_insert_with(|| Renderers {
+                bottom: BottomRenderer::new(&state.device),
+                points: CloudRenderer::new(&state.device),
+            });
+            renderers.draw(state, target, &drawing);
+            self.drawn = Some(drawing);
         }
         self.picture.paint(painter, rect);
+    }
+}
+
+impl Renderers {
+    fn draw(&self, state: &RenderState, target: &Target, drawing: &Drawing) {
+        let mut encoder = state.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = target.begin(&mut encoder);
+            if let Some((scene, draw)) = &drawing.bottom {
+                let queue = &state.queue;
+                self.bottom
+                    .draw(queue, target, &mut pass, &scene.buffers, draw);
+            }
+            if let Some((scene, draw)) = &drawing.points
+                && let Some(points) = &scene.buffers
+            {
+                let queue = &state.queue;
+                self.points.draw(queue, target, &mut pass, points, draw);
+            }
+        }
+        state.queue.submit([encoder.finish()]);
     }
 }

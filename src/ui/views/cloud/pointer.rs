@@ -113,7 +113,8 @@ impl Pointer {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
-        let looks = scene.shown(preview) <= MOST_ON_HOVER || response.clicked();
+        let looks = context.app.options.cloud.points
+            && (scene.shown(preview) <= MOST_ON_HOVER || response.clicked());
         let point = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, point)) if last == at && with == camera => point,
             _ => {

@@ -1,0 +1,244 @@
+//! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for each.
+
+use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
+use crate::bathymetry::Surface;
+use crate::mosaic::Colours;
+use crate::pipeline::{ProcessedLog, Same};
+use crate::presentation::colours::{
+    Rgb, depth_colour, depth_share, distance_colour, uncertainty_colour,
+};
+use crate::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Where the mosaic shows nothing.
+const UNSEEN: Rgb = [74, 84, 94];
+/// The scale of an uncertainty or a distance ends at what this share of the cells does not exceed: single cells do not dull all others.
+const SCALE_SHARE: f64 = 0.98;
+
+/// What the colours of the bottom say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BottomColour {
+    /// Depth.
+    #[default]
+    Depth,
+    /// How strong the side-scan's echo is there.
+    Mosaic,
+    /// What the depth is worth: `depth/uncertainty.tif`.
+    Uncertainty,
+    /// How far away the nearest depth was measured.
+    Distance,
+}
+
+impl BottomColour {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 4] = [Self::Depth, Self::Mosaic, Self::Uncertainty, Self::Distance];
+
+    /// Name in the menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Depth => "depth",
+            Self::Mosaic => "mosaic",
+            Self::Uncertainty => "uncertainty",
+            Self::Distance => "distance",
+        }
+    }
+
+    /// The next one in the menu.
+    #[must_use]
+    pub fn next(self) -> Self {
+        let here = Self::ALL.iter().position(|one| *one == self);
+        here.map_or(self, |here| Self::ALL[(here + 1) % Self::ALL.len()])
+    }
+}
+
+/// What a bottom is made of; equal keys give equal bottoms.
+#[derive(Clone, PartialEq)]
+pub struct BottomKey {
+    depth_map: Same<DepthMap>,
+    mosaic: Option<MosaicKey>,
+    colour: BottomColour,
+    most_corners: usize,
+}
+
+impl BottomKey {
+    /// Of a depth map, with the mosaic of some logs where that is shown.
+    pub fn of(
+        depth_map: &Arc<DepthMap>,
+        logs: &[ProcessedLog],
+        colour: BottomColour,
+        most_corners: usize,
+    ) -> Self {
+        let plane = || MosaicPlane::Map(depth_map.map.clone());
+        Self {
+            depth_map: Same(depth_map.clone()),
+            mosaic: (colour == BottomColour::Mosaic).then(|| MosaicKey::of(logs, plane())),
+            colour,
+            most_corners,
+        }
+    }
+}
+
+/// The bottom of a survey. A corner lies at the centre of each cell.
+pub struct Bottom {
+    /// What it was made of.
+    pub depth_map: Arc<DepthMap>,
+    /// Its means over larger cells, where it has more corners than were asked for.
+    coarse: Option<Surface>,
+    /// Shallowest and deepest depth of the depth map, metres.
+    pub range_m: [f64; 2],
+    /// What the colours say.
+    pub colour: BottomColour,
+    /// Colour of each corner.
+    pub rgb: Vec<Rgb>,
+    /// Values at the ends of the colours, metres; none of the mosaic's.
+    pub ends_m: Option<[f32; 2]>,
+}
+
+/// A corner of the bottom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BottomCorner {
+    /// East and north in the plane of the survey, and elevation over its vertical reference, metres.
+    pub place_m: [f64; 3],
+    /// Square to the bottom, of length 1: east, north, up.
+    pub normal: [f32; 3],
+    /// Colour.
+    pub rgb: Rgb,
+    /// Whether a depth is known; where none is, the elevation is 0.
+    pub is_known: bool,
+}
+
+impl Bottom {
+    /// Of a depth map; with `most_corners` or fewer.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub(super) fn new(
+        derived: &Derived,
+        depth_map: &Arc<DepthMap>,
+        logs: &[ProcessedLog],
+        colour: BottomColour,
+        most_corners: usize,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let times = depth_map.surface.grid.times_coarser(most_corners);
+        let coarse = (times > 1).then(|| depth_map.surface.coarser(times));
+        let surface = coarse.as_ref().unwrap_or(&depth_map.surface);
+        progress.check()?;
+        let (rgb, ends_m) = match colour {
+            BottomColour::Depth => {
+                let ends_m = depth_map.colour_range_m;
+                let colour = |depth_m| depth_colour(depth_share(depth_m, ends_m));
+                (of_values(&surface.depth_m, colour), Some(ends_m))
+            }
+            BottomColour::Uncertainty => scaled(&surface.spread_m, uncertainty_colour),
+            BottomColour::Distance => scaled(&surface.distance_m, distance_colour),
+            BottomColour::Mosaic => {
+                let plane = MosaicPlane::Map(depth_map.map.clone());
+                let rgb = match derived.mosaic(logs, plane, progress)? {
+                    Some(mosaic) => {
+                        let levels = mosaic.levels(&surface.grid, progress)?;
+                        let colours = mosaic.settings.colours;
+                        let colour = |level: &u8| Self::echo_colour(colours, *level);
+                        levels.iter().map(colour).collect()
+                    }
+                    None => vec![UNSEEN; surface.grid.len()],
+                };
+                (rgb, None)
+            }
+        };
+        Ok(Self {
+            range_m: depth_map.surface.range_m(),
+            depth_map: depth_map.clone(),
+            colour,
+            rgb,
+            ends_m,
+            coarse,
+        })
+    }
+
+    /// The depth map itself, or its means over larger cells.
+    pub fn surface(&self) -> &Surface {
+        self.coarse.as_ref().unwrap_or(&self.depth_map.surface)
+    }
+
+    /// The corners of some rows and columns, row by row from the north-west; beyond the grid they are unknown. Places are bilinear between
+    /// those of the four outermost: over some ten cells that is the projection to far below a millimetre.
+    pub fn corners(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+    ) -> impl Iterator<Item = BottomCorner> {
+        let grid = &self.surface().grid;
+        let place = |row, column| self.depth_map.to_survey(grid.centre(row, column));
+        let ends = [
+            place(rows.start, columns.start),
+            place(rows.start, columns.end),
+            place(rows.end, columns.start),
+            place(rows.end, columns.end),
+        ];
+        let (first_row, first_column) = (rows.start, columns.start);
+        let (height, width) = (rows.len().max(1) as f64, columns.len().max(1) as f64);
+        rows.flat_map(move |row| columns.clone().map(move |column| (row, column)))
+            .map(move |(row, column)| {
+                let down = (row - first_row) as f64 / height;
+                let right = (column - first_column) as f64 / width;
+                let between = |axis: usize| {
+                    let [north_west, north_east, south_west, south_east] =
+                        ends.map(|end| end[axis]);
+                    let north = north_west + right * (north_east - north_west);
+                    let south = south_west + right * (south_east - south_west);
+                    north + down * (south - north)
+                };
+                self.corner(row, column, [between(0), between(1)])
+            })
+    }
+
+    /// Colour of a level of the mosaic; of what nothing was seen of (level 0) that of unseen ground.
+    pub fn echo_colour(colours: Colours, level: u8) -> Rgb {
+        match colours.rgba(level) {
+            [_, _, _, 0] => UNSEEN,
+            [r, g, b, _] => [r, g, b],
+        }
+    }
+
+    fn corner(&self, row: usize, column: usize, [east_m, north_m]: [f64; 2]) -> BottomCorner {
+        let grid = &self.surface().grid;
+        let is_inside = row < grid.rows && column < grid.columns;
+        let cell = row * grid.columns + column;
+        let depth_m = match is_inside {
+            true => self.surface().depth_m[cell],
+            false => f32::NAN,
+        };
+        let is_known = !depth_m.is_nan();
+        BottomCorner {
+            place_m: [
+                east_m,
+                north_m,
+                if is_known { -f64::from(depth_m) } else { 0.0 },
+            ],
+            normal: self.surface().normal(row, column),
+            rgb: if is_inside { self.rgb[cell] } else { UNSEEN },
+            is_known,
+        }
+    }
+}
+
+fn of_values(values: &[f32], colour: impl Fn(f32) -> Rgb + Sync) -> Vec<Rgb> {
+    values.par_iter().map(|value| colour(*value)).collect()
+}
+
+/// Colours of a scale that begins at 0, and its ends.
+fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>) {
+    let mut known: Vec<f32> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let Some(last) = known.len().checked_sub(1) else {
+        return (of_values(values, colour), None);
+    };
+    let rank = (SCALE_SHARE * last as f64) as usize;
+    let most = *known.select_nth_unstable_by(rank, f32::total_cmp).1;
+    let most = most.max(f32::MIN_POSITIVE);
+    let rgb = of_values(values, |value| colour(value / most));
+    (rgb, Some([0.0, most]))
+}

@@ -1,0 +1,296 @@
+//! The bottom in 3D: what the GPU draws of it, what the window shows and the file holds.
+
+use crate::cli::run;
+use crate::window::{Window, app, demo_window, press};
+use bathyscope::pipeline::BottomColour;
+use bathyscope::render::{
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Target,
+    Uploader, towards_light,
+};
+use eframe::egui_wgpu::RendererOptions;
+use egui::{Key, Modifiers};
+use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
+use glam::Vec3;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+
+const SIDE_PX: u32 = 256;
+const RED: [u8; 3] = [200, 40, 30];
+const BLUE: [u8; 3] = [30, 60, 200];
+
+/// Two tiles beside each other, 1 m squares: the western one red and 2 m deep, the eastern one blue and 6 m deep, with a square hole of
+/// unknown depth in its middle.
+fn tiles() -> Vec<Vec<BottomVertex>> {
+    let side = BOTTOM_TILE + 1;
+    let tile = |(rgb, up): ([u8; 3], f32)| {
+        let first = if rgb == RED { 0 } else { BOTTOM_TILE };
+        let corner = |cell: usize| {
+            let (row, column) = (cell / side, cell % side);
+            let is_hole = rgb == BLUE && (24..40).contains(&row) && (24..40).contains(&column);
+            let place = Vec3::new((first + column) as f32, -(row as f32), up);
+            BottomVertex::new(place, [0.0, 0.0, 1.0], rgb, !is_hole)
+        };
+        (0..side * side).map(corner).collect()
+    };
+    vec![tile((RED, -2.0)), tile((BLUE, -6.0))]
+}
+
+/// Some tiles from a camera, as rows of RGBA.
+fn drawn(
+    tiles: Vec<Vec<BottomVertex>>,
+    camera: OrbitCamera,
+    isobaths_m: Option<[f32; 2]>,
+) -> image::RgbaImage {
+    let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
+    let (device, queue) = (&state.device, &state.queue);
+    let uploader = Uploader::new(device, queue);
+    let buffers = BottomBuffers::new(&uploader, 1.0, tiles.len(), tiles.into_iter());
+    let target = Target::new(device, [SIDE_PX; 2]);
+    let draw = BottomDraw {
+        projection: camera.projection(1.0),
+        light: towards_light(0.0, 90.0),
+        exaggeration: camera.exaggeration,
+        isobaths_m,
+        line_px: 1.5,
+    };
+    let mut encoder = device.create_command_encoder(&Default::default());
+    {
+        let mut pass = target.begin(&mut encoder);
+        BottomRenderer::new(device).draw(queue, &target, &mut pass, &buffers, &draw);
+    }
+    queue.submit([encoder.finish()]);
+    read_back(device, queue, &target)
+}
+
+fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target) -> image::RgbaImage {
+    let bytes = u64::from(4 * SIDE_PX * SIDE_PX);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: bytes,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        target.colour().texture().as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * SIDE_PX),
+                rows_per_image: None,
+            },
+        },
+        wgpu::Extent3d {
+            width: SIDE_PX,
+            height: SIDE_PX,
+            depth_or_array_layers: 1,
+        },
+    );
+    queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |mapped| mapped.expect("mapped"));
+    device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("the GPU is done");
+    let bytes = buffer.get_mapped_range(..).expect("mapped").to_vec();
+    image::RgbaImage::from_raw(SIDE_PX, SIDE_PX, bytes).expect("all pixels")
+}
+
+/// From above over the edge between the tiles.
+fn overhead(distance_m: f32) -> OrbitCamera {
+    OrbitCamera {
+        target: Vec3::new(64.0, -32.0, -4.0),
+        distance_m,
+        azimuth_rad: 0.0,
+        elevation_rad: std::f32::consts::FRAC_PI_2,
+        exaggeration: 1.0,
+    }
+}
+
+/// The pixel that a place is drawn at.
+fn pixel(camera: OrbitCamera, place: Vec3) -> [u32; 2] {
+    let ndc = camera.projection(1.0).project(place).expect("in front");
+    let half = SIDE_PX as f32 / 2.0;
+    [ndc.x, -ndc.y].map(|part| (half + half * part) as u32)
+}
+
+#[test]
+fn tiles_lie_where_their_places_are_in_their_colours_and_holes_stay_open() {
+    // From near, with the finest squares, and from so far that a pixel is some squares.
+    for distance_m in [180.0, 900.0] {
+        let camera = overhead(distance_m);
+        let picture = drawn(tiles(), camera, None);
+        let at = |east_m: f32, south_m: f32, up_m: f32| {
+            let [x, y] = pixel(camera, Vec3::new(east_m, -south_m, up_m));
+            picture.get_pixel(x, y).0
+        };
+        let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
+        assert_eq!(at(20.0, 50.0, -2.0), opaque(RED), "{distance_m}");
+        assert_eq!(at(110.0, 50.0, -6.0), opaque(BLUE), "{distance_m}");
+        assert_eq!(at(96.0, 32.0, -6.0), [0; 4], "the hole, {distance_m}");
+        assert_eq!(at(64.0, 80.0, -2.0), [0; 4], "beside, {distance_m}");
+    }
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_behind() {
+    // From the west and above: over the edge of the red tile, 4 m higher, the blue one is seen from 42 m behind it on.
+    let camera = OrbitCamera {
+        target: Vec3::new(0.0, -32.0, -2.0),
+        distance_m: 30.0,
+        azimuth_rad: std::f32::consts::FRAC_PI_2,
+        elevation_rad: 0.3,
+        exaggeration: 1.0,
+    };
+    let picture = drawn(tiles(), camera, None);
+    let at = |east_m: f32| {
+        let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -6.0));
+        picture.get_pixel(x, y).0[..3].to_vec()
+    };
+    assert_eq!(at(75.0), RED, "behind the red one");
+    assert_eq!(at(120.0), BLUE, "over its edge");
+}
+
+#[test]
+fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
+    // A slope of 1 in 10: 0 m deep in the west, 6.4 m in the east.
+    let corner = |cell: usize| {
+        let (row, column) = (cell / (BOTTOM_TILE + 1), cell % (BOTTOM_TILE + 1));
+        let place = Vec3::new(column as f32, -(row as f32), -0.1 * column as f32);
+        BottomVertex::new(place, [0.0, 0.0, 1.0], RED, true)
+    };
+    let slope: Vec<BottomVertex> = (0..(BOTTOM_TILE + 1).pow(2)).map(corner).collect();
+    let camera = OrbitCamera {
+        target: Vec3::new(32.0, -32.0, -3.0),
+        ..overhead(100.0)
+    };
+    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]));
+    let red_at = |east_m: f32| {
+        let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -0.1 * east_m));
+        // A line may lie between two pixels.
+        let beside = [x - 1, x, x + 1].map(|x| picture.get_pixel(x, y).0[0]);
+        beside.into_iter().min().expect("three pixels")
+    };
+    for depth_m in [1.0f32, 3.0, 5.0] {
+        assert!(red_at(10.0 * depth_m) < 130, "{depth_m} m");
+    }
+    for depth_m in [0.5f32, 2.0, 4.0, 6.0] {
+        assert_eq!(red_at(10.0 * depth_m), RED[0], "{depth_m} m");
+    }
+}
+
+#[test]
+fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
+    let mut window = demo_window();
+    let shown = |window: &Window| app(window).bottom().map(|bottom| bottom.colour);
+    assert_eq!(shown(&window), Some(BottomColour::Depth));
+    press(&mut window, Modifiers::SHIFT, Key::M);
+    assert_eq!(shown(&window), Some(BottomColour::Mosaic));
+    press(&mut window, Modifiers::SHIFT, Key::L);
+    assert_eq!(app(&window).options.cloud.light_deg, [0.0, 45.0]);
+    press(&mut window, Modifiers::SHIFT, Key::V);
+    assert_eq!(shown(&window), None);
+    press(&mut window, Modifiers::SHIFT, Key::P);
+    assert!(!app(&window).options.cloud.points);
+    // The colours' key brings the bottom back as it was.
+    press(&mut window, Modifiers::SHIFT, Key::M);
+    assert_eq!(shown(&window), Some(BottomColour::Mosaic));
+    let isobaths_m = app(&window).bottom_isobaths_m().expect("evenly apart");
+    assert_eq!(isobaths_m[0], 0.2, "of a pond 1 m from shallow to deep");
+}
+
+#[test]
+fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    let pictures = ["depth", "mosaic", "uncertainty", "distance", "none"].map(|colours| {
+        let name = format!("{colours}.png");
+        let snapshot = [
+            "snapshot", "-o", &name, "--view", "cloud", "--size", "400x300",
+        ];
+        run(folder, &[&snapshot[..], &["--bottom", colours]].concat());
+        image::open(folder.join(&name))
+            .expect("a picture")
+            .to_rgb8()
+    });
+    for (index, one) in pictures.iter().enumerate() {
+        for other in &pictures[index + 1..] {
+            let pairs = one.pixels().zip(other.pixels());
+            let differing = pairs.filter(|(a, b)| a != b).count();
+            assert!(differing > 5000, "picture {index}: {differing}");
+        }
+    }
+}
+
+/// JSON and bytes of a binary glTF, its lengths checked.
+fn parts(glb: &[u8]) -> (Value, &[u8]) {
+    let number = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!(
+        (&glb[..4], number(4), number(8)),
+        (&b"glTF"[..], 2, glb.len())
+    );
+    let json = number(12);
+    assert_eq!(&glb[16..20], b"JSON");
+    let bytes = number(20 + json);
+    assert_eq!(&glb[24 + json..28 + json], b"BIN\0");
+    assert_eq!(28 + json + bytes, glb.len());
+    let document = serde_json::from_slice(&glb[20..20 + json]).expect("JSON");
+    (document, &glb[28 + json..])
+}
+
+#[test]
+fn the_file_for_3d_programs_holds_every_cell_of_the_depth_map_at_its_place() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    run(folder, &["simulate", "-o", "pond", "--seed", "5"]);
+    let process = ["process", "pond.sl2", "-o", "out", "--no-objects"];
+    run(
+        folder,
+        &[&process[..], &["--products", "bottom,xyz"]].concat(),
+    );
+    let glb = fs::read(folder.join("out/depth/bottom.glb")).expect("the bottom");
+    let (document, bytes) = parts(&glb);
+    let origin = &document["asset"]["extras"]["origin"];
+    let [easting, northing] = ["easting", "northing"].map(|name| origin[name].as_f64().unwrap());
+    let accessor = &document["accessors"][0];
+    let view = &document["bufferViews"][0];
+    let count = accessor["count"].as_u64().unwrap() as usize;
+    let start = view["byteOffset"].as_u64().unwrap() as usize;
+    let millimetres = |metres: f64| (1000.0 * metres).round() as i64;
+    let corners = bytes[start..][..12 * count].chunks_exact(12).map(|corner| {
+        let part =
+            |at: usize| f64::from(f32::from_le_bytes(corner[at..at + 4].try_into().unwrap()));
+        let [x, y, z] = [part(0), part(4), part(8)];
+        ([easting + x, northing - z].map(millimetres), -y)
+    });
+    let corners: BTreeMap<[i64; 2], f64> = corners.collect();
+    let text = fs::read_to_string(folder.join("out/depth/depth.xyz")).expect("the cells");
+    let cells: Vec<Vec<f64>> = (text.lines())
+        .filter_map(|line| {
+            line.split([' ', ','])
+                .map(|part| part.parse().ok())
+                .collect()
+        })
+        .collect();
+    assert!(
+        count > 500 && cells.len() == count,
+        "{} {count}",
+        cells.len()
+    );
+    for cell in cells {
+        let [east, north, depth_m] = cell[..] else {
+            panic!("{cell:?}");
+        };
+        let place = [east, north].map(millimetres);
+        // The file rounds to the millimetre what is a float there.
+        let near = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [place[0] + dx, place[1] + dy]));
+        let found = near.into_iter().find_map(|place| corners.get(&place));
+        let found = *found.unwrap_or_else(|| panic!("no corner at {place:?}"));
+        assert!((found - depth_m).abs() < 0.002, "{found} {depth_m}");
+    }
+    let names: Vec<&str> = (document["materials"].as_array().unwrap().iter())
+        .filter_map(|material| material["name"].as_str())
+        .collect();
+    assert_eq!(names, ["depth", "mosaic"]);
+}
