@@ -16,7 +16,7 @@ const VERTICES: usize = SIDE * SIDE + 4 * SIDE;
 /// A tile is drawn with squares of 1, 2, 4 ... of the finest ones along a side.
 const LEVELS: usize = BOTTOM_TILE.ilog2() as usize + 1;
 /// A square takes so many pixels along a side at most, where the finest ones allow.
-const SQUARE_PX: f32 = 2.0;
+const SQUARE_PX: f32 = 3.0;
 /// Tiles that a buffer holds: some 46 MB, a fifth of what every device grants.
 const TILES_A_BUFFER: usize = 512;
 /// Skirts hang so far below a tile as a share of its own relief: gaps to a coarser neighbour are not seen through.
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn squares_are_as_fine_as_the_screen_shows_them() {
         let levels = [8.0, 2.0, 1.0, 0.6, 0.5, 0.1, 0.001].map(level);
-        assert_eq!(levels, [0, 0, 1, 1, 2, 4, 6]);
+        assert_eq!(levels, [0, 0, 1, 2, 2, 4, 6]);
     }
 
     #[test]
