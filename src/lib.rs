@@ -7,6 +7,7 @@
 //!   ^                 | |                                      ^
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
+//!                     | |--planning: where to sail next, from what the soundings leave in doubt
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles, shown with gain and levels by picture
 //! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
@@ -62,6 +63,7 @@ pub mod mosaic;
 pub mod outputs;
 pub mod picture;
 pub mod pipeline;
+pub mod planning;
 pub mod presentation;
 mod printable;
 pub mod progress;

@@ -17,6 +17,7 @@ mod info;
 mod manual;
 mod many;
 mod output;
+mod plan;
 mod process;
 mod quiet_driver;
 mod review;
@@ -79,6 +80,8 @@ enum Command {
     Filter(filter::FilterArgs),
     /// Process logs: first returns, calibrated cloud and report
     Process(process::ProcessArgs),
+    /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
+    Plan(plan::PlanArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
@@ -148,6 +151,10 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Process(args)),
             ..
         } => process::run(args),
+        Cli {
+            command: Some(Command::Plan(args)),
+            ..
+        } => plan::run(args),
         Cli {
             command: Some(Command::Detect(args)),
             ..

@@ -2,7 +2,7 @@
 //!
 //! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
-//! on, `points` what `bathyscope filter` kept. How rasters and point files are laid out is known to `formats`, which also reads them.
+//! on, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod aside;
 pub mod avi;
@@ -27,6 +27,7 @@ mod isobaths;
 mod log_points;
 mod objects;
 mod picture_boxes;
+mod plan;
 mod points;
 mod profile_csv;
 mod qgis_style;
@@ -59,6 +60,7 @@ pub use objects::{
     ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
 };
 pub use picture_boxes::picture_boxes_csv;
+pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
 pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::qgis_style;

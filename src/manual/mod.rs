@@ -21,6 +21,8 @@ pub enum Topic {
     Bottom,
     /// Depth maps, corrections, residuals, comparison
     Depth,
+    /// Where to sail next
+    Plan,
     /// The side-scan mosaic
     Mosaic,
     /// Detector, review, a YOLO of your own
@@ -41,7 +43,7 @@ pub enum Topic {
 
 impl Topic {
     /// All pages, in the order of the manual.
-    pub const ALL: [Topic; 15] = [
+    pub const ALL: [Topic; 16] = [
         Topic::Window,
         Topic::Waterfall,
         Topic::Survey,
@@ -49,6 +51,7 @@ impl Topic {
         Topic::Map,
         Topic::Bottom,
         Topic::Depth,
+        Topic::Plan,
         Topic::Mosaic,
         Topic::Objects,
         Topic::Commands,
@@ -68,6 +71,7 @@ impl Topic {
             Topic::Map => include_str!("../../assets/manual/map.md"),
             Topic::Bottom => include_str!("../../assets/manual/bottom.md"),
             Topic::Depth => include_str!("../../assets/manual/depth.md"),
+            Topic::Plan => include_str!("../../assets/manual/plan.md"),
             Topic::Mosaic => include_str!("../../assets/manual/mosaic.md"),
             Topic::Objects => include_str!("../../assets/manual/objects.md"),
             Topic::Commands => include_str!("../../assets/manual/commands.md"),

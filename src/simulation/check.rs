@@ -68,6 +68,10 @@ impl Scene {
 
     fn check_track(&self) -> Result<(), SceneError> {
         let track = &self.track;
+        few("corners", track.corners_m.len())?;
+        for corner in track.corners_m.iter().flatten() {
+            within("track.corners_m", *corner, -1e5, 1e5)?;
+        }
         all_within(&[
             ("track.lines", track.lines.into(), 0.0, 1000.0),
             ("track.cross_lines", track.cross_lines.into(), 0.0, 1000.0),

@@ -158,6 +158,9 @@ impl Leg {
 
 /// Ends of all lines in the order of the boat, at least two.
 fn corners(track: &TrackSettings) -> Vec<[f64; 2]> {
+    if track.corners_m.len() > 1 {
+        return track.corners_m.clone();
+    }
     let offset = |index: u32, count: u32| {
         (f64::from(index) - 0.5 * (f64::from(count) - 1.0)) * track.spacing_m
     };

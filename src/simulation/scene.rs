@@ -139,6 +139,9 @@ pub struct TrackSettings {
     pub ping_rate_hz: f64,
     /// Fixes a second; each is written to every frame until the next.
     pub fix_rate_hz: f64,
+    /// Metres east and north of the corners of a way that is sailed in place of the lines.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub corners_m: Vec<[f64; 2]>,
 }
 
 /// How the echoes become bytes.
@@ -306,6 +309,7 @@ impl Default for TrackSettings {
             speed_mps: 2.7,
             ping_rate_hz: 20.0,
             fix_rate_hz: 10.0,
+            corners_m: Vec::new(),
         }
     }
 }

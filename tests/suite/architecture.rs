@@ -16,6 +16,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey", "cloud", "presentation"]),
+    ("planning", &["bathymetry"]),
     (
         "mosaic",
         &[
@@ -50,6 +51,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "calibration",
             "cloud",
             "bathymetry",
+            "planning",
             "detection",
         ],
     ),
@@ -61,6 +63,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "calibration",
             "cloud",
             "bathymetry",
+            "planning",
             "detection",
             "mosaic",
             "picture",
@@ -119,6 +122,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "app",
         &[
+            "planning",
             "project",
             "outputs",
             "base_map",
@@ -261,13 +265,14 @@ fn the_pipeline_computes_and_writes_nothing() {
 }
 
 /// What makes results: the window asks the state for them.
-const MAKES_RESULTS: [&str; 7] = [
+const MAKES_RESULTS: [&str; 8] = [
     "bathymetry",
     "calibration",
     "cloud",
     "first_return",
     "mosaic",
     "pipeline",
+    "planning",
     "statistics",
 ];
 

@@ -46,6 +46,7 @@ mod navigation;
 mod objects_window;
 mod offsets;
 mod outputs;
+mod planning;
 mod point_attributes;
 mod printing;
 mod project;

@@ -5,9 +5,11 @@
 mod left_out;
 mod plate;
 
-use super::{Node, Surface};
+use super::{DepthPoint, Grid, Node, Surface, merge_repeated, suited_cell_m};
 use crate::progress::{Cancelled, Progress};
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use left_out::Judgement;
+pub use left_out::SigmaByDistance;
 use plate::Plate;
 use rayon::prelude::*;
 
@@ -53,13 +55,54 @@ pub fn bend_least(
     Ok(())
 }
 
+/// What the error of a depth between soundings is by the distance to the nearest, as leaving soundings out shows it; distances up to
+/// `max_gap_m` count. `None` where there are too few soundings to tell.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn sigma_by_distance(
+    points: &[DepthPoint],
+    max_gap_m: f64,
+    progress: &Progress,
+) -> Result<Option<SigmaByDistance>, Cancelled> {
+    let grid = suited_cell_m(points, max_gap_m).and_then(|cell_m| Grid::over(points, cell_m, 4096));
+    let Some(grid) = grid else {
+        return Ok(None);
+    };
+    let nodes = merge_repeated(points, grid.cell_m);
+    progress.check()?;
+    let places: Vec<[f64; 2]> = nodes.iter().map(|p| [p.east_m, p.north_m]).collect();
+    let Ok(near) = ImmutableKdTree::<f64, 2>::new_from_slice(&places) else {
+        return Ok(None);
+    };
+    let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
+    let distance_m = |cell: usize| {
+        let centre = tried.centre(cell / tried.columns, cell % tried.columns);
+        let nearest = near.query(&centre);
+        let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>();
+        nearest.execute().distance.sqrt() as f32
+    };
+    let cells = (0..tried.len()).into_par_iter();
+    let distances: Vec<f32> = cells
+        .map(distance_m)
+        .filter(|distance| f64::from(*distance) <= max_gap_m)
+        .collect();
+    let square_m = 2.0 * usual_of(distances).max(2.0 * grid.cell_m);
+    let judged = Judgement::of(&tried, &nodes, square_m, progress)?;
+    Ok(judged.map(|judged| judged.sigma))
+}
+
 /// The distance to a sounding that most of the map does not exceed, metres; 0 where nothing is known.
 fn usual_distance_m(made: &Surface) -> f64 {
     let known = made
         .distance_m
         .iter()
         .filter(|distance| distance.is_finite());
-    let mut distances: Vec<f32> = known.copied().collect();
+    usual_of(known.copied().collect())
+}
+
+/// What [`DISTANCE_SHARE`] of some distances do not exceed; 0 of none.
+fn usual_of(mut distances: Vec<f32>) -> f64 {
     let Some(last) = distances.len().checked_sub(1) else {
         return 0.0;
     };

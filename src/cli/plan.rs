@@ -1,0 +1,232 @@
+//! `bathyscope plan`: lines to sail next, where they mend most of a survey.
+
+use super::output;
+use super::process::all_processed;
+use super::settings::SettingsArgs;
+use super::status_line::StatusLine;
+use super::survey_logs::{OpenedLog, all_or, inputs, open_all, take_reviews};
+use crate::export::{PlanFormat, PlannedWay, is_same_file};
+use crate::formats::AreaFile;
+use crate::geo::{LocalFrame, LonLat};
+use crate::pipeline::{seen_objects, surveyed};
+use crate::planning::{Plan, PlanSettings, State, plan};
+use crate::progress::Progress;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// `bathyscope plan SURVEY... -o FILE`.
+#[derive(Debug, clap::Args)]
+pub struct PlanArgs {
+    /// The logs, or folders of logs; several are one survey. Or a project, NAME.bathyscope, with its settings and decisions
+    #[arg(required = true)]
+    surveys: Vec<PathBuf>,
+    /// Where the lines go: .gpx, .kml, .plan (QGroundControl) or .waypoints (Mission Planner)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Time from the start of the first line to the end of the last, turns included
+    #[arg(long, value_name = "MINUTES", default_value_t = PlanSettings::default().minutes)]
+    minutes: f64,
+    /// Speed of the boat, metres a second; the median of the survey when not given
+    #[arg(long, value_name = "M/S")]
+    speed: Option<f64>,
+    /// Least radius that the boat turns with, metres
+    #[arg(long, value_name = "METRES", default_value_t = PlanSettings::default().turn_radius_m)]
+    turn_radius: f64,
+    /// Distance between lines that is close enough, metres; without it they come as close as mends most
+    #[arg(long, value_name = "METRES")]
+    spacing: Option<f64>,
+    /// Polygon of water that lines and turns stay in, rings within it are islands: GeoJSON, KML or GPX. Without it they stay within the
+    /// outline of what was sailed, in which small gaps and islands count as water
+    #[arg(long, value_name = "POLYGON")]
+    area: Option<PathBuf>,
+    /// Decisions about the boxes of a log, LOG.review.json of the window: objects seen from one side only are passed on another. May be
+    /// given again, for each of several logs
+    #[arg(long, value_name = "FILE")]
+    review: Vec<PathBuf>,
+    /// Print JSON instead of lines
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// Plans and writes the lines.
+pub fn run(args: PlanArgs) -> Result<(), String> {
+    // Before the work, which takes minutes for a long survey.
+    let format = PlanFormat::of(&args.output).map_err(|error| error.to_string())?;
+    let settings = args.plan_settings();
+    settings.check().map_err(|error| error.to_string())?;
+    let area = args.area.as_deref().map(AreaFile::read).transpose();
+    let area = area.map_err(|error| error.to_string())?;
+    args.refuse_overwrite()?;
+    let inputs = inputs(&args.surveys, &args.settings, None)?;
+    let (mut opened, failed) = match inputs.as_slice() {
+        [input] => (vec![input.open()?], 0),
+        inputs => open_all(inputs),
+    };
+    take_reviews(&mut opened, &args.review)?;
+    if let Some(first) = opened.first() {
+        let home = first.survey.track.fixes.first().map(|fix| fix.position);
+        let frame = first.survey.track.frame.clone();
+        let name = first.survey.name();
+        let made = planned(&opened, &settings, area.as_ref(), &frame)?;
+        let way = PlannedWay {
+            name: &format!("{name} lines"),
+            plan: &made,
+            frame: &frame,
+            home: home.unwrap_or(frame.origin()),
+        };
+        way.write(&args.output, format)
+            .map_err(|error| error.to_string())?;
+        match args.json {
+            true => output::json(&Printed::new(&made, &frame, &args.output))?,
+            false => output::results(in_words(&made, &args.output))?,
+        }
+    }
+    all_or(failed, inputs.len())
+}
+
+impl PlanArgs {
+    fn plan_settings(&self) -> PlanSettings {
+        PlanSettings {
+            minutes: self.minutes,
+            speed_mps: self.speed,
+            turn_radius_m: self.turn_radius,
+            spacing_m: self.spacing,
+        }
+    }
+
+    /// Refuses to write the lines over a file that they are made from.
+    fn refuse_overwrite(&self) -> Result<(), String> {
+        let read = self.surveys.iter().chain(&self.area).chain(&self.review);
+        let mut same = read.filter(|path| is_same_file(path, &self.output));
+        match same.next() {
+            Some(path) => Err(format!(
+                "the lines would be written over a file that they are made from; choose another name: {}",
+                path.display()
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The plan of some logs.
+fn planned(
+    opened: &[OpenedLog],
+    settings: &PlanSettings,
+    area: Option<&AreaFile>,
+    frame: &LocalFrame,
+) -> Result<Plan, String> {
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    let logs = all_processed(opened, &status, &progress)?;
+    status.step("what is known");
+    let reviews: Vec<_> = opened.iter().map(|log| log.review.clone()).collect();
+    let objects = seen_objects(&logs, &reviews);
+    let known = surveyed(&logs, objects, &progress).map_err(|error| error.to_string())?;
+    let known = known.ok_or("there is no log to plan from")?;
+    let rings = area.map(|area| {
+        let ring = |ring: &Vec<LonLat>| ring.iter().map(|at| frame.to_enu(*at)).collect();
+        area.rings.iter().map(ring).collect::<Vec<Vec<[f64; 2]>>>()
+    });
+    status.step("lines");
+    plan(&known, rings.as_deref(), settings, &progress).map_err(|error| match area {
+        Some(area) if error.is_about_area() => format!("{error}: {}", area.path.display()),
+        _ => error.to_string(),
+    })
+}
+
+fn in_words(plan: &Plan, path: &Path) -> String {
+    let Plan { before, after, .. } = plan;
+    let mut lines = vec![
+        format!(
+            "{} lines of {:.0} m, {:.0} m with turns: {:.1} min at {:.1} m/s",
+            plan.lines.len(),
+            plan.lines_m,
+            plan.length_m,
+            plan.minutes(),
+            plan.speed_mps
+        ),
+        format!(
+            "mean sigma of the depth over {:.0} m2: {:.3} m now, {:.3} m after (predicted)",
+            plan.area_m2, before.mean_sigma_m, after.mean_sigma_m
+        ),
+        format!(
+            "not insonified: {:.0} m2 now, {:.0} m2 after; once: {:.0} m2 now, {:.0} m2 after",
+            before.looked_m2[0], after.looked_m2[0], before.looked_m2[1], after.looked_m2[1]
+        ),
+    ];
+    if before.one_sided > 0 {
+        lines.push(format!(
+            "objects seen from one side only: {} now, {} after",
+            before.one_sided, after.one_sided
+        ));
+    }
+    lines.push(format!("wrote {}", path.display()));
+    lines.join("\n")
+}
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Printed {
+    file: String,
+    lines: Vec<PrintedLine>,
+    lines_m: f64,
+    length_m: f64,
+    minutes: f64,
+    speed_mps: f64,
+    turn_radius_m: f64,
+    area_m2: f64,
+    before: PrintedState,
+    after: PrintedState,
+}
+
+#[derive(Serialize)]
+struct PrintedLine {
+    /// Longitude and latitude of both ends.
+    from: [f64; 2],
+    to: [f64; 2],
+    heading_deg: f64,
+    length_m: f64,
+}
+
+#[derive(Serialize)]
+struct PrintedState {
+    mean_sigma_m: f64,
+    not_insonified_m2: f64,
+    insonified_once_m2: f64,
+    objects_seen_from_one_side: usize,
+}
+
+impl Printed {
+    fn new(plan: &Plan, frame: &LocalFrame, path: &Path) -> Self {
+        let lon_lat = |[east_m, north_m]: [f64; 2]| {
+            let LonLat { lon_deg, lat_deg } = frame.to_lon_lat(east_m, north_m);
+            [lon_deg, lat_deg]
+        };
+        let lines = plan.lines.iter().map(|leg| PrintedLine {
+            from: lon_lat(leg.from),
+            to: lon_lat(leg.to),
+            heading_deg: leg.heading_rad().to_degrees().rem_euclid(360.0),
+            length_m: leg.length_m(),
+        });
+        let state = |state: &State| PrintedState {
+            mean_sigma_m: state.mean_sigma_m,
+            not_insonified_m2: state.looked_m2[0],
+            insonified_once_m2: state.looked_m2[1],
+            objects_seen_from_one_side: state.one_sided,
+        };
+        Self {
+            file: path.display().to_string(),
+            lines: lines.collect(),
+            lines_m: plan.lines_m,
+            length_m: plan.length_m,
+            minutes: plan.minutes(),
+            speed_mps: plan.speed_mps,
+            turn_radius_m: plan.turn_radius_m,
+            area_m2: plan.area_m2,
+            before: state(&plan.before),
+            after: state(&plan.after),
+        }
+    }
+}

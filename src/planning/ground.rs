@@ -1,0 +1,214 @@
+//! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what that leaves in doubt.
+
+use super::known::{Doubt, SeenObject, SigmaLaw, Surveyed};
+use super::water::{Near, Water, thinned};
+use rayon::prelude::*;
+
+/// A doubt lies on the cells within this distance of a crossing, metres, and a pass within it helps.
+pub const DOUBT_M: f64 = 5.0;
+/// Of the differences that are more than so many standard deviations of a depth at a sounding.
+const DOUBT_SIGMAS: f64 = 2.0;
+/// More of them are not looked at.
+const MOST_DOUBTS: usize = 500;
+/// Of the mean of two passes that differ, a third leaves this share of the standard deviation: the root of two thirds.
+const THIRD_PASS: f32 = 0.816_5;
+/// What the first and the second look of the side-scan at a place are worth, as shares of the standard deviation where nothing is known: less
+/// than a depth, since that is what a plan is for, and enough that lines keep to distances at which the range covers the ground twice.
+const LOOK_WORTH: [f32; 2] = [0.05, 0.025];
+
+/// A cell of the water.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Its centre.
+    pub place: [f64; 2],
+    /// To the nearest sounding, metres.
+    pub distance_m: f32,
+    /// Standard deviation from passes that disagree here, metres.
+    pub doubt_m: f32,
+    /// Passes that insonified it, up to 2.
+    pub looks: u8,
+}
+
+/// What is known of each cell of the water, and what lies on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// The water.
+    pub water: Water,
+    /// Its cells, in the order of [`Water::cells`].
+    pub cells: Vec<Cell>,
+    /// The objects in it or near it.
+    pub objects: Vec<SeenObject>,
+    /// What distance leaves in doubt.
+    pub sigma: SigmaLaw,
+    /// Ground nearer to a sounding than this counts as mended, metres: half of the spacing that was asked for.
+    pub mended_m: f32,
+    /// Distance across the track that side-scan insonifies, metres; 0 without any.
+    pub swath_m: f64,
+    /// Distances across the track from and to which an object shows echo and shadow, metres.
+    pub useful_m: [f64; 2],
+}
+
+impl Ground {
+    /// Of what a survey knows, in some water.
+    pub fn new(known: &Surveyed, water: Water, spacing_m: Option<f64>) -> Self {
+        let soundings = Near::new(thinned(&known.soundings, 0.25 * water.grid.cell_m));
+        let doubts = largest(known);
+        let places: Vec<(usize, [f64; 2])> = water.cells().collect();
+        let looks = counted(&water, &known.looks);
+        let cell = |&(index, place): &(usize, [f64; 2])| {
+            let distance_m = soundings.as_ref().map(|near| near.distance_m(place));
+            let near = doubts
+                .iter()
+                .filter(|doubt| apart_m(doubt.place, place) < DOUBT_M);
+            // The mean of two passes is off by half of their difference.
+            let doubt_m = near
+                .map(|doubt| 0.5 * doubt.difference_m.abs())
+                .fold(0.0, f64::max);
+            Cell {
+                place,
+                distance_m: distance_m.unwrap_or(f64::INFINITY) as f32,
+                doubt_m: doubt_m as f32,
+                looks: looks[index],
+            }
+        };
+        let cells = places.par_iter().map(cell).collect();
+        let swath_m = across_m(known.range_m, known.depth_m);
+        Self {
+            cells,
+            water,
+            objects: known.objects.clone(),
+            sigma: known.sigma.clone(),
+            mended_m: spacing_m.map_or(0.0, |spacing_m| (0.5 * spacing_m) as f32),
+            swath_m,
+            // Nearer than the depth an object is below the boat, and has no shadow to speak of.
+            useful_m: [known.depth_m.min(0.5 * swath_m), 0.8 * swath_m],
+        }
+    }
+
+    /// Standard deviation of the depth of a cell, metres.
+    pub fn sigma_m(&self, cell: &Cell) -> f32 {
+        self.sigma_at(cell.distance_m, cell.doubt_m)
+    }
+
+    fn sigma_at(&self, distance_m: f32, doubt_m: f32) -> f32 {
+        let sigma_m = self.sigma.at(distance_m.max(self.mended_m));
+        match doubt_m > 0.0 {
+            true => sigma_m.hypot(doubt_m).min(self.sigma.limit_m()),
+            false => sigma_m,
+        }
+    }
+
+    /// By how much a pass at a distance mends a cell, metres of standard deviation.
+    pub fn mended_by(&self, cell: &Cell, sigma_m: f32, pass_m: f32) -> f32 {
+        let doubt_m = match pass_m < DOUBT_M as f32 {
+            true => THIRD_PASS * cell.doubt_m,
+            false => cell.doubt_m,
+        };
+        let fall_m = match pass_m < cell.distance_m || doubt_m < cell.doubt_m {
+            true => sigma_m - self.sigma_at(pass_m.min(cell.distance_m), doubt_m),
+            false => 0.0,
+        };
+        let look = match f64::from(pass_m) < self.swath_m {
+            true => LOOK_WORTH.get(usize::from(cell.looks)),
+            false => None,
+        };
+        fall_m + look.map_or(0.0, |share| share * self.sigma.limit_m())
+    }
+
+    /// The farthest that a pass can be to mend a cell at all, metres.
+    pub fn reach_m(&self, cell: &Cell) -> f64 {
+        let depth_m = f64::from(cell.distance_m).min(self.sigma.reach_m());
+        let doubt_m = if cell.doubt_m > 0.0 { DOUBT_M } else { 0.0 };
+        let look_m = match usize::from(cell.looks) < LOOK_WORTH.len() {
+            true => self.swath_m,
+            false => 0.0,
+        };
+        depth_m.max(doubt_m).max(look_m)
+    }
+
+    /// The ground after a straight pass from one place to another; `is_line` where its side-scan counts, which that of a turn does not.
+    pub fn sail(&mut self, from: [f64; 2], to: [f64; 2], is_line: bool) {
+        let way = [to[0] - from[0], to[1] - from[1]];
+        let length_m = way[0].hypot(way[1]);
+        if length_m < 1e-9 {
+            return;
+        }
+        let swath_m = if is_line { self.swath_m } else { 0.0 };
+        self.cells.par_iter_mut().for_each(|cell| {
+            let [x, y] = [0, 1].map(|axis| cell.place[axis] - from[axis]);
+            let along_m = (x * way[0] + y * way[1]) / length_m;
+            let across_m = (x * way[1] - y * way[0]).abs() / length_m;
+            let beyond_m = (along_m - along_m.clamp(0.0, length_m)).abs();
+            let pass_m = across_m.hypot(beyond_m);
+            cell.distance_m = cell.distance_m.min(pass_m as f32);
+            if is_line && pass_m < DOUBT_M {
+                cell.doubt_m *= THIRD_PASS;
+            }
+            if beyond_m == 0.0 && across_m < swath_m {
+                cell.looks = (cell.looks + 1).min(2);
+            }
+        });
+        if is_line {
+            let heading_rad = way[0].atan2(way[1]);
+            let [near_m, far_m] = self.useful_m;
+            for object in &mut self.objects {
+                let [x, y] = [0, 1].map(|axis| object.place[axis] - from[axis]);
+                let along_m = (x * way[0] + y * way[1]) / length_m;
+                let across_m = (x * way[1] - y * way[0]).abs() / length_m;
+                if (0.0..=length_m).contains(&along_m) && (near_m..=far_m).contains(&across_m) {
+                    object.headings_rad.push(heading_rad);
+                }
+            }
+        }
+    }
+
+    /// Square metres of a cell.
+    pub fn cell_m2(&self) -> f64 {
+        self.water.grid.cell_m.powi(2)
+    }
+}
+
+/// The doubts that noise does not explain, the largest of them.
+fn largest(known: &Surveyed) -> Vec<Doubt> {
+    let least_m = DOUBT_SIGMAS * f64::from(known.sigma.at(0.0));
+    let doubts = known.doubts.iter().copied();
+    let mut doubts: Vec<Doubt> = doubts
+        .filter(|doubt| doubt.difference_m.abs() > least_m)
+        .collect();
+    let size = |doubt: &Doubt| doubt.difference_m.abs();
+    doubts.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    doubts.truncate(MOST_DOUBTS);
+    doubts
+}
+
+/// Distance across the track on a level bottom.
+fn across_m(range_m: f64, depth_m: f64) -> f64 {
+    (range_m * range_m - depth_m * depth_m).max(0.0).sqrt()
+}
+
+fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// How many passes insonified each cell of the grid, up to 2.
+fn counted(water: &Water, looks: &[super::known::Look]) -> Vec<u8> {
+    let grid = &water.grid;
+    let mut counts = vec![0_u8; grid.len()];
+    let mut last = vec![u32::MAX; grid.len()];
+    for look in looks {
+        let steps = (apart_m(look.from, look.to) / (0.5 * grid.cell_m)).ceil();
+        for step in 0..=steps.min(1e5) as u32 {
+            let share = f64::from(step) / steps.max(1.0);
+            let [east_m, north_m] =
+                [0, 1].map(|axis| look.from[axis] + share * (look.to[axis] - look.from[axis]));
+            let Some(cell) = grid.index_at(east_m, north_m) else {
+                continue;
+            };
+            if last[cell] != look.pass {
+                last[cell] = look.pass;
+                counts[cell] = (counts[cell] + 1).min(2);
+            }
+        }
+    }
+    counts
+}

@@ -1,0 +1,57 @@
+//! A straight line to sail.
+
+use super::turns::Pose;
+
+/// A straight line, from its start to its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Metres east and north.
+    pub from: [f64; 2],
+    /// Metres east and north.
+    pub to: [f64; 2],
+}
+
+impl Leg {
+    /// Metres.
+    pub fn length_m(&self) -> f64 {
+        let [east, north] = self.way();
+        east.hypot(north)
+    }
+
+    /// Radians clockwise from north.
+    pub fn heading_rad(&self) -> f64 {
+        let [east, north] = self.way();
+        east.atan2(north)
+    }
+
+    /// The same line sailed the other way.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        Self {
+            from: self.to,
+            to: self.from,
+        }
+    }
+
+    /// Place and course at its start.
+    pub(super) fn start(&self) -> Pose {
+        self.pose(self.from)
+    }
+
+    /// Place and course at its end.
+    pub(super) fn end(&self) -> Pose {
+        self.pose(self.to)
+    }
+
+    fn pose(&self, place: [f64; 2]) -> Pose {
+        let [east, north] = self.way();
+        Pose {
+            place,
+            course_rad: north.atan2(east),
+        }
+    }
+
+    fn way(&self) -> [f64; 2] {
+        [self.to[0] - self.from[0], self.to[1] - self.from[1]]
+    }
+}

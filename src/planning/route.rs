@@ -1,0 +1,303 @@
+//! In which order lines are sailed, and which way along each.
+
+use super::leg::Leg;
+use super::turns::{Pose, Turn, turns};
+use super::water::Water;
+use std::collections::HashMap;
+
+/// Rounds of improvement: each looks at all pairs of lines.
+const ROUNDS: usize = 30;
+/// An improvement of less than this is none, metres.
+const LEAST_M: f64 = 1e-6;
+/// The nearest lines to a new one that it may be sailed before or after.
+const NEAREST: usize = 12;
+
+/// The shortest turn between two poses that stays in the water; `None` where none does.
+pub fn link(water: &Water, from: Pose, to: Pose, radius_m: f64) -> Option<Turn> {
+    let step_m = 0.5 * water.grid.cell_m;
+    let stays = |turn: &Turn| water.holds_all(&turn.places(step_m));
+    turns(from, to, radius_m).into_iter().find(stays)
+}
+
+/// A line by its number, and whether it is sailed from its end to its start.
+type Sailed = (usize, bool);
+
+/// Lines in the order of sailing.
+#[derive(Clone, Debug)]
+pub struct Route<'a> {
+    water: &'a Water,
+    radius_m: f64,
+    lines: Vec<Leg>,
+    order: Vec<Sailed>,
+    /// Lengths of links that were asked for; infinite where no turn stays in the water.
+    links: HashMap<(Sailed, Sailed), f64>,
+}
+
+impl<'a> Route<'a> {
+    /// Without any line.
+    pub fn new(water: &'a Water, radius_m: f64) -> Self {
+        Self {
+            water,
+            radius_m,
+            lines: Vec::new(),
+            order: Vec::new(),
+            links: HashMap::new(),
+        }
+    }
+
+    /// The lines in the order and the direction that they are sailed in.
+    pub fn legs(&self) -> Vec<Leg> {
+        self.order.iter().map(|line| self.leg(*line)).collect()
+    }
+
+    /// Length of all lines and the turns between them, metres.
+    pub fn length_m(&mut self) -> f64 {
+        let lines_m: f64 = self.lines.iter().map(Leg::length_m).sum();
+        let order = self.order.clone();
+        let links = order.windows(2).map(|pair| self.link_m(pair[0], pair[1]));
+        lines_m + links.sum::<f64>()
+    }
+
+    /// By how much the route grows with a line at its best place, and that place; `None` where no turn leads there.
+    pub fn growth(&mut self, leg: Leg) -> Option<(f64, Insertion)> {
+        if self.order.is_empty() {
+            return Some((leg.length_m(), Insertion { at: 0, leg }));
+        }
+        let mut best: Option<(f64, Insertion)> = None;
+        for at in self.places_near(&leg) {
+            for leg in [leg, leg.turned()] {
+                let before = at.checked_sub(1).map(|index| self.order[index]);
+                let after = self.order.get(at).copied();
+                let come = before.map(|line| self.between(self.leg(line), leg));
+                let go = after.map(|line| self.between(leg, self.leg(line)));
+                let was = before.zip(after).map(|(a, b)| self.link_m(a, b));
+                let growth_m =
+                    leg.length_m() + come.unwrap_or(0.0) + go.unwrap_or(0.0) - was.unwrap_or(0.0);
+                if growth_m.is_finite() && best.as_ref().is_none_or(|(least, _)| growth_m < *least)
+                {
+                    best = Some((growth_m, Insertion { at, leg }));
+                }
+            }
+        }
+        best
+    }
+
+    /// Puts a line where [`Route::growth`] found its place.
+    pub fn insert(&mut self, insertion: Insertion) {
+        let Insertion { at, leg } = insertion;
+        self.lines.push(leg);
+        self.order.insert(at, (self.lines.len() - 1, false));
+    }
+
+    /// Shortens the turns: stretches of the order are sailed backwards (2-opt), and single lines elsewhere or the other way (or-opt).
+    /// Gives the metres that this saves.
+    pub fn improve(&mut self) -> f64 {
+        let before_m = self.length_m();
+        for _ in 0..ROUNDS {
+            if !(self.reverse_a_stretch() | self.move_a_line()) {
+                break;
+            }
+        }
+        before_m - self.length_m()
+    }
+
+    /// Reverses stretches while that shortens the way. A turn is as long the other way, so that those within a stretch stay.
+    fn reverse_a_stretch(&mut self) -> bool {
+        let count = self.order.len();
+        let mut is_better = false;
+        for first in 0..count {
+            for last in first..count {
+                let (before, after) = self.around(first, last + 1);
+                let (start, end) = (self.order[first], self.order[last]);
+                let old_m = self.joined_m(before, Some(start)) + self.joined_m(Some(end), after);
+                let (new_start, new_end) = (Some(other_way(end)), Some(other_way(start)));
+                if self.least_m(before, new_start) + self.least_m(new_end, after) >= old_m {
+                    continue;
+                }
+                let new_m = self.joined_m(before, new_start) + self.joined_m(new_end, after);
+                if new_m < old_m - LEAST_M {
+                    let stretch = &mut self.order[first..=last];
+                    stretch.reverse();
+                    stretch.iter_mut().for_each(|line| *line = other_way(*line));
+                    is_better = true;
+                }
+            }
+        }
+        is_better
+    }
+
+    /// Moves single lines while that shortens the way.
+    fn move_a_line(&mut self) -> bool {
+        let mut is_better = false;
+        for from in 0..self.order.len() {
+            let (before, after) = self.around(from, from + 1);
+            let line = self.order[from];
+            let gap_m = self.joined_m(before, after);
+            let here_m = self.joined_m(before, Some(line)) + self.joined_m(Some(line), after);
+            let saved_m = here_m - gap_m;
+            if saved_m <= LEAST_M || !gap_m.is_finite() {
+                continue;
+            }
+            self.order.remove(from);
+            let mut best = (saved_m - LEAST_M, from, line);
+            for at in 0..=self.order.len() {
+                let (before, after) = self.around(at, at);
+                let was_m = self.joined_m(before, after);
+                for moved in [line, other_way(line)] {
+                    let new = Some(moved);
+                    if self.least_m(before, new) + self.least_m(new, after) - was_m >= best.0 {
+                        continue;
+                    }
+                    let cost_m = self.joined_m(before, new) + self.joined_m(new, after) - was_m;
+                    if cost_m < best.0 {
+                        best = (cost_m, at, moved);
+                    }
+                }
+            }
+            let (_, at, moved) = best;
+            self.order.insert(at, moved);
+            is_better |= (at, moved) != (from, line);
+        }
+        is_better
+    }
+
+    /// The line before a place in the order, and the one at another.
+    fn around(&self, first: usize, next: usize) -> (Option<Sailed>, Option<Sailed>) {
+        let before = first.checked_sub(1).map(|index| self.order[index]);
+        (before, self.order.get(next).copied())
+    }
+
+    /// Places in the order beside the lines whose ends are nearest to those of a new one.
+    fn places_near(&self, leg: &Leg) -> Vec<usize> {
+        let away_m = |line: &Leg| {
+            let ends = [line.from, line.to];
+            let each = ends
+                .iter()
+                .flat_map(|end| [apart_m(*end, leg.from), apart_m(*end, leg.to)]);
+            each.fold(f64::INFINITY, f64::min)
+        };
+        let mut nearest: Vec<(f64, usize)> = (self.order.iter().enumerate())
+            .map(|(index, (line, _))| (away_m(&self.lines[*line]), index))
+            .collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.truncate(NEAREST);
+        let mut places: Vec<usize> = nearest
+            .iter()
+            .flat_map(|(_, index)| [*index, *index + 1])
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    fn leg(&self, (line, is_turned): Sailed) -> Leg {
+        match is_turned {
+            true => self.lines[line].turned(),
+            false => self.lines[line],
+        }
+    }
+
+    /// Length of the turn between two lines; 0 at the ends of the way.
+    fn joined_m(&mut self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
+        from.zip(to).map_or(0.0, |(from, to)| self.link_m(from, to))
+    }
+
+    /// What that cannot be less than: the way as the crow flies.
+    fn least_m(&self, from: Option<Sailed>, to: Option<Sailed>) -> f64 {
+        let ends = from.zip(to);
+        ends.map_or(0.0, |(from, to)| {
+            apart_m(self.leg(from).to, self.leg(to).from)
+        })
+    }
+
+    fn link_m(&mut self, from: Sailed, to: Sailed) -> f64 {
+        // The way back from the other end is the same way.
+        let key = std::cmp::min((from, to), (other_way(to), other_way(from)));
+        if let Some(length_m) = self.links.get(&key) {
+            return *length_m;
+        }
+        let length_m = self.between(self.leg(key.0), self.leg(key.1));
+        self.links.insert(key, length_m);
+        length_m
+    }
+
+    fn between(&self, from: Leg, to: Leg) -> f64 {
+        let turn = link(self.water, from.end(), to.start(), self.radius_m);
+        turn.map_or(f64::INFINITY, |turn| turn.length_m())
+    }
+}
+
+/// Where a line comes in the order, and its direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Insertion {
+    at: usize,
+    leg: Leg,
+}
+
+fn other_way((line, is_turned): Sailed) -> Sailed {
+    (line, !is_turned)
+}
+
+fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_in_any_order_become_a_round_to_and_fro() {
+        let ring = vec![
+            [-50.0, -50.0],
+            [250.0, -50.0],
+            [250.0, 150.0],
+            [-50.0, 150.0],
+        ];
+        let water = Water::within(&[ring]).unwrap();
+        let mut route = Route::new(&water, 5.0);
+        // Ten lines 10 m apart in a mixed order, all drawn eastwards, each put at the end.
+        for rank in [3, 9, 0, 6, 1, 8, 4, 2, 7, 5] {
+            let north = 10.0 * f64::from(rank);
+            let leg = Leg {
+                from: [0.0, north],
+                to: [200.0, north],
+            };
+            let at = route.order.len();
+            route.insert(Insertion { at, leg });
+        }
+        let saved_m = route.improve();
+        // Half a circle of 5 m between neighbours.
+        let best_m = 10.0 * 200.0 + 9.0 * std::f64::consts::PI * 5.0;
+        let length_m = route.length_m();
+        assert!(
+            saved_m > 0.0 && length_m < 1.03 * best_m,
+            "{length_m} {best_m}"
+        );
+        let (growth_m, _) = route
+            .growth(Leg {
+                from: [0.0, 100.0],
+                to: [200.0, 100.0],
+            })
+            .unwrap();
+        assert!((growth_m - 215.7).abs() < 0.1, "{growth_m}");
+    }
+
+    #[test]
+    fn a_turn_that_leaves_the_water_is_none() {
+        let ring = vec![[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]];
+        let water = Water::within(&[ring]).unwrap();
+        let pose = |east: f64, north: f64, course_rad: f64| Pose {
+            place: [east, north],
+            course_rad,
+        };
+        // Half a circle to the line beside, with room for it and without.
+        let beside = |north: f64| {
+            let up = std::f64::consts::FRAC_PI_2;
+            link(&water, pose(0.0, north, up), pose(10.0, north, -up), 5.0)
+        };
+        let half_m = std::f64::consts::PI * 5.0;
+        assert!((beside(10.0).unwrap().length_m() - half_m).abs() < 1e-6);
+        assert!(beside(17.0).is_none_or(|turn| turn.length_m() > half_m + 1.0));
+    }
+}
