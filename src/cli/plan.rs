@@ -14,6 +14,9 @@ use crate::progress::Progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+/// A plan that uses less of its time than this says so.
+const USED: f64 = 0.8;
+
 /// `bathyscope plan SURVEY... -o FILE`.
 #[derive(Debug, clap::Args)]
 pub struct PlanArgs {
@@ -78,6 +81,13 @@ pub fn run(args: PlanArgs) -> Result<(), String> {
         };
         way.write(&args.output, format)
             .map_err(|error| error.to_string())?;
+        if made.minutes() < USED * args.minutes {
+            output::notify(format_args!(
+                "warning: the lines take {:.1} of {} minutes, for nothing more fits into the water or is left to mend; --area names a larger one",
+                made.minutes(),
+                args.minutes
+            ));
+        }
         match args.json {
             true => output::json(&Printed::new(&made, &frame, &args.output))?,
             false => output::results(in_words(&made, &args.output))?,
