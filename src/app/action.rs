@@ -185,6 +185,10 @@ actions! {
     SaveFigure, "Save the measurement…", None, "Writes what was measured as GeoJSON, or its corners (the depths of a profile) as CSV.";
     SaveProfile, "Save the depth profile…", None, "Writes distance, position and depth along the line as CSV.";
     CopyProfile, "Copy the depth profile", None, "Copies distance, position and depth along the line as CSV.";
+    PlanLines, "Plan lines", Some("Shift+N"), "Proposes lines to sail next, where they mend most of the survey in the time of the panel Where to sail next; their ends can be dragged on the map.";
+    RemoveLine, "Remove the planned line", None, "Takes the planned line away that was clicked on the map.";
+    RemovePlan, "Remove the planned lines", None, "Takes all planned lines away.";
+    SavePlan, "Save the planned lines…", None, "Writes the planned lines for a plotter or an autopilot: GPX, KML, .plan (QGroundControl) or .waypoints (Mission Planner).";
     CalibrateHere, "Calibrate here", Some("C"), "Uses the stretch around the selected ping as the flat spot.";
     CalibrationReset, "Calibrate at the flattest stretch", None, "Removes the picked stretch.";
     OutlierPreview, "Outlier preview", Some("O"), "Shows what the outlier filter would remove.";

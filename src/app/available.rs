@@ -15,6 +15,8 @@ impl App {
             Action::ForgetTruth => self.log.reviewing.judging.source().is_some(),
             Action::ForgetBottom => !self.log.settings.bottom.is_empty(),
             Action::RemoveFigure => self.measuring.figure.is_some(),
+            Action::RemovePlan | Action::SavePlan => self.planning.lines.is_some(),
+            Action::RemoveLine => self.planning.selected.is_some(),
             Action::CalibrationReset => self.log.settings.calibration.pings.is_some(),
             _ => true,
         }

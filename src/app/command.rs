@@ -1,5 +1,6 @@
 //! Everything the window can ask for.
 
+use super::planning::PlanRequest;
 use super::{
     Action, BottomStroke, LayoutPreset, Leave, LogBox, LogId, Mark, Measure, MistakeSort, Nudge,
     ReferenceBy, View, ViewOptions,
@@ -143,6 +144,10 @@ pub enum Command {
     SaveReviews,
     /// Write reviewed boxes and objects into a folder.
     ExportBoxes(PathBuf),
+    /// Change the planned lines, or what they are planned for.
+    Plan(PlanRequest),
+    /// Write the planned lines into a file: GPX, KML, QGroundControl or Mission Planner by its ending.
+    SavePlan(PathBuf),
     /// Draw on the map, or take the depths along what is drawn.
     Measure(Measure),
     /// Show a picture of the analyst's own under the map.

@@ -19,6 +19,7 @@ impl App {
             logs: self.logs().map(LogStep::of).collect(),
             closed: self.closed_logs().collect(),
             figure: self.measuring.figure.clone(),
+            planned: self.planning.lines.clone(),
             mountings: self.mountings.clone(),
         }
     }

@@ -29,6 +29,7 @@ mod objects;
 mod open_log;
 mod options;
 mod picture;
+mod planning;
 mod preview;
 mod print;
 mod print_text;
@@ -63,6 +64,7 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
+pub use planning::{PlanRequest, PlannedLines, Planning};
 pub use print::{Paper, PrintOptions, Sheet};
 pub use print_text::PrintText;
 pub use profile_line::ProfileLine;

@@ -117,6 +117,7 @@ impl App {
         let mut copy = App::new(Jobs::Threads(Arc::new(|| ())));
         copy.is_picture = true;
         copy.log = self.log.for_picture();
+        copy.planning = self.planning.for_picture();
         copy.logs = self.logs.for_picture();
         copy.deriving = self.deriving.for_picture();
         copy.survey_serial = self.survey_serial;

@@ -12,6 +12,7 @@ use super::measuring::Measuring;
 use super::mounting::Mountings;
 use super::notices::{Notice, Said};
 use super::objects::Objects;
+use super::planning::Planning;
 use super::preview::Previewer;
 use super::project::Keeping;
 use super::reviewing::{Search, Step};
@@ -130,6 +131,8 @@ pub struct App {
     pub comparing: Comparing,
     /// What is drawn on the map to measure.
     pub measuring: Measuring,
+    /// Lines to sail next.
+    pub planning: Planning,
     /// Only a picture is drawn of it: views leave their buttons out.
     pub is_picture: bool,
     pub(super) history: History<Step>,
@@ -179,6 +182,7 @@ impl App {
             base_map: None,
             comparing: Comparing::default(),
             measuring: Measuring::default(),
+            planning: Planning::default(),
             is_picture: false,
             history: History::default(),
             engine: Engine::new(jobs.clone()),
@@ -249,6 +253,7 @@ impl App {
             && !self.previewer.is_busy()
             && !self.tabulating.is_busy()
             && !self.heights.is_busy()
+            && !self.planning.is_busy()
             && !self.deriving.is_busy()
             && !self.objects.is_busy()
             && !self.search.is_busy()

@@ -33,6 +33,7 @@ impl App {
         self.poll_comparing();
         self.poll_tables();
         self.poll_heights();
+        self.poll_planning();
         self.poll_project();
         self.poll_export();
         self.poll_detecting();
@@ -223,6 +224,7 @@ impl App {
         self.exporting = None;
         self.opening_base_map = None;
         self.comparing.stop();
+        self.planning.stop();
         self.tabulating.stop();
         self.each_log(|app| app.log.external.stop_reading());
     }

@@ -47,6 +47,8 @@ pub(super) enum Purpose {
     PrintInto,
     /// The file that what was measured is written into.
     SaveFigure,
+    /// The file that planned lines are written into.
+    SavePlan,
 }
 
 impl Purpose {
@@ -57,6 +59,7 @@ impl Purpose {
             Self::SaveReview => Some("Save the review of boxes"),
             Self::SaveProfile => Some("Save the depth profile"),
             Self::SaveFigure => Some("Save the measurement"),
+            Self::SavePlan => Some("Save the planned lines"),
             Self::PrintInto => Some("Print the view"),
             _ => None,
         }
@@ -212,6 +215,11 @@ impl Dialogs {
                 "File to write, .geojson or .csv",
                 "Save",
             ),
+            Purpose::SavePlan => (
+                "Save the planned lines",
+                "File to write, .gpx, .kml, .plan or .waypoints",
+                "Save",
+            ),
             Purpose::PrintInto => ("Print the view", "File to write", "Print"),
             Purpose::OpenModel => ("Choose a model", "Path of an ONNX file", "Choose"),
         };
@@ -273,6 +281,7 @@ fn command(purpose: Purpose, paths: Vec<PathBuf>) -> Option<Command> {
         Purpose::OpenWaterLevels => Command::OpenWaterLevels(path),
         Purpose::OpenTrack => Command::OpenTrack(path),
         Purpose::SaveFigure => Command::SaveFigure(path),
+        Purpose::SavePlan => Command::SavePlan(path),
         Purpose::PrintInto => Command::PrintInto(path),
     })
 }
@@ -355,6 +364,7 @@ fn choose_path(purpose: Purpose, proposed: Option<PathBuf>) -> Option<PathBuf> {
         | Purpose::SaveReview
         | Purpose::SaveProfile
         | Purpose::SaveFigure
+        | Purpose::SavePlan
         | Purpose::PrintInto => {
             let title = purpose.title_of_saved().unwrap_or_default();
             let mut dialog = rfd::FileDialog::new().set_title(title);

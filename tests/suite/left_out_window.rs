@@ -51,8 +51,16 @@ pub fn click(window: &mut Window, at: Pos2) {
     window.step();
 }
 
-/// Where a ping of a log lies on the screen of the map: by two places that are measured there.
+/// Where a ping of a log lies on the screen of the map.
 pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
+    let at = places_on_map(window);
+    let log = app(window).open_log(log).expect("it is open");
+    let boat = log.products.as_ref().expect("results").navigation.pings[ping];
+    at([boat.east_m, boat.north_m])
+}
+
+/// Where places of the plane lie on the screen of the map: by two that are measured there.
+pub fn places_on_map(window: &mut Window) -> impl Fn([f64; 2]) -> Pos2 + use<> {
     let rect = window.get_by_label_contains("Map, track of").rect();
     let probes = [rect.center(), rect.center() + egui::vec2(40.0, 0.0)];
     press(window, Modifiers::NONE, Key::D);
@@ -62,7 +70,7 @@ pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
     let figure = app(window).measuring.figure.clone().expect("a line");
     press(window, Modifiers::NONE, Key::Escape);
     press(window, Modifiers::NONE, Key::Escape);
-    let log = app(window).open_log(log).expect("it is open");
+    let log = &app(window).log;
     let survey = log.survey.as_ref().expect("a log");
     let navigation = &log.products.as_ref().expect("results").navigation;
     let [one, other] = [0, 1].map(|index| {
@@ -70,10 +78,11 @@ pub fn on_map(window: &mut Window, log: LogId, ping: usize) -> Pos2 {
         navigation.to_plane(&survey.track, corner)
     });
     let per_point = (other[0] - one[0]) / 40.0;
-    let boat = &navigation.pings[ping];
-    let right = (boat.east_m - one[0]) / per_point;
-    let down = (one[1] - boat.north_m) / per_point;
-    pos2(probes[0].x + right as f32, probes[0].y + down as f32)
+    move |[east_m, north_m]| {
+        let right = (east_m - one[0]) / per_point;
+        let down = (one[1] - north_m) / per_point;
+        pos2(probes[0].x + right as f32, probes[0].y + down as f32)
+    }
 }
 
 #[test]

@@ -47,6 +47,7 @@ mod objects_window;
 mod offsets;
 mod outputs;
 mod planning;
+mod planning_window;
 mod point_attributes;
 mod printing;
 mod project;

@@ -35,6 +35,7 @@ impl App {
     /// Goes back or forward to a step, and to the box that it is about.
     pub(in crate::app) fn take_step(&mut self, step: Step) {
         self.measuring.figure = step.figure;
+        self.take_planned(step.planned);
         self.mountings = step.mountings;
         self.open_and_close(&step.closed);
         self.reorder(step.logs.iter().map(|log| log.id));

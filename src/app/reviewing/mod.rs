@@ -28,6 +28,7 @@ pub(super) use places::Entries;
 
 use super::measuring::Figure;
 use super::mounting::Mountings;
+use super::planning::PlannedLines;
 use super::{LogId, Mark, OpenLog};
 use crate::detection::review::{BoxId, Counts, NAMELESS_CLASS, Queue, Review, Reviewed};
 use crate::detection::{self, Raster};
@@ -66,6 +67,7 @@ pub(super) struct Step {
     /// Logs that were closed and can be opened again.
     pub closed: Vec<LogId>,
     pub figure: Option<Arc<Figure>>,
+    pub planned: Option<Arc<PlannedLines>>,
     pub mountings: Arc<Mountings>,
 }
 

@@ -13,6 +13,7 @@ pub mod notices;
 pub mod objects;
 pub mod outliers;
 pub(in crate::ui) mod parts;
+pub mod plan;
 pub mod products;
 pub mod residuals;
 pub mod review;
@@ -45,6 +46,7 @@ pub fn steps(ui: &mut egui::Ui, context: &mut ViewContext<'_>) {
     outliers::ui(ui, context);
     objects::ui(ui, context);
     maps::ui(ui, context);
+    plan::ui(ui, context);
     products::ui(ui, context);
     water::ui(ui, context);
     external_track::ui(ui, context);

@@ -95,6 +95,7 @@ impl Shell {
                 View::Map | View::Cloud => self.views.map.set_corner(),
             },
             Action::SaveFigure => self.save_figure(),
+            Action::SavePlan => self.save_plan(),
             Action::SaveProfile => self.save_profile(),
             Action::CopyProfile => match self.app.profile_csv() {
                 Some(text) => ctx.copy_text(text),
@@ -197,6 +198,17 @@ impl Shell {
                 .name(Purpose::SaveFigure, proposed, self.app.jobs());
         } else {
             let text = "nothing is measured yet; draw a line or an area on the map first";
+            self.app.apply(Command::Notify(text.to_owned()));
+        }
+    }
+
+    fn save_plan(&mut self) {
+        if self.app.planning.lines.is_some() {
+            let proposed = self.sidecar_path("lines.gpx");
+            self.dialogs
+                .name(Purpose::SavePlan, proposed, self.app.jobs());
+        } else {
+            let text = "no lines are planned yet; use Plan lines first";
             self.app.apply(Command::Notify(text.to_owned()));
         }
     }

@@ -82,6 +82,12 @@ const MEASURING: &[Action] = &[
     Action::SaveProfile,
     Action::CopyProfile,
 ];
+const PLANNING: &[Action] = &[
+    Action::PlanLines,
+    Action::RemoveLine,
+    Action::RemovePlan,
+    Action::SavePlan,
+];
 const COMPARING: &[Action] = &[Action::CompareWith, Action::CloseReference];
 const PROCESSING: &[Action] = &[
     Action::PresetRecommended,
@@ -340,6 +346,7 @@ fn survey(ui: &mut Ui, context: &mut ViewContext<'_>) {
     entries(ui, context, PROCESSING);
     ui.separator();
     ui.menu_button("Measure", |ui| entries(ui, context, MEASURING));
+    ui.menu_button("Where to sail next", |ui| entries(ui, context, PLANNING));
     ui.menu_button("Mounting", |ui| mounting(ui, context));
     for &action in COMPARING {
         let enabled = match action {

@@ -16,6 +16,7 @@ mod notes;
 mod objects;
 mod overlay;
 mod ping_boxes;
+mod plan;
 mod pointer;
 mod points;
 mod recorded_track;
@@ -38,6 +39,7 @@ use crate::survey::Survey;
 use crate::ui::{ViewContext, ViewRequest, place, text, theme};
 use egui::{Rect, Response, Role, Sense, Ui, WidgetInfo, vec2};
 use layers::{TrackKey, TrackLayer};
+use plan::Taken;
 use stack::Layers;
 use std::sync::Arc;
 use transform::{GroundBounds, MapTransform};
@@ -60,6 +62,7 @@ pub struct MapView {
     pointer: pointer::Pointer,
     measure: measure::MeasureTool,
     leave_out: left_out::LeaveOutTool,
+    plan: plan::PlanTool,
     seen_plane: u64,
     seen_reveal: u64,
     /// Height that the plot of a depth profile takes of the view, points.
@@ -143,6 +146,7 @@ impl MapView {
             self.pointer = pointer::Pointer::default();
             self.measure = measure::MeasureTool::default();
             self.leave_out = left_out::LeaveOutTool::default();
+            self.plan = plan::PlanTool::default();
         }
     }
 
@@ -184,7 +188,16 @@ impl MapView {
             let view = (rect, transform);
             self.leave_out.follow(ui, response, view, &track, context)
         });
-        let transform = self.navigate(ui, context, response, &track, !draws);
+        let taken = self.transform.map_or_else(Taken::default, |transform| {
+            let place = plan::Place {
+                rect,
+                transform,
+                survey: &survey,
+                products: &products,
+            };
+            self.plan.follow(ui, response, &place, context)
+        });
+        let transform = self.navigate(ui, context, response, &track, !draws && !taken.drag);
         let scene = overlay::Scene {
             rect,
             transform,
@@ -202,7 +215,10 @@ impl MapView {
         paint(ui, context, &scene, &mut self.layers);
         let painter = ui.painter_at(rect);
         self.leave_out.draw(&painter, &scene, context.app);
-        self.pointer.handle(ui, context, &scene, response);
+        if !taken.click {
+            self.pointer.handle(ui, context, &scene, response);
+        }
+        self.plan.ui(ui, context, &scene);
         self.measure.ui(ui, context, &scene, response);
         swipe::ui(ui, context, &scene);
         if !context.app.is_picture {

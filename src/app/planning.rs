@@ -1,0 +1,236 @@
+//! Lines to sail next: planned off the window's thread, changed by hand, written for plotters and autopilots.
+
+use super::{App, Outcome, Task};
+use crate::export::{PlanFormat, PlannedWay};
+use crate::geo::{LocalFrame, LonLat};
+use crate::pipeline::{seen_objects, surveyed};
+use crate::planning::{Leg, Plan, PlanSettings, plan};
+use crate::printable::quoted;
+use crate::progress::Progress;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Said when there are no lines to act on.
+const NO_LINES: &str = "no lines are planned yet; use Plan lines first";
+const NO_LINE: &str = "no planned line is selected; click one on the map first";
+
+/// Planned lines, and where on the Earth they lie.
+#[derive(Clone, Debug)]
+pub struct PlannedLines {
+    /// The plan.
+    pub plan: Plan,
+    /// The frame of its plane.
+    pub frame: LocalFrame,
+    /// First place of the first log: where the boat starts.
+    home: LonLat,
+    /// What the lines are called.
+    name: String,
+}
+
+/// By their lines: all else follows from them.
+impl PartialEq for PlannedLines {
+    fn eq(&self, other: &Self) -> bool {
+        self.plan.lines == other.plan.lines && self.frame.origin() == other.frame.origin()
+    }
+}
+
+/// A request about the planned lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlanRequest {
+    /// Plan the next lines with these numbers.
+    Ask(PlanSettings),
+    /// Select a line by its number, or none.
+    Select(Option<usize>),
+    /// Move an end of a line, 0 its start and 1 its end, to a place on the map.
+    Move {
+        /// Number of the line.
+        line: usize,
+        /// 0 or 1.
+        end: usize,
+        /// Where to.
+        to: LonLat,
+    },
+}
+
+/// The planned lines and the work on them.
+#[derive(Default)]
+pub struct Planning {
+    /// What the next plan is asked for.
+    pub asked: PlanSettings,
+    /// The lines, once there are some.
+    pub lines: Option<Arc<PlannedLines>>,
+    /// The line that commands act on.
+    pub selected: Option<usize>,
+    task: Option<Task<Result<PlannedLines, String>>>,
+}
+
+impl Planning {
+    /// Whether lines are being planned.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_some()
+    }
+
+    /// Done share of the work under way, 0 to 1.
+    pub fn fraction(&self) -> Option<f32> {
+        self.task.as_ref().map(Task::fraction)
+    }
+
+    /// What is drawn of it.
+    pub(super) fn for_picture(&self) -> Self {
+        Self {
+            lines: self.lines.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Stops the work; the lines stay.
+    pub(super) fn stop(&mut self) {
+        self.task = None;
+    }
+}
+
+impl App {
+    /// Starts to plan lines for all visible logs.
+    pub(super) fn plan_lines(&mut self) {
+        let shown = self.shown_logs();
+        let Some(first) = shown.first() else {
+            let text = "there is no survey to plan from; open a log, and wait for its results";
+            return self.notify(text.to_owned(), true);
+        };
+        let survey = &first.log.survey;
+        let frame = survey.track.frame.clone();
+        let home = survey.track.fixes.first().map(|fix| fix.position);
+        let home = home.unwrap_or(frame.origin());
+        let name = format!("{} lines", survey.name());
+        let review = |id| self.open_log(id).map(|log| log.reviewing.review.clone());
+        let reviews: Vec<_> = shown.iter().map(|log| review(log.id)).collect();
+        let logs: Vec<_> = shown.into_iter().map(|shown| shown.log).collect();
+        let asked = self.planning.asked;
+        let work = move |progress: &Progress| {
+            let objects = seen_objects(&logs, &reviews);
+            let known = surveyed(&logs, objects, progress).map_err(|error| error.to_string())?;
+            let known = known.ok_or("there is no log to plan from")?;
+            let plan = plan(&known, None, &asked, progress).map_err(|error| error.to_string())?;
+            Ok(PlannedLines {
+                plan,
+                frame,
+                home,
+                name,
+            })
+        };
+        self.planning.task = Some(Task::start(&self.jobs, work));
+    }
+
+    /// Collects the lines.
+    pub(super) fn poll_planning(&mut self) {
+        match self.planning.task.as_ref().map(Task::poll) {
+            None | Some(Outcome::Pending) => return,
+            Some(Outcome::Done(Ok(lines))) => self.set_lines(Some(lines), "planned lines"),
+            Some(Outcome::Done(Err(text))) => self.notify(text, true),
+            Some(Outcome::Failed) => {
+                self.notify("planning lines failed unexpectedly".to_owned(), true);
+            }
+        }
+        self.planning.task = None;
+    }
+
+    /// Carries out a request about the lines.
+    pub(super) fn change_plan(&mut self, request: PlanRequest) {
+        match request {
+            PlanRequest::Ask(asked) => self.planning.asked = asked,
+            PlanRequest::Select(line) => self.planning.selected = line,
+            PlanRequest::Move { line, end, to } => {
+                let Some(planned) = self.planning.lines.clone() else {
+                    return;
+                };
+                let mut lines = planned.plan.lines.clone();
+                let place = planned.frame.to_enu(to);
+                match (lines.get_mut(line), end) {
+                    (Some(leg), 0) => leg.from = place,
+                    (Some(leg), _) => leg.to = place,
+                    (None, _) => return,
+                }
+                self.planning.selected = Some(line);
+                self.replace_lines(&planned, lines, "end of a planned line");
+            }
+        }
+    }
+
+    /// Removes the selected line.
+    pub(super) fn remove_line(&mut self) {
+        let Some(planned) = self.planning.lines.clone() else {
+            return self.notify(NO_LINES.to_owned(), true);
+        };
+        let mut lines = planned.plan.lines.clone();
+        let selected = self.planning.selected.filter(|line| *line < lines.len());
+        let Some(line) = selected else {
+            return self.notify(NO_LINE.to_owned(), true);
+        };
+        lines.remove(line);
+        self.replace_lines(&planned, lines, "removed planned line");
+    }
+
+    /// Removes all lines.
+    pub(super) fn remove_plan(&mut self) {
+        self.set_lines(None, "planned lines");
+    }
+
+    /// Other lines in the place of those that are planned; none of them leave no plan.
+    fn replace_lines(&mut self, planned: &PlannedLines, lines: Vec<Leg>, label: &'static str) {
+        let changed = (!lines.is_empty()).then(|| PlannedLines {
+            plan: planned.plan.with_lines(lines),
+            ..planned.clone()
+        });
+        self.set_lines(changed, label);
+    }
+
+    /// The lines of a step that undo or redo comes to.
+    pub(super) fn take_planned(&mut self, lines: Option<Arc<PlannedLines>>) {
+        if self.planning.lines != lines {
+            self.planning.selected = None;
+        }
+        self.planning.lines = lines;
+    }
+
+    /// Makes lines the planned ones, as an undo step.
+    fn set_lines(&mut self, lines: Option<PlannedLines>, label: &'static str) {
+        let before = self.step_now();
+        self.planning.lines = lines.map(Arc::new);
+        let count = |lines: &Arc<PlannedLines>| lines.plan.lines.len();
+        let count = self.planning.lines.as_ref().map_or(0, count);
+        self.planning.selected = self.planning.selected.filter(|line| *line < count);
+        let after = self.step_now();
+        self.record_step(&before, &after, label, false);
+    }
+
+    /// Writes the lines into a file; its ending says for whom.
+    pub(super) fn save_plan(&mut self, path: PathBuf) {
+        let Some(planned) = self.planning.lines.clone() else {
+            return self.notify(NO_LINES.to_owned(), true);
+        };
+        if self.refuses_log(&path) {
+            return;
+        }
+        let way = PlannedWay {
+            name: &planned.name,
+            plan: &planned.plan,
+            frame: &planned.frame,
+            home: planned.home,
+        };
+        let format = PlanFormat::of(&path).map_err(|error| error.to_string());
+        let written = format.and_then(|format| {
+            let written = way.write(&path, format);
+            written.map_err(|error| error.to_string())
+        });
+        match written {
+            Ok(()) => {
+                let path = path.display().to_string();
+                self.notify(
+                    format!("Wrote the planned lines to {}", quoted(&path)),
+                    false,
+                );
+            }
+            Err(text) => self.notify(text, true),
+        }
+    }
+}

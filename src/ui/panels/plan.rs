@@ -1,0 +1,81 @@
+//! Where to sail next: how long, how fast, how tight.
+
+use super::parts::{remark, row};
+use super::section::{Section, section};
+use crate::app::{Action, Command, PlanRequest};
+use crate::ui::ViewContext;
+use egui::{DragValue, Ui};
+
+/// Draws the section.
+pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let heading = Section {
+        number: None,
+        title: "Where to sail next",
+        stage: None,
+    };
+    section(ui, context, &heading, plan);
+}
+
+fn plan(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    let before = context.app.planning.asked;
+    let units = context.app.options.units;
+    let mut asked = before;
+    let hint = "Time from the start of the first line to the end of the last, turns included.";
+    row(ui, "Time", hint, |ui| {
+        let value = DragValue::new(&mut asked.minutes).range(0.5..=1440.0);
+        ui.add(value.speed(0.5).max_decimals(1).suffix(" min"))
+    });
+    let of_speed = units.speed.metres_per_second();
+    let mut speed = asked.speed_mps.unwrap_or(0.0) / of_speed;
+    let hint = "Speed of the boat over ground; 0 for the median of the survey.";
+    row(ui, "Speed", hint, |ui| {
+        let written = |value: f64| match value > 0.0 {
+            true => format!("{value:.2} {}", units.speed.symbol()),
+            false => "as surveyed".to_owned(),
+        };
+        let value = DragValue::new(&mut speed).range(0.0..=20.0 / of_speed);
+        ui.add(
+            value
+                .speed(0.05)
+                .custom_formatter(|value, _| written(value)),
+        )
+    });
+    asked.speed_mps = Some(speed * of_speed).filter(|speed_mps| *speed_mps >= 0.1);
+    let of_length = units.length.metres();
+    let mut radius = asked.turn_radius_m / of_length;
+    let hint = "Least radius that the boat turns with.";
+    row(ui, "Turn radius", hint, |ui| {
+        let value = DragValue::new(&mut radius).range(0.5 / of_length..=500.0 / of_length);
+        let suffix = format!(" {}", units.symbol());
+        ui.add(value.speed(0.1).max_decimals(1).suffix(suffix))
+    });
+    // A value that nobody changed is not rounded by the unit that it is shown in.
+    if (radius * of_length - asked.turn_radius_m).abs() > 1e-6 {
+        asked.turn_radius_m = radius * of_length;
+    }
+    if asked
+        .speed_mps
+        .zip(before.speed_mps)
+        .is_some_and(|(a, b)| (a - b).abs() < 1e-9)
+    {
+        asked.speed_mps = before.speed_mps;
+    }
+    if asked != before {
+        context.push(Command::Plan(PlanRequest::Ask(asked)));
+    }
+    ui.horizontal(|ui| {
+        let action = Action::PlanLines;
+        let busy = context.app.planning.is_busy();
+        let button = ui.add_enabled(!busy, egui::Button::new(action.label()));
+        if button.on_hover_text(action.hint()).clicked() {
+            context.push(Command::Do(action));
+        }
+        if busy {
+            ui.add(egui::Spinner::new().size(12.0));
+        }
+    });
+    remark(
+        ui,
+        "Lines stay within the outline of what was sailed, gaps in it included: look at them over a chart first.",
+    );
+}

@@ -1,0 +1,262 @@
+//! Planned lines on the map: drawn with the way through them, selected by a click, their ends dragged.
+
+use super::overlay::Scene;
+use super::transform::MapTransform;
+use crate::app::{Action, App, Command, PlanRequest, PlannedLines};
+use crate::pipeline::Products;
+use crate::planning::Leg;
+use crate::presentation::text;
+use crate::survey::Survey;
+use crate::ui::views::{drag, legend};
+use crate::ui::{ViewContext, theme};
+use egui::{
+    Align2, CursorIcon, Painter, Pos2, Rect, Response, RichText, Shape, Stroke, Ui, UiBuilder,
+    pos2, vec2,
+};
+
+/// How near the pointer must come to an end of a line, and to the line, points.
+const END_REACH: f32 = 9.0;
+const LINE_REACH: f32 = 6.0;
+
+/// The drag of an end under way.
+#[derive(Default)]
+pub struct PlanTool {
+    drag: Option<Drag>,
+}
+
+#[derive(Clone, Copy)]
+struct Drag {
+    line: usize,
+    /// 0 the start of the line, 1 its end.
+    end: usize,
+    at: Pos2,
+}
+
+/// What the pointer did about the lines in this frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Taken {
+    /// A drag that must not move the map.
+    pub drag: bool,
+    /// A click that is not for anything else.
+    pub click: bool,
+}
+
+/// Where the map lies on the screen, and the log whose plane it is in.
+pub struct Place<'a> {
+    /// Part of the screen.
+    pub rect: Rect,
+    /// Ground to screen.
+    pub transform: MapTransform,
+    /// The shown log.
+    pub survey: &'a Survey,
+    /// Its results.
+    pub products: &'a Products,
+}
+
+impl Place<'_> {
+    /// Both ends of every line on the screen.
+    fn lines(&self, planned: &PlannedLines) -> Vec<[Pos2; 2]> {
+        let ends = |leg: &Leg| [leg.from, leg.to].map(|place| self.at(planned, place));
+        planned.plan.lines.iter().map(ends).collect()
+    }
+
+    fn at(&self, planned: &PlannedLines, [east_m, north_m]: [f64; 2]) -> Pos2 {
+        let position = planned.frame.to_lon_lat(east_m, north_m);
+        let navigation = &self.products.navigation;
+        let place = navigation.to_plane(&self.survey.track, position);
+        self.transform.to_screen(self.rect, place)
+    }
+}
+
+impl PlanTool {
+    /// Follows clicks and drags on the lines, unless another tool has a use for them.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        place: &Place<'_>,
+        context: &mut ViewContext<'_>,
+    ) -> Taken {
+        let app = context.app;
+        let has_other_tool = app.measuring.tool.is_some() || super::left_out::is_in_hand(app);
+        let Some(planned) = app.planning.lines.clone().filter(|_| !has_other_tool) else {
+            self.drag = None;
+            return Taken::default();
+        };
+        let lines = place.lines(&planned);
+        if response
+            .hover_pos()
+            .and_then(|at| end_under(&lines, at))
+            .is_some()
+        {
+            ui.set_cursor_icon(CursorIcon::Grab);
+        }
+        if let Some(at) = drag::begun(ui, response)
+            && let Some((line, end)) = end_under(&lines, at)
+        {
+            self.drag = Some(Drag { line, end, at });
+        }
+        if drag::is_given_up(ui, response) {
+            self.drag = None;
+        }
+        if let Some(drag) = &mut self.drag {
+            drag.at = response.interact_pointer_pos().unwrap_or(drag.at);
+            let Drag { line, end, at } = *drag;
+            if response.drag_stopped() {
+                self.drag = None;
+                let [east_m, north_m] = place.transform.to_ground(place.rect, at);
+                let navigation = &place.products.navigation;
+                let to = navigation.to_lon_lat(&place.survey.track, east_m, north_m);
+                context.push(Command::Plan(PlanRequest::Move { line, end, to }));
+            }
+            return Taken {
+                drag: true,
+                click: false,
+            };
+        }
+        let clicked = response.clicked().then(|| response.interact_pointer_pos());
+        let under = clicked.flatten().and_then(|at| line_under(&lines, at));
+        if under.is_some() || response.clicked() && app.planning.selected.is_some() {
+            context.push(Command::Plan(PlanRequest::Select(under)));
+        }
+        Taken {
+            drag: false,
+            click: under.is_some(),
+        }
+    }
+
+    /// Draws the lines, and says what they are good for.
+    pub fn ui(&self, ui: &mut Ui, context: &mut ViewContext<'_>, scene: &Scene<'_>) {
+        let Some(planned) = context.app.planning.lines.clone() else {
+            return;
+        };
+        let place = Place {
+            rect: scene.rect,
+            transform: scene.transform,
+            survey: scene.survey,
+            products: scene.products,
+        };
+        let mut lines = place.lines(&planned);
+        if let Some(drag) = self.drag
+            && let Some(line) = lines.get_mut(drag.line)
+        {
+            line[drag.end] = drag.at;
+        }
+        let way = planned.plan.way.iter();
+        let way: Vec<Pos2> = way.map(|one| place.at(&planned, one.place)).collect();
+        let painter = ui.painter_at(scene.rect);
+        paint(&painter, scene, &way, &lines, context.app.planning.selected);
+        strip(ui, context, scene.rect, &planned);
+    }
+}
+
+fn end_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<(usize, usize)> {
+    let ends = lines.iter().enumerate().flat_map(|(line, ends)| {
+        let away = move |end: usize| (ends[end].distance(at), (line, end));
+        [0, 1].map(away)
+    });
+    let near = ends.filter(|(away, _)| *away <= END_REACH);
+    near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end)
+}
+
+fn line_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<usize> {
+    let away = |[from, to]: &[Pos2; 2]| {
+        let way = *to - *from;
+        let share = ((at - *from).dot(way) / way.length_sq().max(1e-6)).clamp(0.0, 1.0);
+        (*from + share * way).distance(at)
+    };
+    let each = lines.iter().map(away).enumerate();
+    let near = each.filter(|(_, away)| *away <= LINE_REACH.max(END_REACH));
+    near.min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(line, _)| line)
+}
+
+/// The way as a thin line, the lines over it with an arrow and their number.
+fn paint(
+    painter: &Painter,
+    scene: &Scene<'_>,
+    way: &[Pos2],
+    lines: &[[Pos2; 2]],
+    selected: Option<usize>,
+) {
+    let casing = theme::canvas_colour(scene.options);
+    let faint = scene.text_colour().gamma_multiply(0.6);
+    painter.add(Shape::line(way.to_vec(), Stroke::new(1.0, faint)));
+    for (number, [from, to]) in lines.iter().enumerate() {
+        let colour = match selected == Some(number) {
+            true => theme::selection_colour(),
+            false => theme::measure_colour(),
+        };
+        let stroke = Stroke::new(2.0, colour);
+        let under = Stroke::new(4.0, casing.gamma_multiply(0.7));
+        painter.line_segment([*from, *to], under);
+        painter.line_segment([*from, *to], stroke);
+        let ahead = (*to - *from).normalized();
+        let middle = from.lerp(*to, 0.5);
+        for side in [-1.0, 1.0] {
+            let back = -8.0 * ahead + side * 4.0 * ahead.rot90();
+            painter.line_segment([middle, middle + back], stroke);
+        }
+        for (end, radius) in [(from, 4.0), (to, 3.0)] {
+            painter.circle(*end, radius, colour, Stroke::new(1.0, casing));
+        }
+        let at = *from + vec2(6.0, -6.0);
+        let text = format!("{}", number + 1);
+        painter.text(at, Align2::LEFT_BOTTOM, text, legend::font(), colour);
+    }
+}
+
+/// What the lines take and mend, and what can be done with them.
+fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &PlannedLines) {
+    let foot = rect.left_bottom();
+    let bar = Rect::from_min_max(
+        foot + vec2(6.0, -112.0),
+        pos2(rect.right() - 84.0, foot.y - 84.0),
+    );
+    let words = words(context.app, planned);
+    ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
+        legend::frame(&context.app.options).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.spacing_mut().item_spacing.x = 4.0;
+                ui.label(RichText::new(words).size(11.5));
+                if context.app.is_picture {
+                    return;
+                }
+                let is_selected = context.app.planning.selected.is_some();
+                for (action, name) in [
+                    (Action::SavePlan, "Save…"),
+                    (Action::RemoveLine, "Remove line"),
+                    (Action::RemovePlan, "Remove all"),
+                ] {
+                    if action == Action::RemoveLine && !is_selected {
+                        continue;
+                    }
+                    let button = ui.small_button(name).accessible_name(action.label());
+                    if button.on_hover_text(action.hint()).clicked() {
+                        context.push(Command::Do(action));
+                    }
+                }
+            })
+        });
+    });
+}
+
+/// `14 lines, 2.31 km, 19.8 min at 1.9 m/s; sigma 0.21 m, then 0.13 m`.
+fn words(app: &App, planned: &PlannedLines) -> String {
+    let (plan, units) = (&planned.plan, app.options.units);
+    let lines = text::plural(plan.lines.len(), "line", "lines");
+    let outside = match plan.turns_outside {
+        0 => String::new(),
+        count => format!(
+            "; {} outside of what was sailed",
+            text::plural(count, "turn", "turns")
+        ),
+    };
+    format!(
+        "{lines}, {} with turns, {:.1} min; sigma {}, then {}{outside}",
+        units.measure(plan.length_m, 0),
+        plan.minutes(),
+        units.measure(plan.before.mean_sigma_m, 3),
+        units.measure(plan.after.mean_sigma_m, 3),
+    )
+}

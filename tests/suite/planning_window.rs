@@ -1,0 +1,135 @@
+//! Lines to sail next in the window: planned by key, dragged, removed, undone and written.
+
+use crate::left_out_window::{click, places_on_map};
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{Action, Command, PlanRequest, View};
+use bathyscope::planning::{Leg, PlanSettings};
+use bathyscope::ui::Alone;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use std::fs;
+
+fn lines(window: &Window) -> Vec<Leg> {
+    let planned = app(window).planning.lines.as_ref();
+    planned.map_or_else(Vec::new, |planned| planned.plan.lines.clone())
+}
+
+/// A plan of two minutes with turns of 3 m.
+fn plan(window: &mut Window) {
+    let asked = PlanSettings {
+        minutes: 2.0,
+        turn_radius_m: 3.0,
+        ..PlanSettings::default()
+    };
+    let ask = Command::Plan(PlanRequest::Ask(asked));
+    window.state_mut().app.apply(ask);
+    press(window, Modifiers::SHIFT, Key::N);
+    window.run();
+    window.run();
+}
+
+#[test]
+fn lines_are_planned_dragged_removed_and_every_step_is_undone() {
+    let mut window = demo_window();
+    assert!(lines(&window).is_empty());
+    let at = places_on_map(&mut window);
+    plan(&mut window);
+    let planned = lines(&window);
+    assert!(!planned.is_empty());
+    assert_eq!(app(&window).undo_label(), Some("planned lines"));
+    let said = format!("{} line", planned.len());
+    assert!(
+        window.query_by_label_contains(&said).is_some(),
+        "the read-out"
+    );
+
+    // A drag of the first line's end by 30 points.
+    let from = at(planned[0].to);
+    let to = from + egui::vec2(0.0, 30.0);
+    window.hover_at(from);
+    window.run();
+    window.drag_at(from);
+    for share in [0.3_f32, 0.7, 1.0] {
+        window.hover_at(from.lerp(to, share));
+        window.run();
+    }
+    window.drop_at(to);
+    window.run();
+    window.step();
+    let dragged = lines(&window);
+    assert_eq!(dragged.len(), planned.len());
+    assert_eq!(dragged[0].from, planned[0].from);
+    assert!(dragged[0].to[1] < planned[0].to[1] - 0.1, "{dragged:?}");
+    assert_eq!(dragged[1..], planned[1..]);
+    let there = at(dragged[0].to);
+    assert!(there.distance(to) < 3.0, "{there:?} {to:?}");
+
+    // A click on its middle selects it; the command removes it.
+    let middle = [0, 1].map(|axis| 0.5 * (dragged[0].from[axis] + dragged[0].to[axis]));
+    click(&mut window, at(middle));
+    assert_eq!(app(&window).planning.selected, Some(0));
+    window
+        .state_mut()
+        .app
+        .apply(Command::Do(Action::RemoveLine));
+    window.run();
+    assert_eq!(lines(&window), dragged[1..]);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(lines(&window), dragged);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(lines(&window), planned);
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert!(lines(&window).is_empty());
+    press(&mut window, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert_eq!(lines(&window), planned);
+    window
+        .state_mut()
+        .app
+        .apply(Command::Do(Action::RemovePlan));
+    assert!(lines(&window).is_empty());
+}
+
+#[test]
+fn planned_lines_are_written_where_the_name_says_and_nothing_is_planned_of_nothing() {
+    let mut window = demo_window();
+    let before = app(&window).notices.len();
+    window
+        .state_mut()
+        .app
+        .apply(Command::Do(Action::RemoveLine));
+    assert_eq!(app(&window).notices.len(), before + 1);
+    plan(&mut window);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, words) in [
+        ("lines.gpx", "<rtept "),
+        ("lines.kml", "<LineString>"),
+        ("lines.plan", "\"fileType\": \"Plan\""),
+        ("lines.waypoints", "QGC WPL 110"),
+    ] {
+        let path = folder.path().join(name);
+        let save = Command::SavePlan(path.clone());
+        window.state_mut().app.apply(save);
+        let text = fs::read_to_string(path).expect("a file");
+        assert!(text.contains(words), "{name}: {text}");
+    }
+    let path = folder.path().join("lines.txt");
+    let save = Command::SavePlan(path.clone());
+    window.state_mut().app.apply(save);
+    let said = app(&window).notices.last().expect("a notice");
+    assert!(
+        said.text.contains(".waypoints") && !path.exists(),
+        "{}",
+        said.text
+    );
+}
+
+#[test]
+fn the_map_shows_the_lines_with_their_way() {
+    let mut window = drawn_window([900.0, 640.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    window.state_mut().show_alone(Alone::View(View::Map));
+    settle(&mut window);
+    plan(&mut window);
+    settle(&mut window);
+    window.snapshot("map_planned_lines");
+}
