@@ -106,7 +106,7 @@ mod tests {
         let surface = plane();
         let length = (1.0f32 + 0.25 + 0.0625).sqrt();
         let expected = [0.5 / length, -0.25 / length, 1.0 / length];
-        for (row, column) in [(0, 0), (0, 2), (1, 1), (1, 3), (2, 4), (2, 2)] {
+        for (row, column) in [(0, 0), (0, 1), (1, 1), (1, 3), (2, 4), (2, 3)] {
             let normal = surface.normal(row, column);
             let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-5;
             let pairs = normal.into_iter().zip(expected);
