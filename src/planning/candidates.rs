@@ -1,7 +1,7 @@
 //! Lines that could be sailed: over many headings and offsets, each with the stretch that mends most for its time.
 
 use super::ground::Ground;
-use super::leg::Leg;
+use super::leg::{Leg, apart_m};
 use super::window::best_stretch;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -275,8 +275,4 @@ impl Sheet {
 /// A place along and across.
 fn turned(place: [f64; 2], along: [f64; 2], across: [f64; 2]) -> [f64; 2] {
     [along, across].map(|axis| place[0] * axis[0] + place[1] * axis[1])
-}
-
-fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }

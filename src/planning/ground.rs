@@ -1,6 +1,7 @@
 //! The ground cell by cell: how far the nearest sounding is, how often it was insonified, and what that leaves in doubt.
 
 use super::known::{Doubt, SeenObject, SigmaLaw, Surveyed};
+use super::leg::apart_m;
 use super::water::{Near, Water, thinned};
 use rayon::prelude::*;
 
@@ -134,10 +135,14 @@ impl Ground {
             return;
         }
         let swath_m = if is_line { self.swath_m } else { 0.0 };
-        self.cells.par_iter_mut().for_each(|cell| {
-            let [x, y] = [0, 1].map(|axis| cell.place[axis] - from[axis]);
+        // How far along the way a place lies, and how far beside it.
+        let off_m = |place: [f64; 2]| {
+            let [x, y] = [0, 1].map(|axis| place[axis] - from[axis]);
             let along_m = (x * way[0] + y * way[1]) / length_m;
-            let across_m = (x * way[1] - y * way[0]).abs() / length_m;
+            [along_m, (x * way[1] - y * way[0]).abs() / length_m]
+        };
+        self.cells.par_iter_mut().for_each(|cell| {
+            let [along_m, across_m] = off_m(cell.place);
             let beyond_m = (along_m - along_m.clamp(0.0, length_m)).abs();
             let pass_m = across_m.hypot(beyond_m);
             cell.distance_m = cell.distance_m.min(pass_m as f32);
@@ -152,9 +157,7 @@ impl Ground {
             let heading_rad = way[0].atan2(way[1]);
             let [near_m, far_m] = self.useful_m;
             for object in &mut self.objects {
-                let [x, y] = [0, 1].map(|axis| object.place[axis] - from[axis]);
-                let along_m = (x * way[0] + y * way[1]) / length_m;
-                let across_m = (x * way[1] - y * way[0]).abs() / length_m;
+                let [along_m, across_m] = off_m(object.place);
                 if (0.0..=length_m).contains(&along_m) && (near_m..=far_m).contains(&across_m) {
                     object.headings_rad.push(heading_rad);
                 }
@@ -184,10 +187,6 @@ fn largest(known: &Surveyed) -> Vec<Doubt> {
 /// Distance across the track on a level bottom.
 fn across_m(range_m: f64, depth_m: f64) -> f64 {
     (range_m * range_m - depth_m * depth_m).max(0.0).sqrt()
-}
-
-fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// How many passes insonified each cell of the grid, up to 2.

@@ -14,8 +14,7 @@ pub struct Leg {
 impl Leg {
     /// Metres.
     pub fn length_m(&self) -> f64 {
-        let [east, north] = self.way();
-        east.hypot(north)
+        apart_m(self.from, self.to)
     }
 
     /// Radians clockwise from north.
@@ -54,4 +53,9 @@ impl Leg {
     fn way(&self) -> [f64; 2] {
         [self.to[0] - self.from[0], self.to[1] - self.from[1]]
     }
+}
+
+/// Distance of two places, metres.
+pub(super) fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }

@@ -1,6 +1,6 @@
 //! In which order lines are sailed, and which way along each.
 
-use super::leg::Leg;
+use super::leg::{Leg, apart_m};
 use super::turns::{Pose, Turn, turns};
 use super::water::Water;
 use std::collections::HashMap;
@@ -236,10 +236,6 @@ pub struct Insertion {
 
 fn other_way((line, is_turned): Sailed) -> Sailed {
     (line, !is_turned)
-}
-
-fn apart_m(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 #[cfg(test)]

@@ -14,9 +14,8 @@ use egui::{
     pos2, vec2,
 };
 
-/// How near the pointer must come to an end of a line, and to the line, points.
-const END_REACH: f32 = 9.0;
-const LINE_REACH: f32 = 6.0;
+/// How near the pointer must come to a line or an end of one, points.
+const REACH: f32 = 9.0;
 
 /// The drag of an end under way.
 #[derive(Default)]
@@ -155,7 +154,7 @@ fn end_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<(usize, usize)> {
         let away = move |end: usize| (ends[end].distance(at), (line, end));
         [0, 1].map(away)
     });
-    let near = ends.filter(|(away, _)| *away <= END_REACH);
+    let near = ends.filter(|(away, _)| *away <= REACH);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, end)| end)
 }
 
@@ -166,7 +165,7 @@ fn line_under(lines: &[[Pos2; 2]], at: Pos2) -> Option<usize> {
         (*from + share * way).distance(at)
     };
     let each = lines.iter().map(away).enumerate();
-    let near = each.filter(|(_, away)| *away <= LINE_REACH.max(END_REACH));
+    let near = each.filter(|(_, away)| *away <= REACH);
     near.min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(line, _)| line)
 }
