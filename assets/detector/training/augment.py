@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import torch
 import torch.nn.functional as F
 
+from boulders import Boulders
 from data import ABSENT, IGNORE, Chips
 from weed import Weed
 
@@ -38,14 +39,15 @@ class Strength:
     law: float = 0.0
     curve: float = 0.0
     grains: float = 0.0
-    # Share of pictures with beds of weed.
+    # Shares of pictures with beds of weed, and with fields of boulders.
     weed: float = 0.0
+    boulders: float = 0.0
 
     def calm(self) -> "Strength":
         """Nearly the data as it is: no mosaic, little change of scale and light, other recorders half as often."""
         others = (share / 2 for share in (self.smear, self.along, self.floor, self.law, self.curve, self.grains))
         scale = 1 + (self.scale - 1) / 4
-        return Strength(0.0, scale, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others, self.weed)
+        return Strength(0.0, scale, 1.03, 0.05, 0.12, 0.1, 0.15, 0.06, 0.04, 0.05, 0.1, *others, self.weed, self.boulders)
 
     def of_other_recorders(self) -> "Strength":
         """The same, and the marks of other recorders: `--recorders`."""
@@ -56,13 +58,13 @@ class Augmenter:
     """Draws varied batches from chips that lie on a device.
 
     `side` is that of the pictures: smaller than the chips' for cut-outs at the same scale, each at random or, for the share
-    `focus` of the chips with objects, around one of these.
+    `focus` of the chips with objects, around one of these. `rock` is the class of boulders.
     """
 
-    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator, side: int | None = None, focus: float = 0.0):
+    def __init__(self, chips: Chips, strength: Strength, generator: torch.Generator, side: int | None = None, focus: float = 0.0, rock: int = 0):
         self.chips, self.strength, self.generator = chips, strength, generator
         self.side, self.focus = side or chips.side, focus
-        self.device = chips.images.device
+        self.rock, self.device = rock, chips.images.device
 
     def uniform(self, *shape: int, low: float = 0.0, high: float = 1.0) -> torch.Tensor:
         """Seeded uniform numbers on the device."""
@@ -75,6 +77,13 @@ class Augmenter:
     def batch(self, index: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Varied pictures `[batch, 1, side, side]` in 0..1 and their boxes `[batch, slots, 5]`."""
         images, boxes = self.compose(index)
+        if self.strength.boulders:
+            rocks = Boulders(self.generator, self.device, self.rock)
+            strewn, more = rocks.strewn(images, boxes)
+            chosen = self.chance(self.strength.boulders, len(images))
+            images = torch.where(chosen, strewn, images)
+            more[..., 0] = torch.where(chosen[:, :, 0, 0], more[..., 0], ABSENT)
+            boxes = torch.cat([boxes, more[:, boxes.shape[1] :]], 1)
         if self.strength.weed:
             overgrown = Weed(self.generator, self.device).grown(images, boxes)
             images = torch.where(self.chance(self.strength.weed, len(images)), overgrown, images)

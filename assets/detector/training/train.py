@@ -23,6 +23,7 @@ import torch
 import real
 from anchors import per_head, size_iou
 from augment import Augmenter, Strength
+from boulders import ROCK
 from darknet_weights import load_coco
 from data import DEFAULT_PIXEL_M, Chips, has_split, holding, join, read_manifest, read_names, read_split
 from detect import detect, judged, suppress, truths
@@ -118,19 +119,19 @@ class Trainer:
 
 def strength_of(args) -> Strength:
     """How far pictures are varied."""
-    strength = Strength(mosaic=args.mosaic, weed=args.weed)
+    strength = Strength(mosaic=args.mosaic, weed=args.weed, boulders=args.boulders)
     return strength.of_other_recorders() if args.recorders else strength
 
 
 class Batches:
     """Endless varied batches, a fixed share of them from real chips."""
 
-    def __init__(self, synthetic: Chips, real_chips: Chips | None, args, generator: torch.Generator):
+    def __init__(self, synthetic: Chips, real_chips: Chips | None, args, generator: torch.Generator, rock: int):
         self.sources = [(synthetic, args.batch)]
         if real_chips is not None and args.real_share > 0:
             count = round(args.batch * args.real_share)
             self.sources = [(synthetic, args.batch - count), (real_chips, count)]
-        self.generator, self.strength = generator, strength_of(args)
+        self.generator, self.strength, self.rock = generator, strength_of(args), rock
         self.calm, self.side, self.occupied, self.focus = False, args.crop, args.occupied, args.focus
         # What each simulated chip's loss was when it was last seen, the first time soon.
         self.hard, self.losses, self.drawn = args.hard, torch.full((len(synthetic),), UNSEEN_LOSS, device=args.device), None
@@ -143,7 +144,7 @@ class Batches:
             index = self.draw(chips, count)
             if chips is self.sources[0][0]:
                 self.drawn = index
-            picture, box = Augmenter(chips, strength, self.generator, self.side, self.focus).batch(index)
+            picture, box = Augmenter(chips, strength, self.generator, self.side, self.focus, self.rock).batch(index)
             images.append(picture)
             boxes.append(box)
         slots = max(b.shape[1] for b in boxes)
@@ -280,6 +281,7 @@ def arguments() -> argparse.Namespace:
     add("--mosaic", type=float, default=0.3, help="share of pictures made of four chips")
     add("--recorders", action="store_true", help="also vary what differs between recorders: smear, beam, floor, law, gain, speckle")
     add("--weed", type=float, default=0.0, help="share of pictures with beds of water weed laid over them, which are no objects")
+    add("--boulders", type=float, default=0.0, help="share of pictures with fields of boulders laid over them, which are rocks")
     add("--settle", type=float, default=0.2, help="last share of the run, with little augmentation")
     add("--looks", type=int, default=6, help="how often to measure mAP50 on validation chips")
     add("--state", type=Path, help="checkpoint file to keep and to go on from")
@@ -374,7 +376,8 @@ def main() -> None:
     real_chips = None
     if tiles is not None and args.real_share > 0:
         real_chips = real.packed_chips(tiles, 1500, meta, args.seed).to(device)
-    batches = Batches(train.to(device), real_chips, args, trainer.generator)
+    names = meta["names"]
+    batches = Batches(train.to(device), real_chips, args, trainer.generator, names.index(ROCK) if ROCK in names else 0)
     with open(args.out / "log.csv", "a", newline="") as log:
         run(trainer, batches, val.first(LOOK_CHIPS), meta, Log(log))
     sizes = {"train": len(train), "val": len(val), "test": len(test)}

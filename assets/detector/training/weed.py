@@ -60,7 +60,7 @@ class Weed:
         dark = self.shade(height_m)
         facing = F.pad(height_m.diff(dim=-1), (1, 0)).clamp(min=0) / PIXEL_M
         strength = 1 + self.uniform(count, 0.0, 1.5) * leaves + self.uniform(count, 0.0, 2.0) * facing.clamp(max=1.5)
-        dark = dark * self.uniform(count, 0.3, 1.0)
+        dark = dark * self.uniform(count, 0.15, 0.85)
         return x * strength * (1 - dark) + dark * DARKEST * x.mean((2, 3), keepdim=True)
 
     def shade(self, height_m: torch.Tensor) -> torch.Tensor:
