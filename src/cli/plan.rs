@@ -10,6 +10,7 @@ use crate::formats::AreaFile;
 use crate::geo::{LocalFrame, LonLat};
 use crate::pipeline::{seen_objects, surveyed};
 use crate::planning::{Plan, PlanSettings, State, plan};
+use crate::presentation::text;
 use crate::progress::Progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ pub fn run(args: PlanArgs) -> Result<(), String> {
             .map_err(|error| error.to_string())?;
         if made.minutes() < USED * args.minutes {
             output::notify(format_args!(
-                "warning: the lines take {:.1} of {} minutes, for nothing more fits into the water or is left to mend; --area names a larger one",
+                "warning: the lines take {:.1} of {} minutes: no other fits into the water and mends enough to be worth its time; --area names a larger one",
                 made.minutes(),
                 args.minutes
             ));
@@ -150,8 +151,8 @@ fn in_words(plan: &Plan, path: &Path) -> String {
     let Plan { before, after, .. } = plan;
     let mut lines = vec![
         format!(
-            "{} lines of {:.0} m, {:.0} m with turns: {:.1} min at {:.1} m/s",
-            plan.lines.len(),
+            "{} of {:.0} m, {:.0} m with turns: {:.1} min at {:.1} m/s",
+            text::plural(plan.lines.len(), "line", "lines"),
             plan.lines_m,
             plan.length_m,
             plan.minutes(),

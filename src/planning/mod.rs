@@ -3,7 +3,7 @@
 //! `known` is what a survey knows of its ground, `water` where a boat may sail, `ground` what each cell of it lacks: depths (by the distance to
 //! the nearest sounding, `known::SigmaLaw`), a first or second look of the side-scan, a third pass where two disagree, another side
 //! of an object. `candidates` are straight lines over many headings, each with the stretch (`window`) that mends most for its time;
-//! the best by far, counted with the turns to it, is taken, what it mends is taken off, and so on until the minutes are used. `route` orders
+//! the best by far, counted with the turns to it, is taken, what it mends is taken off, and so on until the minutes are used or no line is worth its time. `route` orders
 //! the lines, with `turns` that the boat can make and that stay in the water. `plan` is what comes out.
 
 mod candidates;
@@ -33,6 +33,8 @@ const CLOSED_GAPS: f64 = 1.5;
 const LOOKED_AT: usize = 40;
 /// No plan has more lines.
 const MOST_LINES: usize = 400;
+/// A line that mends less than this share of what the first does in the same time is not worth sailing: the plan ends before it.
+const WORTH: f64 = 0.03;
 
 /// Why there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -145,6 +147,7 @@ fn sailed(
     let mut route = Route::new(&whole.water, radius_m);
     progress.start(budget_m as u64);
     let mut used_m = 0.0;
+    let mut first_rate = None;
     for _ in 0..MOST_LINES {
         let ends: Vec<[f64; 2]> = route
             .legs()
@@ -160,7 +163,8 @@ fn sailed(
         if found.is_empty() && ends.is_empty() {
             return Err(why_none(&ground, &limits));
         }
-        let Some((insertion, leg)) = best(&found, &mut route, budget_m - used_m, &limits) else {
+        let Some((rate, insertion, leg)) = best(&found, &mut route, budget_m - used_m, &limits)
+        else {
             // What the order wastes may be enough for one more.
             if route.improve() < 0.5 * radius_m {
                 break;
@@ -168,6 +172,9 @@ fn sailed(
             used_m = route.length_m();
             continue;
         };
+        if rate < WORTH * *first_rate.get_or_insert(rate) {
+            break;
+        }
         ground.sail(leg.from, leg.to, true);
         route.insert(insertion);
         let before_m = used_m;
@@ -195,13 +202,14 @@ fn why_none(ground: &Ground, limits: &Limits) -> PlanError {
     }
 }
 
-/// The candidate that mends most for its time, counted with the turns to it, that fits into the rest of the way; shortened where it must be.
+/// The candidate that mends most for its time, counted with the turns to it, that fits into the rest of the way, shortened where it must be;
+/// with what it mends a metre.
 fn best(
     found: &[Candidate],
     route: &mut Route<'_>,
     rest_m: f64,
     limits: &Limits,
-) -> Option<(Insertion, Leg)> {
+) -> Option<(f64, Insertion, Leg)> {
     let mut best: Option<(f64, Insertion, Leg)> = None;
     let fitting = found
         .iter()
@@ -212,7 +220,7 @@ fn best(
             best = Some((rate, insertion, candidate.leg()));
         }
     }
-    best.map(|(_, insertion, leg)| (insertion, leg))
+    best
 }
 
 /// Times that a line is made shorter to fit into the rest of the way.

@@ -3,7 +3,7 @@
 use super::{Views, toolbar};
 use crate::app::{LayoutPreset, View};
 use crate::ui::{ViewContext, theme};
-use egui::{Color32, Stroke, Ui};
+use egui::{Color32, Stroke, Ui, Vec2};
 use egui_tiles::{
     Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tabs,
     Tile, TileId, Tiles, Tree, UiResponse,
@@ -19,9 +19,12 @@ pub(super) struct Layout {
     /// Nobody has arranged the views: they lie as the window has room.
     #[serde(default)]
     is_automatic: bool,
-    /// The view under the pointer in the last frame.
+    /// The view under the pointer in the last frame; none from when a view was chosen by key until the pointer moves.
     #[serde(skip)]
     hovered: Option<View>,
+    /// A view was chosen, and the pointer has not moved since.
+    #[serde(skip)]
+    is_chosen: bool,
 }
 
 /// Height of the centre from which three views lie side by side; below it each has the whole of it, and they are chosen by their titles.
@@ -35,6 +38,7 @@ impl Default for Layout {
             maximised: None,
             is_automatic: true,
             hovered: None,
+            is_chosen: false,
         }
     }
 }
@@ -87,6 +91,7 @@ impl Layout {
     /// Gives a view the keyboard, and brings it to the front.
     pub fn focus(&mut self, view: View) {
         self.focus = view;
+        (self.hovered, self.is_chosen) = (None, true);
         if self.maximised.is_some() {
             self.maximised = Some(view);
         } else if self.tree.tiles.find_pane(&view).is_none() {
@@ -107,7 +112,7 @@ impl Layout {
         };
     }
 
-    /// The view that keys act on: the one under the pointer, or else the focused one.
+    /// The view that keys act on: the one under the pointer, or else the focused one; a view chosen by key until the pointer moves.
     pub fn target(&self) -> View {
         self.hovered.unwrap_or(self.focus)
     }
@@ -161,7 +166,8 @@ impl Layout {
         }
         let (hovered, pressed, maximise) = (panes.hovered, panes.pressed, panes.maximise);
         self.is_automatic &= !panes.is_edited;
-        self.hovered = hovered;
+        self.is_chosen &= ui.input(|input| input.pointer.delta() == Vec2::ZERO);
+        self.hovered = hovered.filter(|_| !self.is_chosen);
         if let Some(view) = pressed {
             self.focus = view;
         }

@@ -16,6 +16,8 @@ use egui::{
 
 /// How near the pointer must come to a line or an end of one, points.
 const REACH: f32 = 9.0;
+/// Where the map is less wide, the buttons stand below the words, points.
+const ONE_ROW: f32 = 640.0;
 
 /// The drag of an end under way.
 #[derive(Default)]
@@ -207,37 +209,47 @@ fn paint(
 
 /// What the lines take and mend, and what can be done with them.
 fn strip(ui: &mut Ui, context: &mut ViewContext<'_>, rect: Rect, planned: &PlannedLines) {
-    let foot = rect.left_bottom();
-    let bar = Rect::from_min_max(
-        foot + vec2(6.0, -112.0),
-        pos2(rect.right() - 84.0, foot.y - 84.0),
-    );
-    let words = words(context.app, planned);
+    let (foot, right) = (rect.left_bottom(), rect.right() - 84.0);
+    let is_narrow = right - foot.x < ONE_ROW;
+    let height = if is_narrow { 66.0 } else { 28.0 };
+    let bar = Rect::from_min_max(foot + vec2(6.0, -84.0 - height), pos2(right, foot.y - 84.0));
+    let words = RichText::new(words(context.app, planned)).size(11.5);
     ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
-        legend::frame(&context.app.options).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
-                ui.label(RichText::new(words).size(11.5));
-                if context.app.is_picture {
-                    return;
-                }
-                let is_selected = context.app.planning.selected.is_some();
-                for (action, name) in [
-                    (Action::SavePlan, "Save…"),
-                    (Action::RemoveLine, "Remove line"),
-                    (Action::RemovePlan, "Remove all"),
-                ] {
-                    if action == Action::RemoveLine && !is_selected {
-                        continue;
-                    }
-                    let button = ui.small_button(name).accessible_name(action.label());
-                    if button.on_hover_text(action.hint()).clicked() {
-                        context.push(Command::Do(action));
-                    }
-                }
-            })
+        legend::frame(&context.app.options).show(ui, |ui| match is_narrow {
+            true => {
+                ui.label(words);
+                ui.horizontal(|ui| buttons(ui, context));
+            }
+            false => {
+                ui.horizontal(|ui| {
+                    ui.label(words);
+                    buttons(ui, context);
+                });
+            }
         });
     });
+}
+
+/// What can be done with the lines; nothing in a picture.
+fn buttons(ui: &mut Ui, context: &mut ViewContext<'_>) {
+    if context.app.is_picture {
+        return;
+    }
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let is_selected = context.app.planning.selected.is_some();
+    for (action, name) in [
+        (Action::SavePlan, "Save…"),
+        (Action::RemoveLine, "Remove line"),
+        (Action::RemovePlan, "Remove all"),
+    ] {
+        if action == Action::RemoveLine && !is_selected {
+            continue;
+        }
+        let button = ui.small_button(name).accessible_name(action.label());
+        if button.on_hover_text(action.hint()).clicked() {
+            context.push(Command::Do(action));
+        }
+    }
 }
 
 /// `14 lines, 2.31 km, 19.8 min at 1.9 m/s; sigma 0.21 m, then 0.13 m`.
