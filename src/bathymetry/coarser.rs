@@ -14,6 +14,7 @@ impl Surface {
             spread_m: means(&self.spread_m),
             distance_m: means(&self.distance_m),
             grid,
+            ..*self
         }
     }
 
@@ -95,9 +96,7 @@ mod tests {
         let depth_m: Vec<f32> = (0..grid.len()).map(depth).collect();
         Surface {
             spread_m: depth_m.clone(),
-            distance_m: depth_m.clone(),
-            depth_m,
-            grid,
+            ..Surface::of_depths(grid, depth_m)
         }
     }
 

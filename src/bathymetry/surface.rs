@@ -1,10 +1,11 @@
 //! The surface: depths on a grid over the soundings, with values only where a sounding is near.
 
 use super::inverse_distance::inverse_distance;
-use super::smooth::bend_least;
+use super::smooth::{Bend, bend_least};
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
 use crate::cloud::{CloudPoint, PointSource};
 use crate::progress::{Cancelled, Progress};
+use crate::statistics::quantile;
 use kiddo::ImmutableKdTree;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -13,8 +14,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceMethod {
-    /// On the planes of the Delaunay triangles.
+    /// [`SurfaceMethod::Smooth`] where that predicts left-out soundings better, else [`SurfaceMethod::Linear`].
     #[default]
+    Auto,
+    /// On the planes of the Delaunay triangles.
     Linear,
     /// By natural neighbours (Sibson): smooth but at the soundings.
     Natural,
@@ -23,6 +26,19 @@ pub enum SurfaceMethod {
     /// On the plate that bends least, as stiff as predicts left-out soundings best: smooth, and near the soundings but not through
     /// each.
     Smooth,
+}
+
+impl SurfaceMethod {
+    /// `By ... in cells of 0.5 m`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Auto => "what predicts best",
+            Self::Linear => "linear triangles",
+            Self::Natural => "natural neighbours",
+            Self::InverseDistance => "inverse distance",
+            Self::Smooth => "least bending",
+        }
+    }
 }
 
 /// `surface.*` settings.
@@ -87,29 +103,62 @@ impl SurfaceSettings {
     }
 }
 
+/// What the spread of a cell is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spread {
+    /// How far the soundings that carry a cell disagree: the standard deviation of their depths about the cell's, each with its share
+    /// and its own spread, so it grows with noise and with relief between soundings.
+    OfSoundings,
+    /// The standard deviation of the depth's error by the distance to the nearest sounding, as leaving soundings out shows it.
+    OfError,
+}
+
 /// Depths on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
+    /// How the depth between soundings was found: never [`SurfaceMethod::Auto`].
+    pub method: SurfaceMethod,
+    /// What the spreads are.
+    pub spread_is: Spread,
     /// Where the cells are.
     pub grid: Grid,
     /// Depth at the centre of each cell, metres, row by row; NaN where nothing is known.
     pub depth_m: Vec<f32>,
-    /// How far the soundings that carry a cell disagree, metres: the standard deviation of their depths about the cell's,
-    /// each with its share and its own spread, so it grows with noise and with relief between soundings. With
-    /// [`SurfaceMethod::Smooth`] the standard deviation of the depth's error, as leaving soundings out shows it. NaN where nothing is
-    /// known.
+    /// What [`Surface::spread_is`] says, metres; NaN where nothing is known.
     pub spread_m: Vec<f32>,
     /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
     pub distance_m: Vec<f32>,
 }
 
 impl Surface {
+    /// Depths that are known themselves, metres, row by row.
+    pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
+        Self {
+            method: SurfaceMethod::Linear,
+            spread_is: Spread::OfSoundings,
+            grid,
+            spread_m: vec![0.0; depth_m.len()],
+            distance_m: vec![0.0; depth_m.len()],
+            depth_m,
+        }
+    }
+
     /// Shallowest and deepest known depth, metres; the first above the second where none is known.
     pub fn range_m(&self) -> [f64; 2] {
         let known = self.depth_m.iter().filter(|depth| !depth.is_nan());
         known.fold([f64::MAX, f64::MIN], |[least, most], depth| {
             [least.min(f64::from(*depth)), most.max(f64::from(*depth))]
         })
+    }
+
+    /// Standard deviation of the depth's error, metres, that half of the known cells do not exceed, and nine of ten; `None` where the
+    /// spreads are not of errors.
+    pub fn usual_error_m(&self) -> Option<[f64; 2]> {
+        let known = self.spread_m.iter().filter(|spread| !spread.is_nan());
+        let mut sigmas_m: Vec<f64> = known.map(|spread| f64::from(*spread)).collect();
+        sigmas_m.sort_by(f64::total_cmp);
+        (self.spread_is == Spread::OfError && !sigmas_m.is_empty())
+            .then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
     }
 
     /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
@@ -150,9 +199,14 @@ pub fn surface(
         return Ok(None);
     };
     let mut made = field.fill(grid, progress)?;
-    if settings.method == SurfaceMethod::Smooth {
+    let bend = match settings.method {
+        SurfaceMethod::Auto => Some(Bend::WhereBetter),
+        SurfaceMethod::Smooth => Some(Bend::Always),
+        SurfaceMethod::Linear | SurfaceMethod::Natural | SurfaceMethod::InverseDistance => None,
+    };
+    if let Some(bend) = bend {
         let nodes: Vec<Node> = field.tin.nodes().collect();
-        bend_least(&mut made, &nodes, progress)?;
+        bend_least(&mut made, &nodes, bend, progress)?;
     }
     let known = made.depth_m.iter().any(|depth| !depth.is_nan());
     Ok(known.then_some(made))
@@ -223,6 +277,11 @@ impl Field {
     fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
         let unknown = || vec![f32::NAN; grid.len()];
         let mut made = Surface {
+            method: match self.method {
+                SurfaceMethod::Auto => SurfaceMethod::Linear,
+                method => method,
+            },
+            spread_is: Spread::OfSoundings,
             grid,
             depth_m: unknown(),
             spread_m: unknown(),

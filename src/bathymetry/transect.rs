@@ -98,12 +98,7 @@ mod tests {
             let [east_m, north_m] = grid.centre(index / 4, index % 4);
             (0.5 * east_m - 0.25 * north_m + 30.0) as f32
         };
-        Surface {
-            depth_m: (0..12).map(depth).collect(),
-            spread_m: vec![0.0; 12],
-            distance_m: vec![0.0; 12],
-            grid,
-        }
+        Surface::of_depths(grid, (0..12).map(depth).collect())
     }
 
     #[test]

@@ -186,6 +186,12 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
             (area(cell_m2 * known.len() as f64), "mapped"),
             (volume(cell_m2 * sum_m), "water above the mapped bottom"),
         ]);
+        if let Some([half_m, most_m]) = surface.usual_error_m() {
+            figures.push((
+                format!("\u{b1} {} m, \u{b1} {} m", decimal(half_m, 2), decimal(most_m, 2)),
+                "error of a mapped depth, as depths that were left out show it: half of the map, nine tenths of it (standard deviation)",
+            ));
+        }
     }
     if let Some(residuals) = &from.report.residuals {
         figures.push((

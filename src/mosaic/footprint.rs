@@ -30,12 +30,7 @@ pub fn footprint(layouts: &[Layout], progress: &Progress) -> Result<Vec<Polygon>
             cover(&grid, layout.corners(&strip), &mut covered);
         }
     }
-    let surface = Surface {
-        grid,
-        depth_m: covered,
-        spread_m: Vec::new(),
-        distance_m: Vec::new(),
-    };
+    let surface = Surface::of_depths(grid, covered);
     // The grid is 1 where the ground was insonified and 0 elsewhere: its outline lies at 0.5.
     let areas = depth_areas(&surface, &[0.5, 2.0], progress)?;
     Ok(areas.into_iter().flat_map(|area| area.polygons).collect())

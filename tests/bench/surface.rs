@@ -48,6 +48,7 @@ pub fn run() {
 
 fn settings(side_scan_weight: f64, above_bottom: bool) -> SurfaceSettings {
     SurfaceSettings {
+        method: SurfaceMethod::Linear,
         cell_m: Some(0.2),
         side_scan_weight,
         above_bottom,
@@ -81,6 +82,13 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
             "both, least bending".to_owned(),
             SurfaceSettings {
                 method: SurfaceMethod::Smooth,
+                ..settings(chosen, false)
+            },
+        ),
+        (
+            "both, what predicts best".to_owned(),
+            SurfaceSettings {
+                method: SurfaceMethod::Auto,
                 ..settings(chosen, false)
             },
         ),

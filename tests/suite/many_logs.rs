@@ -261,6 +261,19 @@ impl Maps {
         )
     }
 
+    /// Errors of the known cells of the joint map.
+    fn errors_m(&self, bed_m: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+        let grid = &self.joint.grid;
+        let cells = self.joint.depth_m.iter().enumerate();
+        let known = cells.filter(|(_, depth_m)| !depth_m.is_nan());
+        known
+            .map(|(cell, depth_m)| {
+                let place = grid.centre(cell / grid.columns, cell % grid.columns);
+                f64::from(*depth_m) - bed_m(place)
+            })
+            .collect()
+    }
+
     /// RMS of the error of the jump from a cell of the joint map to its eastern neighbour: where the two have another log nearest, and
     /// elsewhere.
     fn jumps_m(&self, bed_m: impl Fn([f64; 2]) -> f64) -> [f64; 2] {
@@ -338,12 +351,13 @@ fn one_depth_map_of_ten_logs_is_as_good_as_the_best_and_has_no_seams() {
     }
     let [seam_m, inside_m] = adjusted.jumps_m(bed_m);
     let before = Maps::of(&lake.logs);
-    let [raw_seam_m, raw_inside_m] = before.jumps_m(bed_m);
+    let [error_m, raw_error_m] = [&adjusted, &before].map(|maps| rms(&maps.errors_m(bed_m)));
     eprintln!(
-        "jumps: {seam_m:.4} m at seams, {inside_m:.4} m inside; without offsets {raw_seam_m:.4}, {raw_inside_m:.4}"
+        "jumps: {seam_m:.4} m at seams, {inside_m:.4} m inside; error {error_m:.4} m, without offsets {raw_error_m:.4}"
     );
     assert!(seam_m < 1.25 * inside_m.max(0.01), "{seam_m} {inside_m}");
-    assert!(raw_seam_m > 3.0 * seam_m, "{raw_seam_m} {seam_m}");
+    // A plate hides the seams of logs that disagree, but is wrong there.
+    assert!(raw_error_m > 1.5 * error_m, "{raw_error_m} {error_m}");
 }
 
 /// The box that a labeller draws around echo and shadow.

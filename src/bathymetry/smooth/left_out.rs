@@ -1,7 +1,7 @@
-//! How well soundings are predicted that were left out: what the stiffness is chosen by, and what an error is worth.
+//! How well soundings are predicted that were left out: what the method and the stiffness of a plate are chosen by, and what depths are worth.
 
 use super::plate::Plate;
-use crate::bathymetry::{Grid, Node};
+use crate::bathymetry::{Grid, Node, Tin};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::quantile;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -22,20 +22,35 @@ const NEAR_SHARE: f64 = 0.125;
 /// Bins by distance of what a stated error is read from.
 const BINS: usize = 8;
 
-/// A left-out sounding: the predicted depth less its own, and its distance to the nearest sounding that was there, metres.
-#[derive(Clone, Copy, Debug)]
-struct Miss {
-    error_m: f64,
+/// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
+const MOST_NODES: usize = 30_000;
+
+/// A sounding that is left out, and its distance to the nearest one that is not, metres.
+struct LeftOut {
+    node: Node,
     away_m: f64,
 }
 
-/// What leaving soundings out shows.
-#[derive(Clone, Debug)]
-pub struct Judgement {
-    /// The best of the gives that were tried.
+/// The soundings of a quarter of all squares, and all others.
+struct Fold {
+    out: Vec<LeftOut>,
+    used: Vec<Node>,
+}
+
+/// Leaves soundings out and asks surfaces for them.
+pub struct Judge<'a> {
+    grid: &'a Grid,
+    square_m: f64,
+    folds: Vec<Fold>,
+    progress: &'a Progress,
+}
+
+/// How a surface predicts the left-out soundings.
+pub struct Judged {
+    /// The best of the gives that were tried, of a plate.
     pub give: f64,
-    /// What the plate's depths are worth.
-    pub sigma: SigmaByDistance,
+    /// Predicted depth less the sounding's, metres, in the order of the folds; `None` where nothing is predicted.
+    errors_m: Vec<Option<f64>>,
 }
 
 /// The standard deviation of a depth's error by the distance to the nearest sounding.
@@ -45,31 +60,41 @@ pub struct SigmaByDistance {
     steps: Vec<[f64; 2]>,
 }
 
-impl Judgement {
-    /// Leaves out the soundings of a quarter of all squares of a side at a time; `None` where there are too few.
+impl<'a> Judge<'a> {
+    /// Leaves out the soundings of a quarter of all squares of a side at a time; plates lie on the grid.
+    pub fn new(grid: &'a Grid, nodes: &[Node], square_m: f64, progress: &'a Progress) -> Self {
+        let step = nodes.len().div_ceil(MOST_NODES).max(1);
+        let some: Vec<Node> = nodes.iter().step_by(step).copied().collect();
+        let folds = (0..FOLDS).into_par_iter();
+        let folds = folds.filter_map(|left_out| Fold::of(&some, left_out, square_m));
+        Self {
+            grid,
+            square_m,
+            folds: folds.collect(),
+            progress,
+        }
+    }
+
+    /// The plate that predicts best.
     ///
     /// # Errors
     /// When the work was cancelled.
-    pub fn of(
-        grid: &Grid,
-        nodes: &[Node],
-        square_m: f64,
-        progress: &Progress,
-    ) -> Result<Option<Self>, Cancelled> {
+    pub fn plate(&self) -> Result<Judged, Cancelled> {
         // Rarely are all of them tried: what comes then is sooner than the progress says.
-        progress.start((GIVES.len() * FOLDS) as u64 * Plate::steps(grid));
-        let mut tried: [Option<Vec<Miss>>; GIVES.len()] = Default::default();
+        let steps = (GIVES.len() * FOLDS) as u64 * Plate::steps(self.grid);
+        self.progress.start(steps);
+        let mut tried: [Option<Judged>; GIVES.len()] = Default::default();
         let mut best = FIRST;
         loop {
             let neighbours = best.saturating_sub(1)..(best + 2).min(GIVES.len());
             for index in neighbours.clone() {
                 if tried[index].is_none() {
-                    tried[index] = Some(misses(grid, nodes, square_m, GIVES[index], progress)?);
+                    tried[index] = Some(self.plate_that_gives(GIVES[index])?);
                 }
             }
             let size = |index: usize| {
-                let misses = tried[index].as_deref();
-                misses.map_or(f64::MAX, |misses| usual_m(misses, square_m))
+                let judged = tried[index].as_ref();
+                judged.map_or(f64::MAX, |judged| self.usual_m(judged, judged))
             };
             let better = neighbours.clone().find(|index| size(*index) < size(best));
             match better {
@@ -81,71 +106,128 @@ impl Judgement {
                 }
             }
         }
-        let misses = tried[best].take().unwrap_or_default();
-        Ok((misses.len() >= LEAST_MISSES).then(|| Self {
-            give: GIVES[best],
-            sigma: SigmaByDistance::of(misses),
-        }))
+        match tried[best].take() {
+            Some(judged) => Ok(judged),
+            None => self.plate_that_gives(GIVES[best]),
+        }
+    }
+
+    fn plate_that_gives(&self, give: f64) -> Result<Judged, Cancelled> {
+        let of_fold = |fold: &Fold| {
+            let plate = Plate::through(self.grid, &fold.used, give, self.progress)?;
+            let depth_m = |node: &Node| Some(plate.depth_at([node.east_m, node.north_m]));
+            Ok(fold.errors_m(depth_m))
+        };
+        let errors: Result<Vec<_>, Cancelled> = self.folds.par_iter().map(of_fold).collect();
+        Ok(Judged {
+            give,
+            errors_m: errors?.concat(),
+        })
+    }
+
+    /// Triangles between the soundings.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn triangles(&self) -> Result<Judged, Cancelled> {
+        let of_fold = |fold: &Fold| {
+            self.progress.check()?;
+            let tin = Tin::new(fold.used.clone());
+            let depth_m = |node: &Node| tin.as_ref()?.depth_at(node.east_m, node.north_m);
+            Ok(fold.errors_m(depth_m))
+        };
+        let errors: Result<Vec<_>, Cancelled> = self.folds.par_iter().map(of_fold).collect();
+        Ok(Judged {
+            give: f64::NAN,
+            errors_m: errors?.concat(),
+        })
+    }
+
+    /// Whether a plate predicts better than triangles, by more than chance, what both predict. Where too few soundings can be left out
+    /// to tell it does not.
+    pub fn is_better(&self, plate: &Judged, triangles: &Judged) -> bool {
+        let both = plate.errors_m.iter().zip(&triangles.errors_m);
+        both.filter(|(one, other)| one.is_some() && other.is_some())
+            .count()
+            >= LEAST_MISSES
+            && AS_GOOD * self.usual_m(plate, triangles) < self.usual_m(triangles, plate)
+    }
+
+    /// What the depths of a surface are worth; `None` where too few soundings can be left out to tell.
+    pub fn sigma(&self, judged: &Judged) -> Option<SigmaByDistance> {
+        let misses: Vec<Miss> = self.misses(judged, judged).collect();
+        (misses.len() >= LEAST_MISSES).then(|| SigmaByDistance::of(misses))
+    }
+
+    /// What a surface misses, of the soundings that another one predicts too.
+    fn misses(&self, judged: &Judged, other: &Judged) -> impl Iterator<Item = Miss> {
+        let left_out = self.folds.iter().flat_map(|fold| &fold.out);
+        let errors = judged.errors_m.iter().zip(&other.errors_m);
+        left_out.zip(errors).filter_map(|(left_out, errors)| {
+            let (Some(error_m), Some(_)) = errors else {
+                return None;
+            };
+            Some(Miss {
+                error_m: *error_m,
+                away_m: left_out.away_m,
+            })
+        })
+    }
+
+    /// Root mean square of the errors away from soundings; those beyond three times the usual count as that.
+    fn usual_m(&self, judged: &Judged, other: &Judged) -> f64 {
+        let misses = self.misses(judged, other);
+        let far = misses.filter(|miss| miss.away_m > NEAR_SHARE * self.square_m);
+        let mut sizes: Vec<f64> = far.map(|miss| miss.error_m.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        let limit_m = 3.0 * spread(&sizes);
+        let squares: f64 = sizes.iter().map(|size| size.min(limit_m).powi(2)).sum();
+        (squares / sizes.len() as f64).sqrt()
     }
 }
 
-/// The square that a place lies in decides when it is left out.
-fn fold(node: &Node, square_m: f64) -> usize {
+impl Fold {
+    /// `None` where all soundings are left out.
+    fn of(nodes: &[Node], left_out: usize, square_m: f64) -> Option<Self> {
+        let is_out = |node: &&Node| square_of(node, square_m) == left_out;
+        let (out, used): (Vec<Node>, Vec<Node>) = nodes.iter().partition(is_out);
+        let places: Vec<[f64; 2]> = used.iter().map(|p| [p.east_m, p.north_m]).collect();
+        let near = ImmutableKdTree::<f64, 2>::new_from_slice(&places).ok()?;
+        let away = |node: Node| {
+            let place = [node.east_m, node.north_m];
+            let nearest = near.query(&place);
+            let nearest = nearest.nearest_one::<SquaredEuclidean<f64>>().execute();
+            LeftOut {
+                node,
+                away_m: nearest.distance.sqrt(),
+            }
+        };
+        Some(Self {
+            out: out.into_iter().map(away).collect(),
+            used,
+        })
+    }
+
+    /// What a surface misses of each left-out sounding, metres.
+    fn errors_m(&self, depth_m: impl Fn(&Node) -> Option<f64>) -> Vec<Option<f64>> {
+        let out = self.out.iter().map(|left_out| &left_out.node);
+        out.map(|node| Some(depth_m(node)? - node.depth_m))
+            .collect()
+    }
+}
+
+/// A left-out sounding: the predicted depth less its own, and its distance to the nearest sounding that was there, metres.
+#[derive(Clone, Copy, Debug)]
+struct Miss {
+    error_m: f64,
+    away_m: f64,
+}
+
+/// The fold of the square that a place lies in: when it is left out.
+fn square_of(node: &Node, square_m: f64) -> usize {
     let [column, row] =
         [node.east_m, node.north_m].map(|metres| (metres / square_m).floor() as i64);
     (column + 2 * row).rem_euclid(FOLDS as i64) as usize
-}
-
-fn misses(
-    grid: &Grid,
-    nodes: &[Node],
-    square_m: f64,
-    give: f64,
-    progress: &Progress,
-) -> Result<Vec<Miss>, Cancelled> {
-    let of_fold = |left_out: usize| {
-        let (out, used): (Vec<Node>, Vec<Node>) = nodes
-            .iter()
-            .partition(|node| fold(node, square_m) == left_out);
-        let places: Vec<[f64; 2]> = used
-            .iter()
-            .map(|node| [node.east_m, node.north_m])
-            .collect();
-        let Ok(near) = ImmutableKdTree::<f64, 2>::new_from_slice(&places) else {
-            return Ok(Vec::new());
-        };
-        let plate = Plate::through(grid, &used, give, progress)?;
-        Ok(out
-            .iter()
-            .map(|node| {
-                let place = [node.east_m, node.north_m];
-                Miss {
-                    error_m: plate.depth_at(place) - node.depth_m,
-                    away_m: near
-                        .query(&place)
-                        .nearest_one::<SquaredEuclidean<f64>>()
-                        .execute()
-                        .distance
-                        .sqrt(),
-                }
-            })
-            .collect())
-    };
-    let folds: Result<Vec<Vec<Miss>>, Cancelled> =
-        (0..FOLDS).into_par_iter().map(of_fold).collect();
-    Ok(folds?.into_iter().flatten().collect())
-}
-
-/// Root mean square of the errors away from soundings; those beyond three times the usual count as that.
-fn usual_m(misses: &[Miss], square_m: f64) -> f64 {
-    let far = misses
-        .iter()
-        .filter(|miss| miss.away_m > NEAR_SHARE * square_m);
-    let mut sizes: Vec<f64> = far.map(|miss| miss.error_m.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let limit_m = 3.0 * spread(&sizes);
-    let squares: f64 = sizes.iter().map(|size| size.min(limit_m).powi(2)).sum();
-    (squares / sizes.len() as f64).sqrt()
 }
 
 /// The standard deviation that the sizes of errors, in order, speak of: the mean of what holds 68 % of them and half of what holds 95 %.

@@ -1,20 +1,24 @@
 //! Depths between soundings from a plate that bends least, as stiff as predicts left-out soundings best.
 //!
-//! `plate` is the surface, `left_out` chooses its stiffness and says what its depths are worth.
+//! `plate` is the surface, `equations` and `levels` find it, `left_out` chooses its stiffness, says whether triangles would do as well, and what depths are worth.
 
+mod equations;
 mod left_out;
+mod levels;
 mod plate;
 
-use super::{DepthPoint, Grid, Node, Surface, merge_repeated, suited_cell_m};
+use super::{
+    DepthPoint, Grid, Node, Spread, Surface, SurfaceMethod, merge_repeated, suited_cell_m,
+};
 use crate::progress::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use left_out::Judgement;
+use left_out::Judge;
 pub use left_out::SigmaByDistance;
 use plate::Plate;
 use rayon::prelude::*;
 
 /// Most cells of a plate, and of those that its stiffness is tried on: on a larger map the cells are larger.
-const MOST_CELLS: usize = 1_500_000;
+const MOST_CELLS: usize = 400_000;
 const MOST_CELLS_TRIED: usize = 10_000;
 /// How far a plate gives way where too few soundings can be left out to tell.
 const USUAL_GIVE: f64 = 1.6;
@@ -22,36 +26,71 @@ const USUAL_GIVE: f64 = 1.6;
 /// middles are then as far from soundings as the map between lines.
 const DISTANCE_SHARE: f64 = 0.9;
 
-/// Gives the known cells of a surface the depth of a plate through its nodes, and the standard deviation of its error for their spread; that
-/// stays as it is where too few soundings could be left out to tell.
+/// When a surface of triangles becomes a plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bend {
+    /// In any case.
+    Always,
+    /// Where it predicts left-out soundings better than triangles do.
+    WhereBetter,
+}
+
+/// Gives the known cells of a surface of triangles the depth of a plate through its nodes, and, whichever they have then, the standard
+/// deviation of that depth's error for their spread; the spread stays as it is where too few soundings could be left out to tell.
 ///
 /// # Errors
 /// When the work was cancelled.
 pub fn bend_least(
     made: &mut Surface,
     nodes: &[Node],
+    bend: Bend,
     progress: &Progress,
 ) -> Result<(), Cancelled> {
     let square_m = 2.0 * usual_distance_m(made).max(2.0 * made.grid.cell_m);
-    let within = |most: usize| made.grid.coarser(made.grid.times_coarser(most));
-    let judged = Judgement::of(&within(MOST_CELLS_TRIED), nodes, square_m, progress)?;
-    let give = judged.as_ref().map_or(USUAL_GIVE, |judged| judged.give);
-    let cells = within(MOST_CELLS);
+    let grid = made.grid;
+    let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
+    let judge = Judge::new(&tried, nodes, square_m, progress);
+    let mut judged = judge.plate()?;
+    let mut is_plate = true;
+    if bend == Bend::WhereBetter {
+        let triangles = judge.triangles()?;
+        if !judge.is_better(&judged, &triangles) {
+            (judged, is_plate) = (triangles, false);
+        }
+    }
+    let sigma = judge.sigma(&judged);
+    if is_plate {
+        let give = sigma.as_ref().map_or(USUAL_GIVE, |_| judged.give);
+        take_plate(made, nodes, give, progress)?;
+    }
+    if let Some(sigma) = sigma {
+        let cells = made.spread_m.par_iter_mut().zip(&made.distance_m);
+        cells
+            .filter(|(spread_m, _)| !spread_m.is_nan())
+            .for_each(|(spread_m, away_m)| *spread_m = sigma.at(f64::from(*away_m)) as f32);
+        made.spread_is = Spread::OfError;
+    }
+    Ok(())
+}
+
+/// Gives the known cells the depths of a plate.
+fn take_plate(
+    made: &mut Surface,
+    nodes: &[Node],
+    give: f64,
+    progress: &Progress,
+) -> Result<(), Cancelled> {
+    let grid = made.grid;
+    let cells = grid.coarser(grid.times_coarser(MOST_CELLS));
     progress.start(Plate::steps(&cells));
     let plate = Plate::through(&cells, nodes, give, progress)?;
-    let grid = made.grid;
-    made.depth_m
-        .par_iter_mut()
-        .zip(&mut made.spread_m)
-        .zip(&made.distance_m)
-        .enumerate()
-        .filter(|(_, ((depth_m, _), _))| !depth_m.is_nan())
-        .for_each(|(cell, ((depth_m, spread_m), distance_m))| {
+    let cells = made.depth_m.par_iter_mut().enumerate();
+    cells
+        .filter(|(_, depth_m)| !depth_m.is_nan())
+        .for_each(|(cell, depth_m)| {
             *depth_m = plate.depth_at(grid.centre(cell / grid.columns, cell % grid.columns)) as f32;
-            if let Some(judged) = &judged {
-                *spread_m = judged.sigma.at(f64::from(*distance_m)) as f32;
-            }
         });
+    made.method = SurfaceMethod::Smooth;
     Ok(())
 }
 
@@ -88,8 +127,8 @@ pub fn sigma_by_distance(
         .filter(|distance| f64::from(*distance) <= max_gap_m)
         .collect();
     let square_m = 2.0 * usual_of(distances).max(2.0 * grid.cell_m);
-    let judged = Judgement::of(&tried, &nodes, square_m, progress)?;
-    Ok(judged.map(|judged| judged.sigma))
+    let judge = Judge::new(&tried, &nodes, square_m, progress);
+    Ok(judge.sigma(&judge.plate()?))
 }
 
 /// The distance to a sounding that most of the map does not exceed, metres; 0 where nothing is known.

@@ -103,6 +103,48 @@ fn a_slope_is_kept_and_a_swell_is_closer_than_between_triangles() {
 }
 
 #[test]
+fn what_predicts_left_out_soundings_better_is_taken_and_says_what_it_is_worth() {
+    let swell = |east_m: f64, north_m: f64| 3.0 + 0.4 * (east_m / 4.0 + north_m / 5.0).sin();
+    let [auto, plate] =
+        [SurfaceMethod::Auto, SurfaceMethod::Smooth].map(|method| made(lines(swell), method));
+    assert_eq!(auto, plate);
+    assert_eq!(
+        (auto.method, auto.spread_is),
+        (SurfaceMethod::Smooth, Spread::OfError)
+    );
+    // A ditch with edges, across the lines: triangles follow it, a plate cuts its edges.
+    let ditch = |east_m: f64, _: f64| 3.0 + f64::from(u8::from((18.0..22.0).contains(&east_m)));
+    let [auto, triangles] =
+        [SurfaceMethod::Auto, SurfaceMethod::Linear].map(|method| made(lines(ditch), method));
+    assert_eq!(
+        (auto.method, auto.spread_is),
+        (SurfaceMethod::Linear, Spread::OfError)
+    );
+    let same = auto
+        .depth_m
+        .iter()
+        .zip(&triangles.depth_m)
+        .all(|(a, b)| a.to_bits() == b.to_bits());
+    assert!(same);
+}
+
+#[test]
+fn few_soundings_leave_triangles_and_their_spread() {
+    let few: Vec<DepthPoint> = lines(|east_m, _| 3.0 + 0.01 * east_m)
+        .into_iter()
+        .step_by(16)
+        .collect();
+    let [auto, triangles] =
+        [SurfaceMethod::Auto, SurfaceMethod::Linear].map(|method| made(few.clone(), method));
+    assert_eq!(
+        (auto.method, auto.spread_is),
+        (SurfaceMethod::Linear, Spread::OfSoundings)
+    );
+    let spreads = auto.spread_m.iter().zip(&triangles.spread_m);
+    assert!(spreads.into_iter().all(|(a, b)| a.to_bits() == b.to_bits()));
+}
+
+#[test]
 fn a_wrong_sounding_does_not_pull_the_plate_up() {
     let slope = |east_m: f64, north_m: f64| 3.0 + 0.05 * east_m - 0.02 * north_m;
     let mut points = lines(slope);

@@ -144,12 +144,7 @@ mod tests {
         };
         let mut depth_m = vec![2.0; grid.len()];
         depth_m[5] = f32::NAN;
-        let surface = Surface {
-            spread_m: depth_m.clone(),
-            distance_m: depth_m.clone(),
-            depth_m,
-            grid,
-        };
+        let surface = Surface::of_depths(grid, depth_m);
         let mesh = mesh(&surface, [0.0, 0.0]);
         assert_eq!(mesh.places_m.len(), 11);
         // Six squares; the four at the hole have one triangle each.

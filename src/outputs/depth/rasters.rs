@@ -1,7 +1,7 @@
 //! The surface as rasters: metres as f32 on one grid, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
-use crate::bathymetry::{Grid, Surface, SurfaceMethod};
+use crate::bathymetry::{Grid, Spread, Surface};
 use crate::export::{Summary, geotiff, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::OutputError;
@@ -43,13 +43,12 @@ pub fn depth(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
 
 /// Writes `uncertainty.tif`.
 pub fn uncertainty(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    let what = match results.products.settings.surface.method {
-        SurfaceMethod::Smooth => {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let what = match surface.spread_is {
+        Spread::OfError => {
             "Standard deviation in metres of the depth's error, as left-out depths show it"
         }
-        SurfaceMethod::Linear | SurfaceMethod::Natural | SurfaceMethod::InverseDistance => {
-            "Standard deviation in metres of the depths that carry a cell"
-        }
+        Spread::OfSoundings => "Standard deviation in metres of the depths that carry a cell",
     };
     let layer = Layer {
         band: band("standard deviation of depth", false),
@@ -75,7 +74,7 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane, values) = (&surface.grid, &results.plane, (layer.values)(surface));
     let crs = &plane.map.crs;
-    let applied = applied(results.products, grid);
+    let applied = applied(results.products, surface);
     let spec = RasterSpec {
         columns: grid.columns,
         rows: grid.rows,
@@ -113,18 +112,13 @@ fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
 }
 
 /// What was and was not corrected, and how the cells were filled.
-fn applied(products: &Products, grid: &Grid) -> String {
+fn applied(products: &Products, surface: &Surface) -> String {
     let settings = &products.settings;
-    let method = match settings.surface.method {
-        SurfaceMethod::Linear => "linear triangles",
-        SurfaceMethod::Natural => "natural neighbours",
-        SurfaceMethod::InverseDistance => "inverse distance",
-        SurfaceMethod::Smooth => "least bending",
-    };
     format!(
-        "{} By {method} in cells of {} m, none farther than {} m from a depth.",
+        "{} By {} in cells of {} m, none farther than {} m from a depth.",
         products.correction.statement(),
-        grid.cell_m,
+        surface.method.in_words(),
+        surface.grid.cell_m,
         settings.surface.max_gap_m
     )
 }

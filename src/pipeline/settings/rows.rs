@@ -319,6 +319,7 @@ rows! {
     SURFACE_METHOD: "surface.method", "Between depths", "method between depths",
         "How the depth between soundings and side-scan points is found.",
         choice!(surface.method, [
+            "auto", "what predicts best", "Least bending where that predicts left-out soundings better, else triangles. Says what its depths are worth.";
             "linear", "triangles", "Linear on the planes of the Delaunay triangles between depths.";
             "natural", "natural neighbours", "Sibson's: smooth but at the depths themselves. Slower.";
             "inverse_distance", "inverse distance", "Mean of the nearest depths by inverse distance squared: smooth, draws towards the mean.";

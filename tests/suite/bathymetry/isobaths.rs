@@ -36,18 +36,14 @@ fn cases() -> Vec<Case> {
 
 /// Cells of a metre.
 fn surface(rows: usize, columns: usize, depth_m: Vec<f32>) -> Surface {
-    Surface {
-        grid: Grid {
-            west_m: 100.0,
-            north_m: -40.0,
-            cell_m: 1.0,
-            columns,
-            rows,
-        },
-        spread_m: vec![0.0; depth_m.len()],
-        distance_m: vec![0.0; depth_m.len()],
-        depth_m,
-    }
+    let grid = Grid {
+        west_m: 100.0,
+        north_m: -40.0,
+        cell_m: 1.0,
+        columns,
+        rows,
+    };
+    Surface::of_depths(grid, depth_m)
 }
 
 impl Case {

@@ -1,0 +1,203 @@
+//! The equations of a plate on a grid, and how they are solved.
+
+use super::levels::Levels;
+use crate::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+
+/// What is still to be done falls to this share of that at a flat plate before a grid counts as solved, in at most so many steps.
+const SOLVED: f64 = 1e-5;
+const MOST_STEPS: usize = 100;
+/// Cells that the bending of a cell reaches.
+const REACH: usize = 2;
+/// Rows that a worker takes at least: fewer are done sooner than given away.
+const ROWS_AT_ONCE: usize = 64;
+/// And cells.
+pub const CELLS_AT_ONCE: usize = 1 << 15;
+
+/// A sounding between the centres of four cells.
+#[derive(Clone)]
+pub struct Knot {
+    /// The cells.
+    pub cells: [usize; 4],
+    /// What each counts.
+    pub shares: [f64; 4],
+    /// The sounding, metres.
+    pub depth_m: f64,
+    /// What the sounding counts.
+    pub weight: f64,
+}
+
+impl Knot {
+    fn depth_of(&self, depth_m: &[f64]) -> f64 {
+        let parts = self.cells.iter().zip(&self.shares);
+        parts.map(|(cell, share)| depth_m[*cell] * share).sum()
+    }
+
+    /// Spreads what is pulled over the cells.
+    fn add_to(&self, cells: &mut [f64], pull: f64) {
+        for (cell, share) in self.cells.iter().zip(&self.shares) {
+            cells[*cell] += share * pull;
+        }
+    }
+}
+
+/// The normal equations, never written out.
+#[derive(Clone)]
+pub struct Equations {
+    /// Cells of the plate.
+    pub columns: usize,
+    /// Cells of the plate.
+    pub rows: usize,
+    /// What bending costs.
+    pub stiffness: f64,
+    /// The soundings.
+    pub knots: Vec<Knot>,
+}
+
+impl Equations {
+    /// Preconditioned conjugate gradients (M. R. Hestenes, E. Stiefel 1952), from what `depth_m` holds; `levels` are those of the same
+    /// equations.
+    pub fn solve(
+        &self,
+        levels: &Levels,
+        depth_m: &mut [f64],
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
+        let mut left = vec![0.0; depth_m.len()];
+        self.times(depth_m, &mut left);
+        for left in &mut left {
+            *left = -*left;
+        }
+        for knot in &self.knots {
+            knot.add_to(&mut left, knot.weight * knot.depth_m);
+        }
+        let mut eased = levels.eased(&left);
+        let mut direction = eased.clone();
+        let mut moved = vec![0.0; depth_m.len()];
+        let mut size = dot(&left, &eased);
+        let goal = self.flat(levels) * SOLVED * SOLVED;
+        for _ in 0..MOST_STEPS {
+            if size <= goal || size <= 0.0 {
+                break;
+            }
+            progress.check()?;
+            self.times(&direction, &mut moved);
+            let length = size / dot(&direction, &moved);
+            add(depth_m, length, &direction);
+            add(&mut left, -length, &moved);
+            eased = levels.eased(&left);
+            let next = dot(&left, &eased);
+            for (direction, eased) in direction.iter_mut().zip(&eased) {
+                *direction = eased + next / size * *direction;
+            }
+            size = next;
+        }
+        Ok(())
+    }
+
+    /// The square of the gradient's length at a flat plate in the middle of the soundings: what is still to be done is held against it,
+    /// wherever the work begins.
+    fn flat(&self, levels: &Levels) -> f64 {
+        let middle_m =
+            self.knots.iter().map(|knot| knot.depth_m).sum::<f64>() / self.knots.len() as f64;
+        let mut pull = vec![0.0; self.columns * self.rows];
+        for knot in &self.knots {
+            knot.add_to(&mut pull, knot.weight * (knot.depth_m - middle_m));
+        }
+        dot(&pull, &levels.eased(&pull))
+    }
+
+    /// What the equations make of some depths.
+    pub fn times(&self, depth_m: &[f64], made: &mut [f64]) {
+        made.par_chunks_mut(self.columns)
+            .with_min_len(ROWS_AT_ONCE)
+            .enumerate()
+            .for_each(|(row, made)| self.bend_row(depth_m, row, made));
+        for knot in &self.knots {
+            let pull = knot.weight * knot.depth_of(depth_m);
+            knot.add_to(made, pull);
+        }
+    }
+
+    /// [`Equations::bending`] of a row, times the stiffness; where no edge is near by the stencil that it then is.
+    fn bend_row(&self, depth_m: &[f64], row: usize, made: &mut [f64]) {
+        let columns = self.columns;
+        let is_inside = row >= REACH && row + REACH < self.rows && columns > 2 * REACH;
+        let edges = match is_inside {
+            true => REACH..columns - REACH,
+            false => columns..columns,
+        };
+        for column in (0..edges.start).chain(edges.end..columns) {
+            made[column] = self.stiffness * self.bending(depth_m, row, column);
+        }
+        if !is_inside {
+            return;
+        }
+        let line = |down: usize| &depth_m[(row + down - REACH) * columns..][..columns];
+        let [far_north, north, here, south, far_south] = [0, 1, 2, 3, 4].map(line);
+        for (column, made) in made.iter_mut().enumerate().take(edges.end).skip(REACH) {
+            let beside = here[column - 1] + here[column + 1] + north[column] + south[column];
+            let across =
+                north[column - 1] + north[column + 1] + south[column - 1] + south[column + 1];
+            let away = here[column - 2] + here[column + 2] + far_north[column] + far_south[column];
+            *made = self.stiffness * (20.0 * here[column] - 8.0 * beside + 2.0 * across + away);
+        }
+    }
+
+    /// By how much the bending of the whole plate grows with the depth of a cell: second differences of second differences, without those
+    /// that reach over the edge.
+    fn bending(&self, depth_m: &[f64], row: usize, column: usize) -> f64 {
+        let (columns, rows) = (self.columns, self.rows);
+        let at = |row: usize, column: usize| depth_m[row * columns + column];
+        let along = |column: usize| match column {
+            0 => 0.0,
+            _ if column + 1 >= columns => 0.0,
+            _ => at(row, column - 1) - 2.0 * at(row, column) + at(row, column + 1),
+        };
+        let down = |row: usize| match row {
+            0 => 0.0,
+            _ if row + 1 >= rows => 0.0,
+            _ => at(row - 1, column) - 2.0 * at(row, column) + at(row + 1, column),
+        };
+        let twist = |row: usize, column: usize| match row + 1 < rows && column + 1 < columns {
+            true => {
+                at(row, column) + at(row + 1, column + 1)
+                    - at(row, column + 1)
+                    - at(row + 1, column)
+            }
+            false => 0.0,
+        };
+        let (west, north) = (column.checked_sub(1), row.checked_sub(1));
+        let mut sum = along(column + 1) - 2.0 * along(column) + west.map_or(0.0, along);
+        sum += down(row + 1) - 2.0 * down(row) + north.map_or(0.0, down);
+        let mut twists = twist(row, column);
+        twists -= west.map_or(0.0, |west| twist(row, west));
+        twists -= north.map_or(0.0, |north| twist(north, column));
+        if let (Some(west), Some(north)) = (west, north) {
+            twists += twist(north, west);
+        }
+        sum + 2.0 * twists
+    }
+
+    /// The diagonal of the equations, that of bending as it is away from the edge.
+    pub fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal = vec![20.0 * self.stiffness; self.columns * self.rows];
+        for knot in &self.knots {
+            for (cell, share) in knot.cells.iter().zip(&knot.shares) {
+                diagonal[*cell] += knot.weight * share * share;
+            }
+        }
+        diagonal
+    }
+}
+
+/// The sum of products, in one order: the same depths give the same plate to the bit.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Adds a multiple.
+pub fn add(to: &mut [f64], times: f64, what: &[f64]) {
+    let cells = to.par_iter_mut().zip(what).with_min_len(CELLS_AT_ONCE);
+    cells.for_each(|(to, what)| *to += times * what);
+}
