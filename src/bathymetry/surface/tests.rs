@@ -12,6 +12,7 @@ fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
 
 fn settings(gap_m: f64) -> SurfaceSettings {
     SurfaceSettings {
+        method: SurfaceMethod::Linear,
         max_gap_m: gap_m,
         cell_m: Some(0.5),
         ..SurfaceSettings::default()
