@@ -109,13 +109,17 @@ impl Tin {
 
     /// The depth at one place on its triangle's plane, metres; `None` where there is no triangle.
     pub fn depth_at(&self, east_m: f64, north_m: f64) -> Option<f64> {
-        let mut sampler = self.sampler(Between::Linear);
-        let nodes = sampler.nodes_at([east_m, north_m])?;
-        Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
+        self.sampler(Between::Linear).depth_at([east_m, north_m])
     }
 }
 
 impl TinSampler<'_> {
+    /// The depth at one place, metres; `None` where there is no triangle.
+    pub fn depth_at(&mut self, place: [f64; 2]) -> Option<f64> {
+        let nodes = self.nodes_at(place)?;
+        Some(nodes.map(|(node, weight)| weight * node.depth_m).sum())
+    }
+
     /// The nodes that carry a place, with weights that sum to 1; `None` where there is no triangle.
     pub fn nodes_at(
         &mut self,

@@ -1,7 +1,7 @@
 //! How well soundings are predicted that were left out: what the method and the stiffness of a plate are chosen by, and what depths are worth.
 
 use super::plate::Plate;
-use crate::bathymetry::{Grid, Node, Tin};
+use crate::bathymetry::{Between, Grid, Node, Tin};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::quantile;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -21,7 +21,6 @@ const LEAST_MISSES: usize = 40;
 const NEAR_SHARE: f64 = 0.125;
 /// Bins by distance of what a stated error is read from.
 const BINS: usize = 8;
-
 /// Most soundings that are left out or kept: of more, as many are taken evenly from among them.
 const MOST_NODES: usize = 30_000;
 
@@ -47,8 +46,8 @@ pub struct Judge<'a> {
 
 /// How a surface predicts the left-out soundings.
 pub struct Judged {
-    /// The best of the gives that were tried, of a plate.
-    pub give: f64,
+    /// How far a plate gives way; triangles have none.
+    pub give: Option<f64>,
     /// Predicted depth less the sounding's, metres, in the order of the folds; `None` where nothing is predicted.
     errors_m: Vec<Option<f64>>,
 }
@@ -120,7 +119,7 @@ impl<'a> Judge<'a> {
         };
         let errors: Result<Vec<_>, Cancelled> = self.folds.par_iter().map(of_fold).collect();
         Ok(Judged {
-            give,
+            give: Some(give),
             errors_m: errors?.concat(),
         })
     }
@@ -133,12 +132,12 @@ impl<'a> Judge<'a> {
         let of_fold = |fold: &Fold| {
             self.progress.check()?;
             let tin = Tin::new(fold.used.clone());
-            let depth_m = |node: &Node| tin.as_ref()?.depth_at(node.east_m, node.north_m);
-            Ok(fold.errors_m(depth_m))
+            let mut sampler = tin.as_ref().map(|tin| tin.sampler(Between::Linear));
+            Ok(fold.errors_m(|node| sampler.as_mut()?.depth_at([node.east_m, node.north_m])))
         };
         let errors: Result<Vec<_>, Cancelled> = self.folds.par_iter().map(of_fold).collect();
         Ok(Judged {
-            give: f64::NAN,
+            give: None,
             errors_m: errors?.concat(),
         })
     }
@@ -209,7 +208,7 @@ impl Fold {
     }
 
     /// What a surface misses of each left-out sounding, metres.
-    fn errors_m(&self, depth_m: impl Fn(&Node) -> Option<f64>) -> Vec<Option<f64>> {
+    fn errors_m(&self, mut depth_m: impl FnMut(&Node) -> Option<f64>) -> Vec<Option<f64>> {
         let out = self.out.iter().map(|left_out| &left_out.node);
         out.map(|node| Some(depth_m(node)? - node.depth_m))
             .collect()

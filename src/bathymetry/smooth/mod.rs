@@ -51,16 +51,15 @@ pub fn bend_least(
     let tried = grid.coarser(grid.times_coarser(MOST_CELLS_TRIED));
     let judge = Judge::new(&tried, nodes, square_m, progress);
     let mut judged = judge.plate()?;
-    let mut is_plate = true;
     if bend == Bend::WhereBetter {
         let triangles = judge.triangles()?;
         if !judge.is_better(&judged, &triangles) {
-            (judged, is_plate) = (triangles, false);
+            judged = triangles;
         }
     }
     let sigma = judge.sigma(&judged);
-    if is_plate {
-        let give = sigma.as_ref().map_or(USUAL_GIVE, |_| judged.give);
+    if let Some(best) = judged.give {
+        let give = sigma.as_ref().map_or(USUAL_GIVE, |_| best);
         take_plate(made, nodes, give, progress)?;
     }
     if let Some(sigma) = sigma {
