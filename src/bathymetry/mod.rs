@@ -24,7 +24,7 @@ mod testing;
 mod tin;
 mod transect;
 
-pub use grid::{Grid, suited_cell_m};
+pub use grid::{CentresAbout, Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
 pub use nodes::{Node, merge_repeated};
 pub use smooth::{SigmaByDistance, sigma_by_distance};

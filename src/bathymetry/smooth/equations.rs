@@ -15,7 +15,6 @@ const ROWS_AT_ONCE: usize = 64;
 pub const CELLS_AT_ONCE: usize = 1 << 15;
 
 /// A sounding between the centres of four cells.
-#[derive(Clone)]
 pub struct Knot {
     /// The cells.
     pub cells: [usize; 4],
@@ -42,13 +41,12 @@ impl Knot {
 }
 
 /// The normal equations, never written out.
-#[derive(Clone)]
 pub struct Equations {
-    /// Cells of the plate.
+    /// Cells from west to east.
     pub columns: usize,
-    /// Cells of the plate.
+    /// Cells from north to south.
     pub rows: usize,
-    /// What bending costs.
+    /// What bending costs against the misfit of a sounding: `1 / (give cell)^2`.
     pub stiffness: f64,
     /// The soundings.
     pub knots: Vec<Knot>,

@@ -6,7 +6,7 @@
 
 use super::equations::{CELLS_AT_ONCE, Equations, Knot, add, dot};
 use super::plate::around;
-use crate::bathymetry::Grid;
+use crate::bathymetry::{CentresAbout, Grid};
 use rayon::prelude::*;
 
 /// Cells along the longer side of the coarsest grid, at least; at most about twice as many.
@@ -20,41 +20,30 @@ const SWEEPS: usize = 4;
 /// The equations on every grid from theirs to the coarsest.
 pub struct Levels {
     finer: Vec<Level>,
+    last: Equations,
+    /// That of the last.
     coarsest: Cholesky,
-}
-
-/// Two rows or columns, and how far on from the first to the second ([`Grid::about`]).
-struct About {
-    cells: [usize; 2],
-    share: f64,
 }
 
 struct Level {
     equations: Equations,
     diagonal: Vec<f64>,
     /// Where each row and column lies between those of the next level.
-    rows: Vec<About>,
-    columns: Vec<About>,
+    rows: Vec<CentresAbout>,
+    columns: Vec<CentresAbout>,
     coarser: Grid,
 }
 
 impl Levels {
     /// Of equations on a grid.
-    pub fn of(grid: &Grid, equations: &Equations) -> Self {
+    pub fn of(grid: &Grid, mut equations: Equations) -> Self {
         let mut finer = Vec::new();
-        let (mut grid, mut equations) = (*grid, equations.clone());
+        let mut grid = *grid;
         while grid.columns.max(grid.rows) >= 2 * COARSEST {
             let coarser = grid.coarser(2);
             let next = coarsened(&grid, &equations, &coarser);
-            let about = |place, axis: usize| {
-                let about = coarser.about(place)[axis];
-                About {
-                    cells: about.cells,
-                    share: about.share,
-                }
-            };
-            let row = |row| about(grid.centre(row, 0), 0);
-            let column = |column| about(grid.centre(0, column), 1);
+            let row = |row| coarser.about(grid.centre(row, 0))[0];
+            let column = |column| coarser.about(grid.centre(0, column))[1];
             finer.push(Level {
                 diagonal: equations.diagonal(),
                 equations,
@@ -67,7 +56,14 @@ impl Levels {
         Self {
             finer,
             coarsest: Cholesky::of(&equations),
+            last: equations,
         }
+    }
+
+    /// The equations that these are the levels of.
+    pub fn finest(&self) -> &Equations {
+        let first = self.finer.first();
+        first.map_or(&self.last, |level| &level.equations)
     }
 
     /// Nearly what the equations make `left` of.

@@ -105,8 +105,10 @@ impl Plate {
             stiffness: (give * self.grid.cell_m).powi(-2),
             knots: knots.collect(),
         };
-        let levels = Levels::of(&self.grid, &equations);
-        equations.solve(&levels, &mut self.depth_m, progress)?;
+        let levels = Levels::of(&self.grid, equations);
+        levels
+            .finest()
+            .solve(&levels, &mut self.depth_m, progress)?;
         progress.advance(1);
         Ok(())
     }
