@@ -26,6 +26,8 @@ pub struct DetectorSettings {
     pub score: Option<f32>,
     /// Overlap above which the less sure of two boxes is dropped, 0 to 1; without one the model's own.
     pub iou: Option<f32>,
+    /// Confidence from which a box is named, 0 to 1, and below which it is an object of whatever class; without one the model's own.
+    pub name_score: Option<f32>,
 }
 
 /// What a search has found while it runs.
@@ -164,13 +166,23 @@ fn search(
     let count = grid.count() * pictures;
     progress.start(count as u64);
     let gathered = Mutex::new(Gathered::new(grid, pictures));
+    // After tiles are merged: pieces of one object go together by their class.
+    let name_score = settings.name_score.unwrap_or(model.name_score());
+    let named = |mut found: Vec<Vec<Scored>>| {
+        for one in found.iter_mut().flatten() {
+            if one.score < name_score {
+                one.class = model.nameless();
+            }
+        }
+        found
+    };
     // A bridge hands the tiles out in their order, so that what is done is the survey's beginning and not pieces of it.
     (0..count).par_bridge().try_for_each(|index| {
         let place = grid.of_picture(index, pictures);
         let seen = look(place.picture, place.tile)?;
         let mut gathered = gathered.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(rows) = gathered.add(place, seen) {
-            let found = gathered.merged(rows, model.nms(), iou);
+            let found = named(gathered.merged(rows, model.nms(), iou));
             let tiles = rows * grid.counts[0] * pictures;
             on_found(found, tiles, grid.end_of(rows));
         }
@@ -179,7 +191,7 @@ fn search(
     let gathered = gathered
         .into_inner()
         .unwrap_or_else(PoisonError::into_inner);
-    Ok(gathered.merged(grid.counts[1], model.nms(), iou))
+    Ok(named(gathered.merged(grid.counts[1], model.nms(), iou)))
 }
 
 /// What the tiles have seen, until all of them have been searched.

@@ -20,7 +20,7 @@ pub struct Mark {
 /// What a detector proposes, in the survey's terms. The box holds the echo and its shadow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detection {
-    /// Index into the model's class names.
+    /// Index into the model's names ([`super::Model::names`]).
     pub class: usize,
     /// Confidence, 0 to 1.
     pub score: f32,

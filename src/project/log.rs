@@ -1,7 +1,8 @@
 //! A log of a project: where it lies, what tells it from another, and what was decided about it.
 
 use super::paths;
-use crate::detection::review::{NAMELESS_CLASS, Review};
+use crate::detection::NAMELESS_CLASS;
+use crate::detection::review::Review;
 use crate::pipeline::{LogSettings, sha256_of};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Identity, Survey};

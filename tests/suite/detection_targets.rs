@@ -287,7 +287,7 @@ fn claims<'a>(sailed: &Sailed, placed: &'a [(usize, Target, f64)]) -> Vec<Claim<
         Claim {
             log: 0,
             target,
-            class: if confused { (kind + 1) % 7 } else { kind },
+            class: Some(if confused { (kind + 1) % 7 } else { kind }),
             score: if confused { 0.5 } else { 0.8 },
         }
     };
@@ -317,7 +317,7 @@ fn an_object_seen_from_several_lines_is_one() {
             .count();
         let known = |group: &&Group| {
             group.members.len() > 1
-                && group.class == sailed.truth.objects[object_of(group)].kind as usize
+                && group.class == Some(sailed.truth.objects[object_of(group)].kind as usize)
         };
         let repeated = groups
             .iter()

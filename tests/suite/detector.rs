@@ -1,7 +1,8 @@
 //! Models of other makers: what each finds agrees with onnxruntime and a decoding of its own (`detector_models/make.py`); what
 //! cannot be used is refused with a sentence that says what to do; and no file takes the program down.
 
-use bathyscope::detection::{Model, Picture, Scored};
+use bathyscope::detection::{DetectorSettings, Model, Picture, Scored, find_in_picture};
+use bathyscope::progress::Progress;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 use std::fs;
@@ -109,9 +110,9 @@ fn every_family_is_recognised_and_finds_what_onnxruntime_finds() {
 
 #[test]
 fn class_names_come_from_the_file_or_its_sidecar() {
-    assert_eq!(load("yolov8").names(), ["rock", "tyre", "log"]);
-    assert_eq!(load("raw_heads").names(), ["rock", "tyre", "log"]);
-    assert_eq!(load("yolox").names(), ["class 0", "class 1", "class 2"]);
+    assert_eq!(load("yolov8").classes(), ["rock", "tyre", "log"]);
+    assert_eq!(load("raw_heads").classes(), ["rock", "tyre", "log"]);
+    assert_eq!(load("yolox").classes(), ["class 0", "class 1", "class 2"]);
 }
 
 #[test]
@@ -177,7 +178,7 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
             "thresholds": {"score": 0.6, "iou": 0.3, "nms": "darknet"}, "training": {"epochs": 3}}"#,
     )
     .expect("a usable sidecar");
-    assert_eq!(model.names(), ["a", "b", "c"]);
+    assert_eq!(model.classes(), ["a", "b", "c"]);
     assert_eq!(
         (model.pixel_m(), model.score(), model.iou()),
         (0.1, 0.6, 0.3)
@@ -189,6 +190,38 @@ fn a_sidecar_corrects_the_guess_or_is_refused() {
     assert!(error_of(r#"{"names": ["a"]}"#).contains("1 class names are given, but"));
     assert!(error_of(r#"{"family": "yolov4"}"#).contains("do not fit the family YOLOv4"));
     assert!(error_of(r#"{"pixel_m": 0}"#).contains("pixel_m lies between"));
+}
+
+#[test]
+fn a_box_is_named_from_a_confidence_on_and_is_an_object_below_it() {
+    let bytes = fs::read(models().join("yolov8.onnx")).expect("a model");
+    let named = |sidecar: &str, name_score: Option<f32>| {
+        let model = Model::from_bytes(bytes.clone(), Some(sidecar)).expect("a usable sidecar");
+        assert_eq!(model.names(), ["rock", "tyre", "log", "object"]);
+        let settings = DetectorSettings {
+            score: Some(SCORE),
+            name_score,
+            ..DetectorSettings::default()
+        };
+        let found = find_in_picture(&picture(), &model, &settings, &Progress::new());
+        let found = found.expect("boxes").into_iter();
+        found.map(|one| (one.score, one.class)).collect::<Vec<_>>()
+    };
+    // A model that does not say how sure its names are gives them all.
+    let all = named("{}", None);
+    assert!(all.iter().all(|&(_, class)| class < 3));
+    let between = all[all.len() / 2].0;
+    let some: Vec<(f32, usize)> = (all.iter())
+        .map(|&(score, class)| (score, if score < between { 3 } else { class }))
+        .collect();
+    assert_ne!(some, all);
+    assert_eq!(named("{}", Some(between)), some);
+    let sidecar = format!(r#"{{"thresholds": {{"name": {between}}}}}"#);
+    assert_eq!(named(&sidecar, None), some);
+    assert_eq!(named(&sidecar, Some(0.0)), all);
+    let refused = Model::from_bytes(bytes.clone(), Some(r#"{"thresholds": {"name": 2}}"#));
+    let error = refused.expect_err("a wrong sidecar").to_string();
+    assert!(error.contains("thresholds.name"), "{error}");
 }
 
 #[test]

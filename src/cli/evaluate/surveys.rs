@@ -93,6 +93,8 @@ impl Known {
     fn search(&self, model: &Model, score: f32) -> Result<[Vec<Scored>; 2], String> {
         let settings = DetectorSettings {
             score: Some(score),
+            // How well it names is part of what is evaluated.
+            name_score: Some(0.0),
             ..DetectorSettings::default()
         };
         let progress = Progress::new();
@@ -128,7 +130,7 @@ struct Found {
 impl Found {
     fn new(model: &Model) -> Self {
         Self {
-            classes: model.names().to_vec(),
+            classes: model.classes().to_vec(),
             names: Vec::new(),
             ranked: Vec::new(),
             shown: Vec::new(),

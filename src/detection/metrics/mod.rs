@@ -44,6 +44,21 @@ pub struct Image {
     pub predicted: Vec<Scored>,
 }
 
+impl Image {
+    /// Gives each prediction of the class of boxes without a name that of the true box that it overlaps most: it cannot be wrong in what it
+    /// does not say. One that overlaps none stays as it is.
+    pub fn name_by_truth(&mut self, nameless: usize) {
+        let without = |one: &&mut Scored| one.class == nameless;
+        for one in self.predicted.iter_mut().filter(without) {
+            let overlap = |truth: &Truth| one.rect.iou(&truth.rect);
+            let met = self.truth.iter().filter(|truth| overlap(truth) > 0.0);
+            if let Some(truth) = met.max_by(|a, b| overlap(a).total_cmp(&overlap(b))) {
+                one.class = truth.class;
+            }
+        }
+    }
+}
+
 /// Which prediction belongs to which true box of its class. Predictions choose by falling score.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Matching {

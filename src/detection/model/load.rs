@@ -7,7 +7,7 @@ use super::metadata::Metadata;
 use super::screen::{self, Declared};
 use super::sidecar::{Augmentation, Colour, FamilyName, LevelEntry, Resize, Sidecar};
 use super::{Inference, Model, Output, Unusable, tract};
-use crate::detection::Nms;
+use crate::detection::{NAMELESS_CLASS, Nms, class_index};
 use crate::printable::one_line;
 use crate::regular_file;
 use std::io::ErrorKind;
@@ -272,6 +272,9 @@ fn assemble(
 ) -> Model {
     let thresholds = &sidecar.thresholds;
     let mut description = describe(name, guessed, &names, &input);
+    let mut with_nameless = names;
+    let classes = with_nameless.len();
+    let nameless = class_index(&mut with_nameless, NAMELESS_CLASS);
     let augments = sidecar.test_time_augmentation == Some(Augmentation::Mirrored);
     if augments {
         description.push_str(", with test-time augmentation (mirrored)");
@@ -280,11 +283,14 @@ fn assemble(
         backend,
         family,
         input,
-        names,
+        names: with_nameless,
+        classes,
+        nameless,
         pixel_m: sidecar.pixel_m.unwrap_or(0.04),
         levelled: sidecar.level != Some(LevelEntry::Raw),
         score: thresholds.score.unwrap_or(0.25),
         iou: thresholds.iou.unwrap_or(0.45),
+        name_score: thresholds.name.unwrap_or(0.0),
         nms: Nms {
             overlap: thresholds.nms.map(Into::into).unwrap_or_default(),
             across_classes: thresholds.class_agnostic.unwrap_or(false),

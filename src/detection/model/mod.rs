@@ -45,11 +45,17 @@ pub struct Model {
     backend: Box<dyn Inference>,
     family: Family,
     input: InputSpec,
+    /// The network's class names, then that of a box without one unless the network has it.
     names: Vec<String>,
+    /// Classes of the network.
+    classes: usize,
+    /// Which name is that of a box without one.
+    nameless: usize,
     pixel_m: f64,
     levelled: bool,
     score: f32,
     iou: f32,
+    name_score: f32,
     nms: Nms,
     /// Overlap above which boxes vote.
     vote: Option<f32>,
@@ -90,9 +96,25 @@ impl Model {
         load::from_bytes(onnx, sidecar, None)
     }
 
-    /// Class names, in the order of [`Scored::class`].
+    /// The network's class names, in their order there.
+    pub fn classes(&self) -> &[String] {
+        &self.names[..self.classes]
+    }
+
+    /// What [`Scored::class`] and [`super::Detection::class`] stand for: the network's classes, and the name of a box whose class is a
+    /// guess ([`super::NAMELESS_CLASS`]).
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Index of the name of a box whose class is a guess.
+    pub fn nameless(&self) -> usize {
+        self.nameless
+    }
+
+    /// Confidence from which a box is named, as its makers suggest: below it the class is a guess.
+    pub fn name_score(&self) -> f32 {
+        self.name_score
     }
 
     /// Side of a pixel that the network expects, metres.

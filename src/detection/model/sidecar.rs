@@ -160,6 +160,8 @@ pub struct ThresholdEntry {
     pub score: Option<f32>,
     /// Overlap above which the less sure box is dropped, 0 to 1.
     pub iou: Option<f32>,
+    /// Confidence from which a box is named, 0 to 1; without it every box is.
+    pub name: Option<f32>,
     /// How overlap is measured.
     pub nms: Option<NmsEntry>,
     /// Whether boxes of different classes drop each other.
@@ -208,11 +210,15 @@ impl Sidecar {
         let wrong = |text: &str| Err(Unusable::Sidecar(text.to_owned()));
         let share = |value: Option<f32>| value.is_none_or(|share| (0.0..=1.0).contains(&share));
         let ThresholdEntry {
-            score, iou, vote, ..
+            score,
+            iou,
+            name,
+            vote,
+            ..
         } = self.thresholds;
-        if ![score, iou, vote].into_iter().all(share) {
+        if ![score, iou, name, vote].into_iter().all(share) {
             return wrong(
-                "thresholds.score, thresholds.iou and thresholds.vote lie between 0 and 1",
+                "thresholds.score, thresholds.iou, thresholds.name and thresholds.vote lie between 0 and 1",
             );
         }
         if self

@@ -26,8 +26,6 @@ use std::sync::Arc;
 
 /// Side of a pixel of the raster that boxes are compared and shown in, metres.
 pub const PIXEL_M: f64 = 0.04;
-/// Class of a box that is drawn before any model has named one.
-pub const NAMELESS_CLASS: &str = "object";
 
 /// Number of a box, never given twice in a review.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 use super::*;
 use crate::detection::testing::navigation_of;
-use crate::detection::{Detection, Raster};
+use crate::detection::{Detection, NAMELESS_CLASS, Raster};
 use crate::survey::{Encoding, Order};
 use crate::survey::{Side, SidePing, SideSpan, Survey};
 

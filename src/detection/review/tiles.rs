@@ -1,8 +1,8 @@
 //! Which pictures teach a detector what the analyst decided: tiles around the decided boxes, and what is true in each.
 
-use super::{NAMELESS_CLASS, Review, Reviewed, State};
+use super::{Review, Reviewed, State};
 use crate::detection::dataset::Boxes;
-use crate::detection::{Labelled, ObjectExtent, Raster, Rect, TILE_PX};
+use crate::detection::{Labelled, NAMELESS_CLASS, ObjectExtent, Raster, Rect, TILE_PX};
 use crate::survey::Side;
 
 /// Least share of a box that lies in a tile for it to be asked for there.

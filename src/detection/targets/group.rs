@@ -34,8 +34,8 @@ pub struct Sighting<'a> {
     pub log: usize,
     /// Where it lies.
     pub target: &'a Target,
-    /// What it is taken for.
-    pub class: usize,
+    /// What it is taken for; `None` where that is not known.
+    pub class: Option<usize>,
     /// How sure that is, 0 to 1.
     pub score: f64,
 }
@@ -51,8 +51,8 @@ pub struct Group {
     pub north_m: f64,
     /// Standard deviation of that place in the worse direction, metres.
     pub sigma_m: f64,
-    /// Class with the largest sum of scores; of equals the one seen first.
-    pub class: usize,
+    /// Class with the largest sum of scores; of equals the one seen first. `None` where no sighting has a class.
+    pub class: Option<usize>,
     /// Mean of the heights that are known, weighted by their certainty, metres; NaN without any.
     pub height_m: f64,
 }
@@ -169,15 +169,14 @@ fn joined(sightings: &[Sighting<'_>], mut members: Vec<usize>, settings: &GroupS
     let all = || members.iter().map(|&index| &sightings[index]);
     let ([east_m, north_m], covariance) = common(all().map(|one| one.target), settings);
     let support = |class: usize| -> f64 {
-        let same = all().filter(|one| one.class == class);
+        let same = all().filter(|one| one.class == Some(class));
         same.map(|one| one.score.max(0.0)).sum()
     };
-    let mut class = sightings[members[0]].class;
-    for one in all() {
-        if support(one.class) > support(class) {
-            class = one.class;
-        }
-    }
+    let best = |best: usize, other: usize| match support(other) > support(best) {
+        true => other,
+        false => best,
+    };
+    let class = all().filter_map(|one| one.class).reduce(best);
     Group {
         east_m,
         north_m,
@@ -241,8 +240,8 @@ mod tests {
         }
     }
 
-    fn grouped(targets: &[Target], claims: &[(usize, f64)]) -> Vec<Group> {
-        let claims = claims.iter().chain(std::iter::repeat(&(0, 0.8)));
+    fn grouped(targets: &[Target], claims: &[(Option<usize>, f64)]) -> Vec<Group> {
+        let claims = claims.iter().chain(std::iter::repeat(&(Some(0), 0.8)));
         let sightings: Vec<Sighting<'_>> = targets
             .iter()
             .zip(claims)
@@ -320,18 +319,31 @@ mod tests {
     #[test]
     fn a_confused_class_does_not_split_an_object_and_the_best_supported_one_counts() {
         let targets = [0.0, 1.3, 0.6].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
-        let claims = [(4, 0.4), (2, 0.9), (4, 0.4)];
+        let claims = [(Some(4), 0.4), (Some(2), 0.9), (Some(4), 0.4)];
         let [one] = &grouped(&targets, &claims)[..] else {
             panic!("one object")
         };
-        assert_eq!((one.members.len(), one.class), (3, 2));
+        assert_eq!((one.members.len(), one.class), (3, Some(2)));
         // Allowed: 3 x 0.61 m; with another class 2.45 x 0.61 m.
         let apart = |east_m, class| {
             let targets = [seen(0.0, 0.0, 0.3), seen(east_m, 50.0, 0.3)];
-            grouped(&targets, &[(0, 0.8), (class, 0.8)]).len()
+            grouped(&targets, &[(Some(0), 0.8), (class, 0.8)]).len()
         };
-        assert_eq!([apart(1.8, 0), apart(1.9, 0)], [1, 2]);
-        assert_eq!([apart(1.45, 1), apart(1.55, 1)], [1, 2]);
+        assert_eq!([apart(1.8, Some(0)), apart(1.9, Some(0))], [1, 2]);
+        assert_eq!([apart(1.45, Some(1)), apart(1.55, Some(1))], [1, 2]);
+        // A box without a name contradicts none.
+        assert_eq!([apart(1.8, None), apart(1.9, None)], [1, 2]);
+    }
+
+    #[test]
+    fn a_sighting_without_a_name_leaves_the_name_to_the_others() {
+        let targets = [0.0, 0.3].map(|east_m| seen(east_m, 100.0 * east_m, 0.3));
+        let class = |claims: [Option<usize>; 2]| {
+            let claims = claims.map(|class| (class, 0.5));
+            grouped(&targets, &claims)[0].class
+        };
+        assert_eq!(class([None, Some(3)]), Some(3));
+        assert_eq!(class([None, None]), None);
     }
 
     #[test]

@@ -59,7 +59,10 @@ fn apart(a: &Sighting<'_>, b: &Sighting<'_>, settings: &GroupSettings) -> (f64, 
         a.target.east_m - b.target.east_m,
         a.target.north_m - b.target.north_m,
     ];
-    let confused = if a.class == b.class { 0.0 } else { OTHER_CLASS };
+    let confused = match (a.class, b.class) {
+        (Some(a), Some(b)) if a != b => OTHER_CLASS,
+        _ => 0.0,
+    };
     (spread.squared_sigmas(off_m) + confused, spread)
 }
 

@@ -5,7 +5,7 @@ use crate::detection::metrics::{
     AtScore, Cause, Confusion, Counts, CurvePoint, Matched, MetricSettings,
 };
 use crate::detection::review::{BoxId, Review, Reviewed};
-use crate::detection::{Raster, Rect, Scored};
+use crate::detection::{NAMELESS_CLASS, Raster, Rect, Scored};
 use crate::survey::Side;
 
 /// Boxes paired with the truth at every score: the model's, whatever was decided about them. Boxes that no model has seen have
@@ -79,7 +79,7 @@ pub struct Standing {
 
 impl Comparison {
     /// Pairs the boxes with the truth: Darknet's rule at IoU 0.5, in the raster's pixels, side by side. Classes are the same
-    /// when their names are. Objects and boxes in pings that the review's search has not come to are left out: nobody has
+    /// when their names are; a box without a name is of the class of the object that it lies on. Objects and boxes in pings that the review's search has not come to are left out: nobody has
     /// missed what nobody has looked for.
     pub fn new(review: &Review, mut on_raster: RasterTruth, raster: &Raster) -> Self {
         let gaps = review.unsearched();
@@ -99,6 +99,11 @@ impl Comparison {
                     score,
                     rect: raster.rect_of(&one.mark),
                 });
+            }
+        }
+        if let Some(nameless) = classes.iter().position(|name| name == NAMELESS_CLASS) {
+            for image in &mut images {
+                image.name_by_truth(nameless);
             }
         }
         let matched = Matched::new(&images, classes.len(), &MetricSettings::darknet());

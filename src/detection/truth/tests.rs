@@ -2,7 +2,7 @@ use super::*;
 use crate::detection::metrics::{Cause, MetricSettings, evaluate};
 use crate::detection::review::{BoxId, Edit, Review};
 use crate::detection::testing::survey;
-use crate::detection::{Detection, Mark, Raster};
+use crate::detection::{Detection, Mark, NAMELESS_CLASS, Raster, class_index};
 use crate::survey::{Identity, Side};
 use std::sync::Arc;
 
@@ -115,6 +115,11 @@ fn objects_that_nothing_shows_or_that_are_slivers_count_only_when_somebody_saw_t
 
 /// Boxes at pings 20 (right), 60 (another class), 100 (nothing there) and 20 again (looser); nothing at 140.
 fn compared() -> Comparison {
+    compared_with("tyre")
+}
+
+/// The same with the box at 60 of a class by its name.
+fn compared_with(at_60: &str) -> Comparison {
     let (survey, navigation) = survey(200, |_, _| 0);
     let raster = Raster::new(&survey, &navigation, 0.04);
     let truth = Truth {
@@ -130,10 +135,11 @@ fn compared() -> Comparison {
         was_seen: true,
     };
     // The model knows them by other numbers.
-    let names = ["tyre".to_owned(), "rock".to_owned()];
+    let mut names = vec!["tyre".to_owned(), "rock".to_owned()];
+    let at_60 = class_index(&mut names, at_60);
     let found = [
         (0, 0.9, mark(20, 3.0)),
-        (0, 0.8, mark(60, 3.0)),
+        (at_60, 0.8, mark(60, 3.0)),
         (1, 0.6, mark(100, 3.0)),
         (0, 0.3, mark(20, 3.4)),
     ];
@@ -143,6 +149,16 @@ fn compared() -> Comparison {
     let review = review.apply(&Edit::Reject(BoxId(3))).expect("rejected");
     let on_raster = RasterTruth::new(&raster, Arc::new(truth));
     Comparison::new(&review, on_raster, &raster)
+}
+
+#[test]
+fn a_box_without_a_name_finds_an_object_of_any_class() {
+    let counts = |at_60: &str| {
+        let standing = compared_with(at_60).at(0.7);
+        (standing.counts.found, standing.counts.false_alarms)
+    };
+    assert_eq!(counts("tyre"), (1, 1));
+    assert_eq!(counts(NAMELESS_CLASS), (2, 0));
 }
 
 #[test]

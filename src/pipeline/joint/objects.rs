@@ -1,7 +1,7 @@
 //! Objects over all logs of a survey: what several logs saw of one object is one.
 
-use crate::detection::class_index;
 use crate::detection::targets::{Group, GroupSettings, Sighting, Target, group};
+use crate::detection::{NAMELESS_CLASS, class_index};
 use crate::survey::{Navigation, Survey};
 
 /// A box of a log with its place.
@@ -22,7 +22,7 @@ pub struct PlacedBox<'a> {
 pub struct JointObject {
     /// Indices of its boxes, growing.
     pub members: Vec<usize>,
-    /// The class with the largest sum of scores.
+    /// The class with the largest sum of scores, of the boxes that have a name.
     pub class: String,
     /// Mean of the places, weighted by their certainty: metres east and north in the plane.
     pub place_m: [f64; 2],
@@ -52,7 +52,7 @@ pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<J
         .map(|one| Sighting {
             log: one.log,
             target: one.target,
-            class: class_index(&mut names, one.class),
+            class: (one.class != NAMELESS_CLASS).then(|| class_index(&mut names, one.class)),
             score: one.score.map_or(1.0, f64::from),
         })
         .collect();
@@ -60,7 +60,9 @@ pub fn joint_objects(boxes: &[PlacedBox<'_>], settings: &GroupSettings) -> Vec<J
     groups
         .map(|group| JointObject {
             members: group.members.clone(),
-            class: names[group.class].clone(),
+            class: (group.class)
+                .map_or(NAMELESS_CLASS, |class| &names[class])
+                .to_owned(),
             place_m: [group.east_m, group.north_m],
             sigma_m: group.sigma_m,
             height_m: group.height_m,

@@ -232,6 +232,9 @@ rows! {
     DETECTOR_IOU: "detector.iou", "Overlap", "detector's overlap",
         "Overlap above which the less sure of two boxes is dropped.",
         number!(detector.iou, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
+    DETECTOR_NAME: "detector.name_score", "Named from", "detector's score of a name",
+        "Confidence from which a box is named; below it the class is a guess, and the box is an object.",
+        number!(detector.name_score, "", [0.0, 1.0], 0.01, 2, Slider, Some("the model's own"));
     PICTURE_GAIN: "picture.gain", "Gain", "gain of the waterfall", "How levels of the waterfall are made even across the track.",
         choice!(picture.gain, [
             "empirical", "gain-normalised", "Divided by the log's own mean at that range and angle, as in the mosaic; shadows stay dark.";

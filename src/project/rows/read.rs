@@ -8,7 +8,8 @@ use super::{
     BOTTOM_FIELDS, BOX_FIELDS, LEFT_OUT, LEFT_OUT_FIELDS, LEFT_OUT_LOG, PATH_KEYS, SEARCHED_FIELDS,
     value_of,
 };
-use crate::detection::review::{BoxRow, NAMELESS_CLASS, Review, ReviewRows, SearchRow};
+use crate::detection::NAMELESS_CLASS;
+use crate::detection::review::{BoxRow, Review, ReviewRows, SearchRow};
 use crate::first_return::{BottomEdit, BottomSettings};
 use crate::geo::LonLat;
 use crate::pipeline::settings::renamed;
