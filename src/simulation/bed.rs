@@ -4,7 +4,7 @@ use super::arithmetic::{cos, sin};
 use super::noise::{Field, smooth};
 use super::random::{Purpose, Random};
 use super::ripples::Ripples;
-use super::scene::{Bank, BedKind, BedSettings, Pit, Terrace};
+use super::scene::{Bank, BedKind, BedSettings, Mound, Pit, Terrace};
 use super::stones::Stones;
 use std::f64::consts::PI;
 
@@ -68,6 +68,7 @@ pub struct Bed {
     stones: Option<Stones>,
     ripples: Option<Ripples>,
     pits: Vec<Pit>,
+    mounds: Vec<Mound>,
     texture: Field,
     /// Spread of the texture's natural logarithm.
     texture_spread: f64,
@@ -123,6 +124,7 @@ impl Bed {
                 .as_ref()
                 .map(|ripples| Ripples::new(ripples, seed)),
             pits: settings.pits.clone(),
+            mounds: settings.mounds.clone(),
             texture: Field::new(seed, Purpose::Texture, TEXTURE_M),
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
             texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
@@ -141,6 +143,7 @@ impl Bed {
             stones: None,
             ripples: None,
             pits: Vec::new(),
+            mounds: Vec::new(),
             texture_spread: 0.0,
             patch_spread: 0.0,
             ..Self::new(settings, 0)
@@ -169,6 +172,9 @@ impl Bed {
         }
         for pit in &self.pits {
             depth += pit.depth_at_m(east_m, north_m);
+        }
+        for mound in &self.mounds {
+            depth -= mound.height_at_m(east_m, north_m);
         }
         match &self.stones {
             Some(stones) => depth - stones.height_m(east_m, north_m),
@@ -242,6 +248,33 @@ mod tests {
         for seed in 0..5 {
             let steepest = steepest_deg(&Bed::new(&settings, seed));
             assert!((15.0..22.0).contains(&steepest), "{seed}: {steepest}");
+        }
+    }
+
+    #[test]
+    fn a_mound_rises_by_its_height_and_a_hollow_sinks() {
+        let plain = Scene::gentle().bed;
+        let mound = |east_m: f64, height_m: f64| Mound {
+            east_m,
+            north_m: 3.0,
+            radius_m: 1.5,
+            height_m,
+        };
+        let settings = BedSettings {
+            mounds: vec![mound(5.0, 0.4), mound(-20.0, -0.3)],
+            ..plain.clone()
+        };
+        let [flat, with] = [&plain, &settings].map(|bed| Bed::new(bed, 3));
+        let rise = |east: f64, north: f64| flat.depth_m(east, north) - with.depth_m(east, north);
+        // The height itself, exp(-1/2) of it a radius away, and nothing far off.
+        for (east_m, north_m, expected_m) in [
+            (5.0, 3.0, 0.4),
+            (5.0, 4.5, 0.4 * 0.606_530_66),
+            (-20.0, 3.0, -0.3),
+            (40.0, 40.0, 0.0),
+        ] {
+            let rise_m = rise(east_m, north_m);
+            assert!((rise_m - expected_m).abs() < 1e-6, "{east_m}: {rise_m}");
         }
     }
 

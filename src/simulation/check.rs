@@ -54,6 +54,15 @@ impl Scene {
                 360.0,
             )?;
         }
+        few("mounds", bed.mounds.len())?;
+        for mound in &bed.mounds {
+            all_within(&[
+                ("bed.mounds.east_m", mound.east_m, -1e5, 1e5),
+                ("bed.mounds.north_m", mound.north_m, -1e5, 1e5),
+                ("bed.mounds.radius_m", mound.radius_m, 0.05, 100.0),
+                ("bed.mounds.height_m", mound.height_m, -20.0, 20.0),
+            ])?;
+        }
         few("pits", bed.pits.len())?;
         for pit in &bed.pits {
             all_within(&[

@@ -28,6 +28,20 @@ pub struct Pit {
     pub depth_m: f64,
 }
 
+/// A round mound, or a hollow, without an edge: the ground rises by `height_m exp(-d^2 / (2 radius_m^2))` at the distance d.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mound {
+    /// Its centre, metres east.
+    pub east_m: f64,
+    /// Its centre, metres north.
+    pub north_m: f64,
+    /// Distance from the centre at which it has 0.61 of its height and is steepest, metres.
+    pub radius_m: f64,
+    /// Height of its middle above the ground around, metres; below 0 for a hollow.
+    pub height_m: f64,
+}
+
 /// A shoal of fish that keeps its place while the boat passes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -48,7 +48,7 @@ mod world;
 pub use objects::ObjectKind;
 pub use presets::SceneError;
 pub use scene::{
-    Artefacts, Bank, BedKind, BedSettings, Curve, ObjectSettings, Pit, RecorderSettings,
+    Artefacts, Bank, BedKind, BedSettings, Curve, Mound, ObjectSettings, Pit, RecorderSettings,
     RippleSettings, Scene, Shoal, Terrace, TrackSettings, WeedClump,
 };
 pub use shown::{Shown, Slice};

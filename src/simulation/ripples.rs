@@ -1,9 +1,9 @@
-//! What water makes of sand: ripples in patches, and pits scoured out of it.
+//! What water makes of sand: ripples in patches, pits scoured out of it, and mounds and hollows.
 
-use super::arithmetic::{cos, sin};
+use super::arithmetic::{cos, exp, sin};
 use super::noise::{Field, smooth};
 use super::random::Purpose;
-use super::scene::{Pit, RippleSettings};
+use super::scene::{Mound, Pit, RippleSettings};
 use std::f64::consts::PI;
 
 /// Size of the patches that the ripples lie in, and of the bends of their crests, metres.
@@ -44,6 +44,15 @@ impl Ripples {
         let crest = sin(phase);
         // Narrow crests, wide troughs.
         share * self.amplitude_m * (crest + 0.4 * crest * crest - 0.2)
+    }
+}
+
+impl Mound {
+    /// How much higher the ground is at a place, metres.
+    pub fn height_at_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let (east, north) = (east_m - self.east_m, north_m - self.north_m);
+        let off = (east * east + north * north) / (self.radius_m * self.radius_m);
+        self.height_m * exp(-0.5 * off)
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a simulated survey is made of. All of it can be written as TOML; what is left out keeps its default.
 
-pub use super::clutter::{Pit, RippleSettings, Shoal, WeedClump};
+pub use super::clutter::{Mound, Pit, RippleSettings, Shoal, WeedClump};
 use super::objects::ObjectKind;
 use crate::survey::MountingSettings;
 use serde::{Deserialize, Serialize};
@@ -72,6 +72,8 @@ pub struct BedSettings {
     pub ripples: Option<RippleSettings>,
     /// Pits scoured out of the ground.
     pub pits: Vec<Pit>,
+    /// Mounds and hollows.
+    pub mounds: Vec<Mound>,
 }
 
 /// How a recorder turns power into bytes.
@@ -292,6 +294,7 @@ impl Default for BedSettings {
             bank: None,
             ripples: None,
             pits: Vec::new(),
+            mounds: Vec::new(),
         }
     }
 }

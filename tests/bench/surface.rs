@@ -3,12 +3,14 @@
 //!
 //! Errors are the map's depth minus the bed's at the middle of each cell of 0.2 m. Maps with and without side-scan points are held
 //! against the bed on the same cells: those that the soundings alone can fill. All artefacts are on, weed included. The bed is
-//! sailed in four lines 8 m apart and two across.
+//! sailed in four lines 8 m apart and two across. The ponds with mounds are gentle ones with mounds and hollows midway between the
+//! lines.
 
 use super::missions::{Mission, repeatability};
+use super::truth::MapError;
 use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings};
 use bathyscope::cloud::Residuals;
-use bathyscope::simulation::Scene;
+use bathyscope::simulation::{Mound, Scene};
 
 /// Ponds of each kind; `BATHYSCOPE_SEEDS` takes fewer.
 const SEEDS: u64 = 10;
@@ -16,6 +18,8 @@ const SEEDS: u64 = 10;
 const TUNING_SEED: u64 = 101;
 /// Farther than this from any sounding a cell lies between the lines, metres.
 const BETWEEN_M: f64 = 1.0;
+/// Edges of bands of distance to the nearest sounding, metres.
+const BANDS_M: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 10.0];
 
 /// Prints the tables.
 pub fn run() {
@@ -30,18 +34,21 @@ pub fn run() {
         println!(
             "map minus bed, cm: RMS and p95 over the hull, and between the lines; ponds {what}"
         );
-        for (name, scene) in kinds() {
-            let ponds = (first..first + seeds).map(|seed| Mission::new(&scene, seed));
+        for kind in KINDS {
+            let ponds = (first..first + seeds).map(|seed| Mission::new(&scene(kind, seed), seed));
             let ponds: Vec<Mission> = ponds.collect();
             for (way, settings) in &ways {
-                println!("{name:7} {way:32} {}", row(&ponds, settings));
+                println!("{kind:7} {way:32} {}", row(&ponds, settings));
+            }
+            if first == 1 {
+                print_by_distance(kind, &ponds);
             }
         }
     }
     println!("second mission minus surface of the first, cm: mean and sd, and as the beds say");
-    for (name, scene) in kinds() {
+    for kind in KINDS {
         for seed in 1..=seeds {
-            println!("{name:7} {seed:3} {}", repeated(&scene, seed));
+            println!("{kind:7} {seed:3} {}", repeated(&scene(kind, seed), seed));
         }
     }
 }
@@ -95,33 +102,105 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
     ]
 }
 
-fn kinds() -> [(&'static str, Scene); 3] {
-    let kinds = [
-        ("gentle", Scene::gentle()),
-        ("steep", Scene::steep()),
-        ("rough", Scene::rough()),
-    ];
-    kinds.map(|(name, mut scene)| {
-        scene.track.lines = 4;
-        scene.track.spacing_m = 8.0;
-        (name, scene)
-    })
+const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
+
+/// A pond of a kind. Only where its mounds lie depends on the seed.
+fn scene(kind: &str, seed: u64) -> Scene {
+    let mut scene = match kind {
+        "steep" => Scene::steep(),
+        "rough" => Scene::rough(),
+        _ => Scene::gentle(),
+    };
+    scene.track.lines = 4;
+    scene.track.spacing_m = 8.0;
+    if kind == "mounds" {
+        scene.bed.mounds = mounds(&scene, seed);
+    }
+    scene
 }
 
-fn row(ponds: &[Mission], settings: &SurfaceSettings) -> String {
+/// Mounds and hollows in turn, three between each two neighbouring lines, within a metre of midway.
+fn mounds(scene: &Scene, seed: u64) -> Vec<Mound> {
+    let track = &scene.track;
+    // Multiples of the golden ratio's fraction lie evenly, and differ from seed to seed.
+    let mut number = seed * 1000;
+    let mut between = |low: f64, high: f64| {
+        number += 1;
+        low + (high - low) * (number as f64 * 0.618_033_988_75).fract()
+    };
+    let gaps = track.lines - 1;
+    let places = (0..gaps).flat_map(|gap| (0..3).map(move |along| (gap, along)));
+    places
+        .map(|(gap, along)| {
+            let third_m = track.length_m / 3.0;
+            let sign = if (gap + along) % 2 == 0 { 1.0 } else { -1.0 };
+            let midway_m = (f64::from(gap) - 0.5 * f64::from(gaps - 1)) * track.spacing_m;
+            Mound {
+                east_m: (f64::from(along) - 1.0) * third_m + between(-0.3, 0.3) * third_m,
+                north_m: midway_m + between(-1.0, 1.0),
+                radius_m: between(1.0, 1.8),
+                height_m: sign * between(0.2, 0.6),
+            }
+        })
+        .collect()
+}
+
+/// The errors of a map of all points on the cells that the soundings alone can fill, of all ponds.
+fn errors(ponds: &[Mission], settings: &SurfaceSettings) -> Vec<MapError> {
     let soundings_only = SurfaceSettings {
+        method: SurfaceMethod::Linear,
         side_scan_weight: 0.0,
         ..settings.clone()
     };
-    let mut errors = Vec::new();
-    for pond in ponds {
+    let of_pond = |pond: &Mission| {
         let map = pond.known.map(&pond.products, settings);
         let soundings = pond.known.map(&pond.products, &soundings_only);
-        errors.extend(pond.known.map_errors_m(&map, &soundings));
+        pond.known.map_errors(&map, &soundings)
+    };
+    ponds.iter().flat_map(of_pond).collect()
+}
+
+/// What the default map gains over triangles, and what its stated errors are worth, by the distance to the nearest sounding.
+fn print_by_distance(kind: &str, ponds: &[Mission]) {
+    let chosen = SurfaceSettings::default().side_scan_weight;
+    let triangles = settings(chosen, false);
+    let auto = SurfaceSettings {
+        method: SurfaceMethod::Auto,
+        ..triangles.clone()
+    };
+    let maps = [&triangles, &auto].map(|settings| errors(ponds, settings));
+    for edges in BANDS_M.windows(2) {
+        let [before, after] = maps.each_ref().map(|errors| {
+            let band = edges[0]..edges[1];
+            let here = errors.iter().filter(|one| band.contains(&one.away_m));
+            here.copied().collect::<Vec<MapError>>()
+        });
+        let rms_cm = |errors: &[MapError]| {
+            let mut errors: Vec<f64> = errors.iter().map(|one| one.error_m).collect();
+            Residuals::of(&mut errors).map_or(f64::NAN, |r| 100.0 * r.rms_m)
+        };
+        let within = |sigmas: f64| {
+            let inside = |one: &&MapError| one.error_m.abs() < sigmas * one.spread_m;
+            100.0 * after.iter().filter(inside).count() as f64 / after.len() as f64
+        };
+        let [before_cm, after_cm] = [&before, &after].map(|errors| rms_cm(errors));
+        println!(
+            "{kind:7} {:.1} to {:.1} m from a sounding: {before_cm:5.2} by triangles, {after_cm:5.2} by auto ({:+.0} %), {:.0} % within 1 sigma, {:.0} % within 2, n {}",
+            edges[0],
+            edges[1],
+            100.0 * (after_cm / before_cm - 1.0),
+            within(1.0),
+            within(2.0),
+            after.len()
+        );
     }
+}
+
+fn row(ponds: &[Mission], settings: &SurfaceSettings) -> String {
+    let errors = errors(ponds, settings);
     let cell = |least_m: f64| {
-        let some = errors.iter().filter(|(_, away_m)| *away_m >= least_m);
-        let mut some: Vec<f64> = some.map(|(error_m, _)| *error_m).collect();
+        let some = errors.iter().filter(|one| one.away_m >= least_m);
+        let mut some: Vec<f64> = some.map(|one| one.error_m).collect();
         Residuals::of(&mut some).map_or_else(
             || "none".to_owned(),
             |r| {

@@ -8,6 +8,17 @@ use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Simulated, simulate};
 use bathyscope::survey::{Side, Survey};
 
+/// What is wrong with a cell of a map.
+#[derive(Clone, Copy)]
+pub struct MapError {
+    /// Depth of the map minus that of the bed, metres.
+    pub error_m: f64,
+    /// What the map states there ([`Surface::spread_m`]).
+    pub spread_m: f64,
+    /// Distance to the nearest sounding, metres.
+    pub away_m: f64,
+}
+
 /// A simulated survey, opened as any log would be, and its truth.
 pub struct KnownSurvey {
     pub survey: Survey,
@@ -55,17 +66,19 @@ impl KnownSurvey {
             .expect("a surface")
     }
 
-    /// Depth of a map minus that of the bed at the middle of each cell that `soundings` fills too, and that map's distance to the
-    /// nearest sounding there, metres.
-    pub fn map_errors_m(&self, map: &Surface, soundings: &Surface) -> Vec<(f64, f64)> {
+    /// The errors of a map at the middle of each cell that `soundings` fills too.
+    pub fn map_errors(&self, map: &Surface, soundings: &Surface) -> Vec<MapError> {
         let cells = (0..map.grid.len()).filter_map(|cell| {
             let [east_m, north_m] = map
                 .grid
                 .centre(cell / map.grid.columns, cell % map.grid.columns);
             let (depth_m, _) = map.at(east_m, north_m)?;
             let (_, away_m) = soundings.at(east_m, north_m)?;
-            let error_m = f64::from(depth_m) - self.truth.bed_depth_m(east_m, north_m);
-            Some((error_m, f64::from(away_m)))
+            Some(MapError {
+                error_m: f64::from(depth_m) - self.truth.bed_depth_m(east_m, north_m),
+                spread_m: f64::from(map.spread_m[cell]),
+                away_m: f64::from(away_m),
+            })
         });
         cells.collect()
     }

@@ -38,6 +38,7 @@ pub fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
         bank,
         ripples,
         pits: Vec::new(),
+        mounds: Vec::new(),
     }
 }
 

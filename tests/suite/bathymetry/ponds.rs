@@ -30,8 +30,8 @@ fn side_scan_lowers_the_error_of_the_map_and_missions_repeat_as_the_truth_says()
     let soundings = first.known.map(&first.products, &without);
     let rms_m = |settings: &SurfaceSettings| {
         let map = first.known.map(&first.products, settings);
-        let errors = first.known.map_errors_m(&map, &soundings);
-        let mut errors: Vec<f64> = errors.into_iter().map(|(error_m, _)| error_m).collect();
+        let errors = first.known.map_errors(&map, &soundings);
+        let mut errors: Vec<f64> = errors.iter().map(|one| one.error_m).collect();
         Residuals::of(&mut errors).expect("cells").rms_m
     };
     let [with, without] = [rms_m(&with), rms_m(&without)];
@@ -67,23 +67,18 @@ fn between_lines_a_plate_is_nearer_to_the_bed_than_triangles_and_knows_how_near(
             pond.known.map(&pond.products, &settings)
         };
         let [triangles, plate] = [SurfaceMethod::Linear, SurfaceMethod::Smooth].map(map);
-        let errors = |map| pond.known.map_errors_m(map, &triangles);
+        let errors = |map| pond.known.map_errors(map, &triangles);
         let rms_m = |map, far_m: f64| {
-            let far = errors(map)
-                .into_iter()
-                .filter(|(_, away_m)| *away_m > far_m);
-            let mut far: Vec<f64> = far.map(|(error_m, _)| error_m).collect();
+            let far = errors(map).into_iter().filter(|one| one.away_m > far_m);
+            let mut far: Vec<f64> = far.map(|one| one.error_m).collect();
             Residuals::of(&mut far).expect("cells").rms_m
         };
         let [between, all] =
             [1.0, 0.0].map(|far_m| rms_m(&plate, far_m) / rms_m(&triangles, far_m));
         assert!(between < most && all < most, "{seed}: {between} {all}");
 
-        let stated = plate.spread_m.iter().filter(|spread| !spread.is_nan());
-        let sizes = errors(&plate).into_iter().zip(stated);
-        let ratios: Vec<f64> = sizes
-            .map(|((error_m, _), sigma_m)| error_m.abs() / f64::from(*sigma_m))
-            .collect();
+        let stated = errors(&plate).into_iter();
+        let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
         let within = |sigmas: f64| {
             ratios.iter().filter(|ratio| **ratio < sigmas).count() as f64 / ratios.len() as f64
         };
