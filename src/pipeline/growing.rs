@@ -7,7 +7,9 @@
 use super::Products;
 use super::products::bottom_line;
 use crate::bathymetry;
-use crate::cloud::{self, PointCloud, PointScales, PointSource, Reduction, SoundingIndex};
+use crate::cloud::{
+    self, CloudPoint, PointCloud, PointScales, PointSource, Reduction, SoundingIndex,
+};
 use crate::first_return::{self, FirstReturns, Normalisation};
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
@@ -107,8 +109,11 @@ pub fn extend(
     let least = settings.first_return.min_confidence;
     let kept = cloud::keep_points(&cloud, least, &settings.outliers, progress)?;
     let depths = cloud::ping_depths(&stretch, &cloud, &kept, correction);
-    let mut all_depths = before.depths[..part.first.min(before.depths.len())].to_vec();
-    all_depths.extend_from_slice(&depths[part.first - part.context..]);
+    let all_depths = [
+        &before.depths[..part.first.min(before.depths.len())],
+        &depths[part.first - part.context..],
+    ]
+    .concat();
     let all_depths = cloud::without_left_out(all_depths, &left_out);
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
     let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
@@ -155,9 +160,8 @@ fn found(
         progress,
     )?;
     let side = |side: Side| {
-        let mut picks = before.found.side(side)[..part.first].to_vec();
-        picks.extend_from_slice(&new.side(side)[part.first - part.context..]);
-        picks
+        let known = &before.found.side(side)[..part.first];
+        [known, &new.side(side)[part.first - part.context..]].concat()
     };
     Ok(FirstReturns {
         port: side(Side::Port),
@@ -177,20 +181,26 @@ fn of_stretch(returns: &FirstReturns, pings: Range<usize>) -> FirstReturns {
 
 impl Part {
     fn join_navigation(&self, before: &Navigation, new: &Navigation) -> Navigation {
-        let mut pings = before.pings[..self.first].to_vec();
-        pings.extend_from_slice(&new.pings[self.first - self.context..]);
+        let pings = [
+            &before.pings[..self.first],
+            &new.pings[self.first - self.context..],
+        ]
+        .concat();
         let known = self.first_sounding.min(before.soundings.len());
-        let mut soundings = before.soundings[..known].to_vec();
-        soundings.extend_from_slice(&new.soundings[known - self.context_sounding..]);
+        let soundings = [
+            &before.soundings[..known],
+            &new.soundings[known - self.context_sounding..],
+        ]
+        .concat();
         // How many pings of the part move is not told apart from how many of the context do.
         let share =
             (new.pings.len() + self.context - self.first) as f64 / new.pings.len().max(1) as f64;
         let known_share = self.first as f64 / before.pings.len().max(1) as f64;
         let moving = before.moving as f64 * known_share + new.moving as f64 * share;
-        let mut antenna = before.antenna.clone();
-        antenna.truncate(self.first);
+        // Neither has one, or both have one for each ping.
+        let known_antenna = &before.antenna[..self.first.min(before.antenna.len())];
         let added = new.antenna.get(self.first - self.context..);
-        antenna.extend_from_slice(added.unwrap_or_default());
+        let antenna = [known_antenna, added.unwrap_or_default()].concat();
         Navigation {
             antenna,
             zero_heading: pings
@@ -202,6 +212,19 @@ impl Part {
             soundings,
             projection: new.projection,
         }
+    }
+
+    /// Which points of a source, of points in the order of [`PointCloud`], lie before the part.
+    fn known_of(&self, points: &[CloudPoint], source: PointSource) -> Range<usize> {
+        let start = points.partition_point(|point| point.source < source);
+        let known = points[start..].partition_point(|point| {
+            point.source == source
+                && match point.sounding {
+                    Some(sounding) => sounding.get() < self.first_sounding,
+                    None => (point.ping as usize) < self.first,
+                }
+        });
+        start..start + known
     }
 
     /// The points of before that lie before the part, and the new ones of the part; sorted as [`PointCloud`] says.
@@ -220,18 +243,10 @@ impl Part {
             PointSource::Port,
             PointSource::Starboard,
         ] {
-            let old = before.cloud.points.iter().zip(before.kept.iter());
-            let old = old.filter(|(point, _)| {
-                let is_before = match point.sounding {
-                    Some(sounding) => sounding.get() < self.first_sounding,
-                    None => (point.ping as usize) < self.first,
-                };
-                point.source == source && is_before
-            });
-            for (point, flag) in old {
-                points.push(*point);
-                flags.push(*flag);
-            }
+            // Copied as a whole: looked at one by one, the points of a long log would take longer than all that is new.
+            let old = self.known_of(&before.cloud.points, source);
+            points.extend_from_slice(&before.cloud.points[old.clone()]);
+            flags.extend_from_slice(&before.kept[old]);
             let added = new
                 .points
                 .iter()

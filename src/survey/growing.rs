@@ -3,7 +3,7 @@
 use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
     Channel, Echogram, EchogramPing, Encoding, Identity, Side, SideScanState, SideSpan, Survey,
-    Track, give_depths,
+    give_depths,
 };
 use std::mem::discriminant;
 use std::sync::Arc;
@@ -122,10 +122,7 @@ impl Survey {
             side_scan: Arc::new(side_scan),
             echograms: joined_echograms(&self.echograms, &tail.echograms, seam),
             soundings,
-            track: Track {
-                fixes,
-                ..self.track.clone()
-            },
+            track: self.track.with_fixes(fixes),
             warnings: warnings.chain(added).cloned().collect(),
             bytes: tail.bytes,
             ..self.without_records()
@@ -273,10 +270,7 @@ impl Survey {
             source: self.source.clone(),
             side_scan: Arc::new(self.side_scan[first.min(self.side_scan.len())..].to_vec()),
             soundings: self.soundings[sounding..].to_vec(),
-            track: Track {
-                fixes: self.track.fixes[fix..].to_vec(),
-                ..self.track.clone()
-            },
+            track: self.track.with_fixes(self.track.fixes[fix..].to_vec()),
             bytes: self.bytes.clone(),
             ..self.without_records()
         };

@@ -91,6 +91,16 @@ impl Default for Track {
 }
 
 impl Track {
+    /// The same with other fixes, whose places count from the same origin.
+    pub fn with_fixes(&self, fixes: Vec<Fix>) -> Self {
+        Self {
+            fixes,
+            frame: self.frame.clone(),
+            external: self.external.clone(),
+            projected: self.projected.clone(),
+        }
+    }
+
     /// The recorder's track through `fixes`, which the caller has put in time order.
     pub fn new(fixes: Vec<Fix>) -> Self {
         let origin = fixes.first().map_or(
