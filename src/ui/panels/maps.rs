@@ -1,6 +1,6 @@
 //! How depth map, isobaths and mosaic are made: on the map and in the files.
 
-use super::parts::setting;
+use super::parts::{fact, setting};
 use super::section::{Section, section};
 use crate::app::{Action, Command, MapLayer};
 use crate::pipeline::settings::rows;
@@ -41,6 +41,23 @@ fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
         &rows::SMOOTH,
     ] {
         setting(ui, context, row);
+    }
+    worth(ui, context);
+}
+
+/// What the map between depths was made by, and what its depths are worth where that is known.
+fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
+    let Some(map) = context.app.depth_map().flatten() else {
+        return;
+    };
+    let hint = "What the depths of the map between those measured were found by.";
+    fact(ui, "Found by", hint, map.surface.method.in_words());
+    if let Some([half_m, most_m]) = map.surface.usual_error_m() {
+        let units = context.app.options.units;
+        let hint = "Standard deviation of a depth of the map, as depths that were left out show it: half of the map is at least as good as the first, nine tenths of it as the second.";
+        let [half, most] = [half_m, most_m].map(|sigma_m| units.spread(sigma_m, 2));
+        let text = format!("±{half} to ±{most} {}", units.symbol());
+        fact(ui, "Error", hint, text);
     }
 }
 
