@@ -13,6 +13,9 @@ struct View {
     // Half the width of an isobath, pixels.
     half_line_px: f32,
     padding: f32,
+    // Corners of the box outside of which nothing is drawn.
+    low: vec4f,
+    high: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -28,7 +31,7 @@ struct Corner {
     @builtin(position) clip: vec4f,
     @location(0) faces: vec3f,
     @location(1) colour: vec4f,
-    @location(2) depth_m: f32,
+    @location(2) place_m: vec3f,
 }
 
 // Of a bottom turned away from the light, and how much brighter than level ground one square to it may be.
@@ -42,16 +45,17 @@ fn vertex(vertex: Vertex) -> Corner {
     corner.clip = view.clip_from_world * vec4f(vertex.place_m, 1.0);
     corner.faces = vec3f(vertex.faces * view.exaggeration, up);
     corner.colour = vertex.colour;
-    corner.depth_m = -vertex.place_m.z;
+    corner.place_m = vertex.place_m;
     return corner;
 }
 
 @fragment
 fn fragment(corner: Corner) -> @location(0) vec4f {
     // Derivatives before anything is left out: neighbours must all have taken part.
-    let lines = (corner.depth_m - view.first_m) / max(view.isobath_m, 1e-6);
+    let lines = (-corner.place_m.z - view.first_m) / max(view.isobath_m, 1e-6);
     let a_pixel = fwidth(lines);
-    if corner.colour.a < 0.999 {
+    let is_out = any(corner.place_m < view.low.xyz) || any(corner.place_m > view.high.xyz);
+    if corner.colour.a < 0.999 || is_out {
         discard;
     }
     let lit = max(dot(normalize(corner.faces), view.light), 0.0) / max(view.light.z, 0.05);

@@ -8,6 +8,9 @@ struct View {
     radius_px: f32,
     // By this share of their distance the points count as nearer than they are.
     nearer: f32,
+    // Corners of the box outside of which nothing is drawn.
+    low: vec4f,
+    high: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -35,6 +38,10 @@ fn vertex(@builtin(vertex_index) index: u32, point: Point) -> Corner {
     var corner: Corner;
     // Reverse-Z: the depth falls with the distance.
     corner.clip = vec4f(centre.xy + offset, centre.z * (1.0 + view.nearer), centre.w);
+    if any(point.place_m < view.low.xyz) || any(point.place_m > view.high.xyz) {
+        // Behind all that is seen.
+        corner.clip = vec4f(0.0, 0.0, -1.0, 1.0);
+    }
     corner.within = within;
     corner.colour = point.colour;
     return corner;

@@ -94,6 +94,7 @@ actions! {
     BottomIsobaths, "3D: isobaths on or off", None, "Shows or hides lines of equal depth on the bottom in 3D.";
     TurnLight, "3D: turn the light", Some("Shift+L"), "Lets the light on the bottom come from an eighth of a turn farther clockwise.";
     Points3d, "3D: points on or off", Some("Shift+P"), "Shows or hides the points in 3D.";
+    ClipBox3d, "3D: clip box on or off", Some("Shift+X"), "Draws in 3D what lies in a box alone, whose faces are dragged and whose ends are typed.";
     LevelsReset, "Reset waterfall levels", None, "Puts gain, filters and levels of this log's waterfall back.";
     GainNormalised, "Gain normalised or as recorded", Some("Y"), "Divides the levels of the waterfall by the log's own mean at their range and angle, or shows them as recorded.";
     StripeFilter, "Stripe filter on or off", None, "Brings pings of the waterfall that are brighter or darker than those about them to their level.";

@@ -340,6 +340,7 @@ impl App {
             }
             Action::BottomIsobaths => self.options.cloud.isobaths = !self.options.cloud.isobaths,
             Action::TurnLight => self.options.cloud.turn_light(),
+            Action::ClipBox3d => self.options.cloud.toggle_clip(),
             Action::Points3d => self.options.cloud.points = !self.options.cloud.points,
             Action::Theme => {
                 self.options.theme = match self.options.theme {

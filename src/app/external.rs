@@ -190,7 +190,7 @@ impl App {
         self.log.source = request;
         if now.track.frame.origin() != survey.track.frame.origin() {
             self.plane = now.track.frame.clone();
-            self.plane_serial += 1;
+            self.enter_plane();
         }
         self.is_plane_moved |= system_of(&now) != system_of(&survey);
         if now.swapped_sides != survey.swapped_sides {
@@ -234,7 +234,7 @@ impl App {
             return;
         };
         self.plane = LocalFrame::new(fix.position);
-        self.plane_serial += 1;
+        self.enter_plane();
         self.each_log(|app| {
             let frame = app.plane.clone();
             let log = &mut app.log;

@@ -178,10 +178,16 @@ impl App {
         self.meet_log();
     }
 
+    /// Notes that the logs lie in another plane: what was counted in that of before means nothing any more.
+    pub(super) fn enter_plane(&mut self) {
+        self.plane_serial += 1;
+        self.options.cloud.clip = None;
+    }
+
     /// Opens a log in an empty window.
     fn open_first(&mut self, survey: Arc<Survey>) {
         self.plane = survey.track.frame.clone();
-        self.plane_serial += 1;
+        self.enter_plane();
         // What was closed before lay in another plane.
         self.logs.closed.clear();
         self.history = History::default();
@@ -208,7 +214,7 @@ impl App {
         if !self.logs().any(is_placed) {
             // A plane through no place of the survey would bend this log's track.
             self.plane = survey.track.frame.clone();
-            self.plane_serial += 1;
+            self.enter_plane();
         }
         let log = self.opened(Arc::new(survey.in_frame(&self.plane)));
         let id = log.id;

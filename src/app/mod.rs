@@ -8,6 +8,7 @@ mod apply;
 mod available;
 mod base_map;
 mod bottom;
+mod clip_box;
 mod command;
 mod comparing;
 mod deriving;
@@ -44,6 +45,7 @@ mod work;
 
 pub use action::{Action, Keys};
 pub use bottom::{BottomStroke, Ink};
+pub use clip_box::ClipBox;
 pub use command::Command;
 pub use comparing::{Comparing, ReferenceBy};
 pub use deriving::DrawnIsobaths;

@@ -1,6 +1,6 @@
 //! How things are shown: saved between runs, never part of a result.
 
-use super::{LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
+use super::{ClipBox, LayerStack, MapLayer, ObjectTable, PrintOptions, Swipe};
 use crate::geo::CoordinateFormat;
 use crate::outputs::Product;
 use crate::picture::Geometry;
@@ -322,9 +322,20 @@ pub struct CloudOptions {
     pub isobaths: bool,
     /// Where the light on the bottom comes from: degrees clockwise from north, and over the horizon.
     pub light_deg: [f32; 2],
+    /// Draw what lies in this box alone. It belongs to a survey, and is not kept for the next one.
+    #[serde(skip)]
+    pub clip: Option<ClipBox>,
 }
 
 impl CloudOptions {
+    /// Turns the clip box on, around everything, or off.
+    pub fn toggle_clip(&mut self) {
+        self.clip = match self.clip {
+            Some(_) => None,
+            None => Some(ClipBox::WHOLE),
+        };
+    }
+
     /// The light comes from an eighth of a turn farther clockwise.
     pub fn turn_light(&mut self) {
         self.light_deg[0] = (self.light_deg[0] + 45.0).rem_euclid(360.0);
@@ -345,6 +356,7 @@ impl Default for CloudOptions {
             isobaths: true,
             // As the hill-shade of the map: from below, hills would be taken for hollows.
             light_deg: [315.0, 45.0],
+            clip: None,
         }
     }
 }

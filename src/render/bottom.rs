@@ -1,7 +1,7 @@
 //! Draws the bottom into a [`Target`]'s pass: tiles of a grid, each as finely as the screen shows it.
 
 use super::camera::corners;
-use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use super::target::{PipelineParts, Target, ends, offscreen_pipeline, uniform};
 use super::{Projection, Uploader};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -204,6 +204,8 @@ pub struct BottomDraw {
     pub isobaths_m: Option<[f32; 2]>,
     /// Width of an isobath, pixels.
     pub line_px: f32,
+    /// Corners of the box outside of which nothing is drawn, metres; `None` to draw everything.
+    pub within: Option<[Vec3; 2]>,
 }
 
 impl BottomDraw {
@@ -233,6 +235,8 @@ struct ViewUniform {
     first_m: f32,
     half_line_px: f32,
     padding: f32,
+    low: Vec4,
+    high: Vec4,
 }
 
 /// The pipeline for the bottom, with the uniforms of one view.
@@ -280,6 +284,7 @@ impl BottomRenderer {
         draw: &BottomDraw,
     ) {
         let [isobath_m, first_m] = draw.isobaths_m.unwrap_or_default();
+        let [low, high] = ends(draw.within);
         let uniform = ViewUniform {
             clip_from_world: draw.projection.clip_from_world,
             light: draw.light,
@@ -288,6 +293,8 @@ impl BottomRenderer {
             first_m,
             half_line_px: 0.5 * draw.line_px,
             padding: 0.0,
+            low,
+            high,
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         pass.set_pipeline(&self.pipeline);
@@ -322,6 +329,8 @@ mod tests {
             offset_of!(ViewUniform, first_m),
             offset_of!(ViewUniform, half_line_px),
             offset_of!(ViewUniform, padding),
+            offset_of!(ViewUniform, low),
+            offset_of!(ViewUniform, high),
         ];
         assert_eq!(offsets, ours.map(|offset| offset as u32));
     }
@@ -373,6 +382,7 @@ mod tests {
                 exaggeration,
                 isobaths_m: None,
                 line_px: 1.0,
+                within: None,
             };
             // Along the picture's own right, a metre is a metre of the world whatever the exaggeration.
             let (sin, cos) = camera.azimuth_rad.sin_cos();

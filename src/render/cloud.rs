@@ -1,9 +1,9 @@
 //! Draws points in a pass of a [`Target`].
 
 use super::Uploader;
-use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
+use super::target::{PipelineParts, Target, ends, offscreen_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
-use glam::Mat4;
+use glam::{Mat4, Vec3, Vec4};
 
 /// A point, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -23,6 +23,8 @@ struct ViewUniform {
     size_px: [f32; 2],
     radius_px: f32,
     nearer: f32,
+    low: Vec4,
+    high: Vec4,
 }
 
 /// Points a buffer holds: 64 MB, a quarter of what every device grants.
@@ -63,6 +65,8 @@ pub struct CloudDraw {
     pub count: usize,
     /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
     pub nearer: f32,
+    /// Corners of the box outside of which nothing is drawn, metres; `None` to draw everything.
+    pub within: Option<[Vec3; 2]>,
 }
 
 /// The pipeline for points, with the uniforms of one view.
@@ -107,11 +111,14 @@ impl CloudRenderer {
         points: &CloudBuffers,
         draw: &CloudDraw,
     ) {
+        let [low, high] = ends(draw.within);
         let uniform = ViewUniform {
             clip_from_world: draw.clip_from_world,
             size_px: target.size_px().map(|side| side as f32),
             radius_px: draw.radius_px,
             nearer: draw.nearer,
+            low,
+            high,
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         pass.set_pipeline(&self.pipeline);
@@ -141,6 +148,8 @@ mod tests {
             offset_of!(ViewUniform, size_px),
             offset_of!(ViewUniform, radius_px),
             offset_of!(ViewUniform, nearer),
+            offset_of!(ViewUniform, low),
+            offset_of!(ViewUniform, high),
         ];
         assert_eq!(offsets, ours.map(|offset| offset as u32));
     }

@@ -109,6 +109,7 @@ fn draw(
         exaggeration: camera.exaggeration,
         isobaths_m: Some([1.0, 0.0]),
         line_px: 1.2,
+        within: None,
     };
     let began = Instant::now();
     let mut encoder = state.device.create_command_encoder(&Default::default());

@@ -1,14 +1,18 @@
 //! The bottom in 3D: what the GPU draws of it, what the window shows and the file holds.
 
 use crate::cli::run;
-use crate::window::{Window, app, demo_window, press};
+use crate::review::mouse::drag;
+use crate::window::{Window, app, demo_window, drawn_window, press, settle};
+use bathyscope::app::{ClipBox, Command};
 use bathyscope::pipeline::BottomColour;
 use bathyscope::render::{
     BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Target,
     Uploader, towards_light,
 };
 use eframe::egui_wgpu::RendererOptions;
+use egui::accesskit::Role;
 use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use glam::Vec3;
 use serde_json::Value;
@@ -41,6 +45,7 @@ fn drawn(
     tiles: Vec<Vec<BottomVertex>>,
     camera: OrbitCamera,
     isobaths_m: Option<[f32; 2]>,
+    within: Option<[Vec3; 2]>,
 ) -> image::RgbaImage {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let (device, queue) = (&state.device, &state.queue);
@@ -53,6 +58,7 @@ fn drawn(
         exaggeration: camera.exaggeration,
         isobaths_m,
         line_px: 1.5,
+        within,
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     {
@@ -120,7 +126,7 @@ fn tiles_lie_where_their_places_are_in_their_colours_and_holes_stay_open() {
     // From near, with the finest squares, and from so far that a pixel is some squares.
     for distance_m in [180.0, 900.0] {
         let camera = overhead(distance_m);
-        let picture = drawn(tiles(), camera, None);
+        let picture = drawn(tiles(), camera, None, None);
         let at = |east_m: f32, south_m: f32, up_m: f32| {
             let [x, y] = pixel(camera, Vec3::new(east_m, -south_m, up_m));
             picture.get_pixel(x, y).0
@@ -143,7 +149,7 @@ fn what_is_nearer_hides_what_is_behind() {
         elevation_rad: 0.3,
         exaggeration: 1.0,
     };
-    let picture = drawn(tiles(), camera, None);
+    let picture = drawn(tiles(), camera, None, None);
     let at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -6.0));
         picture.get_pixel(x, y).0[..3].to_vec()
@@ -165,7 +171,7 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
         target: Vec3::new(32.0, -32.0, -3.0),
         ..overhead(100.0)
     };
-    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]));
+    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), None);
     let red_at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -0.1 * east_m));
         // A line may lie between two pixels.
@@ -178,6 +184,81 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
     for depth_m in [0.5f32, 2.0, 4.0, 6.0] {
         assert_eq!(red_at(10.0 * depth_m), RED[0], "{depth_m} m");
     }
+}
+
+#[test]
+fn only_what_lies_in_the_clip_box_is_drawn() {
+    let camera = overhead(180.0);
+    // East of 10 m and down to 4 m: a part of the red tile, and nothing of the deeper blue one.
+    let within = [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX];
+    let picture = drawn(tiles(), camera, None, Some(within));
+    let alpha_at = |east_m: f32, up_m: f32| {
+        let [x, y] = pixel(camera, Vec3::new(east_m, -50.0, up_m));
+        picture.get_pixel(x, y).0[3]
+    };
+    assert_eq!(
+        [8.0, 12.0, 60.0].map(|east_m| alpha_at(east_m, -2.0)),
+        [0, 255, 255]
+    );
+    assert_eq!(alpha_at(110.0, -6.0), 0);
+}
+
+#[test]
+fn faces_of_the_clip_box_are_dragged_and_what_lies_outside_goes() {
+    let mut window = drawn_window([1000.0, 700.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    press(&mut window, Modifiers::NONE, Key::Num3);
+    press(&mut window, Modifiers::SHIFT, Key::F11);
+    settle(&mut window);
+    let clip = |window: &Window| app(window).options.cloud.clip;
+    let points_seen = |window: &mut Window| {
+        let seen = window.render().expect("a picture");
+        let [r, g, b, _] = egui::Color32::from_rgb(50, 130, 255).to_array();
+        let is_port = |pixel: &&image::Rgba<u8>| {
+            (pixel[0].abs_diff(r) < 30) && pixel[1].abs_diff(g) < 30 && pixel[2].abs_diff(b) < 30
+        };
+        seen.pixels().filter(is_port).count()
+    };
+    let all = points_seen(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::X);
+    settle(&mut window);
+    assert_eq!(clip(&window), Some(ClipBox::WHOLE));
+    let name = "west end of the clip box";
+    let from = window
+        .get_by_role_and_label(Role::Slider, name)
+        .rect()
+        .center();
+    let to = window
+        .get_by_role_and_label(Role::Slider, "east end of the clip box")
+        .rect()
+        .center();
+    let middle = from.lerp(to, 0.5);
+    drag(&mut window, from, middle);
+    settle(&mut window);
+    let ends_m = clip(&window).expect("a clip box").ends_m;
+    let [west_m, _] = ends_m[0];
+    assert!(
+        west_m.is_finite() && ends_m[0][1].is_infinite(),
+        "{ends_m:?}"
+    );
+    assert_eq!(ends_m[1..], ClipBox::WHOLE.ends_m[1..]);
+    let half = points_seen(&mut window);
+    assert!(half < all * 3 / 4 && half > all / 8, "{half} of {all}");
+    window.snapshot("cloud_clip_box");
+    // Back to where everything begins.
+    let here = window
+        .get_by_role_and_label(Role::Slider, name)
+        .rect()
+        .center();
+    drag(&mut window, here, from + (from - to));
+    assert_eq!(clip(&window), Some(ClipBox::WHOLE));
+    press(&mut window, Modifiers::SHIFT, Key::X);
+    assert_eq!(clip(&window), None);
+    // Another survey is another box.
+    press(&mut window, Modifiers::SHIFT, Key::X);
+    window.state_mut().app.apply(Command::OpenDemo);
+    settle(&mut window);
+    assert_eq!(clip(&window), None);
 }
 
 #[test]

@@ -54,6 +54,7 @@ const CAMERAS: &[Action] = &[
     Action::SideView,
     Action::NextCloudColour,
     Action::Points3d,
+    Action::ClipBox3d,
     Action::Bottom3d,
     Action::NextBottomColour,
     Action::BottomIsobaths,

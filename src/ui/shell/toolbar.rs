@@ -186,6 +186,16 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
         "Outliers",
         "Shows the points that the filter removes in a third colour (O).",
     );
+    let mut is_clipped = shown.clip.is_some();
+    switch(
+        ui,
+        &mut is_clipped,
+        "Clip box",
+        "Draws what lies in a box alone (Shift+X).",
+    );
+    if is_clipped != shown.clip.is_some() {
+        shown.toggle_clip();
+    }
     bottom_colours(ui, shown);
     point_colours(ui, context, shown);
 }

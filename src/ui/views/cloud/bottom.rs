@@ -84,7 +84,12 @@ fn upload(
 }
 
 /// How the bottom is drawn.
-pub fn draw(app: &App, projection: Projection, pixels_per_point: f32) -> BottomDraw {
+pub fn draw(
+    app: &App,
+    projection: Projection,
+    pixels_per_point: f32,
+    within: Option<[Vec3; 2]>,
+) -> BottomDraw {
     let options: &CloudOptions = &app.options.cloud;
     let [azimuth_deg, altitude_deg] = options.light_deg;
     BottomDraw {
@@ -93,5 +98,6 @@ pub fn draw(app: &App, projection: Projection, pixels_per_point: f32) -> BottomD
         exaggeration: options.vertical_exaggeration.max(0.1),
         isobaths_m: app.bottom_isobaths_m(),
         line_px: LINE * pixels_per_point,
+        within,
     }
 }

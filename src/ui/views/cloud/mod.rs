@@ -2,6 +2,7 @@
 
 mod axes;
 mod bottom;
+mod clip;
 mod controls;
 mod light;
 mod objects;
@@ -10,7 +11,7 @@ mod pointer;
 mod scene;
 
 use super::empty;
-use crate::app::{App, CloudColour, Enlarged, SideColours, ThemeChoice, ViewOptions};
+use crate::app::{App, CloudColour, Command, Enlarged, SideColours, ThemeChoice, ViewOptions};
 use crate::pipeline::Background;
 use crate::pipeline::Products;
 use crate::render::{CloudDraw, Direction, OrbitCamera, Uploader};
@@ -131,7 +132,7 @@ impl CloudView {
         let axes = Axes {
             rect,
             projection: camera.projection(aspect(rect)),
-            corners: scene.corners,
+            corners: clip::part(&scene, options.cloud.clip),
             origin_m: scene.origin_m,
             options,
         };
@@ -146,9 +147,12 @@ impl CloudView {
         let draw = draw(&axes, &scene, options, scale, bottom.is_some());
         let drawing = Drawing {
             points: options.cloud.points.then(|| (scene.clone(), draw)),
-            bottom: bottom
-                .clone()
-                .map(|bottom| (bottom, bottom::draw(context.app, axes.projection, scale))),
+            bottom: bottom.clone().map(|bottom| {
+                (
+                    bottom,
+                    bottom::draw(context.app, axes.projection, scale, draw.within),
+                )
+            }),
         };
         self.picture.show(&painter, rect, state, drawing);
         axes.labels(&painter);
@@ -167,9 +171,16 @@ impl CloudView {
         controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
-        match context.app.is_picture {
-            true => controls::paint_exaggeration(&painter, rect, options),
-            false => controls::show(ui, context, rect, &mut self.request),
+        if context.app.is_picture {
+            controls::paint_exaggeration(&painter, rect, options);
+            clip::paint_note(&painter, rect, options);
+        } else {
+            controls::show(ui, context, rect, &mut self.request);
+            if let Some(changed) = clip::show(ui, context, &scene, &axes) {
+                let mut options = context.app.options.clone();
+                options.cloud.clip = Some(changed);
+                context.push(Command::Show(Box::new(options)));
+            }
         }
         match bottom {
             Some(bottom) => format!(
@@ -222,7 +233,8 @@ impl CloudView {
             camera.zoom(aspect(rect) / seen, glam::Vec2::ZERO, aspect(rect));
         }
         let request = self.request.take();
-        let shown = (context.app.options.cloud.outlier_preview, rect);
+        let clip = context.app.options.cloud.clip;
+        let shown = (scene::shown(&context.app.options, scene), rect);
         let mut zoom = |factor| pointer::zoom(&mut camera, scene, shown, rect.center(), factor);
         match request {
             Some(ViewRequest::ZoomIn) => zoom(1.4),
@@ -236,7 +248,7 @@ impl CloudView {
             Some(ViewRequest::Fit | ViewRequest::Top | ViewRequest::Side)
         );
         if is_new || fits || response.double_clicked() {
-            camera.fit(scene.corners, aspect(rect), margin(rect));
+            camera.fit(clip::part(scene, clip), aspect(rect), margin(rect));
             self.fitted = Some((camera, rect.size()));
         }
         pointer::move_camera(ui, shown, response, scene, &mut camera);
@@ -355,6 +367,7 @@ fn draw(
         radius_px: (0.5 * options.cloud.point_size * pixels_per_point).max(0.5),
         count: scene.shown(options.cloud.outlier_preview),
         nearer: if on_bottom { NEARER } else { 0.0 },
+        within: scene::shown(options, scene).limits,
     }
 }
 

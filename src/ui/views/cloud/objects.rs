@@ -1,7 +1,8 @@
 //! Objects in the cloud: the footprint of each box on the bottom.
 
 use super::axes::Axes;
-use super::scene::CloudScene;
+use super::clip;
+use super::scene::{CloudScene, shown};
 use crate::app::{App, Reviewing};
 use crate::detection::review::{BoxId, State};
 use crate::ui::theme;
@@ -28,6 +29,7 @@ fn boxes(
     scene: &CloudScene,
     axes: &Axes<'_>,
 ) {
+    let limits = shown(axes.options, scene).limits;
     for one in reviewing.in_line() {
         let is_selected = Some(one.id) == selected;
         let Some(placed) = reviewing.placed(one.id) else {
@@ -37,6 +39,10 @@ fn boxes(
             continue;
         }
         let z_m = -placed.target.depth_m;
+        let target = &placed.target;
+        if !clip::holds(limits, scene.local(target.east_m, target.north_m, z_m)) {
+            continue;
+        }
         let corner = |[east_m, north_m]: [f64; 2]| axes.at(scene.local(east_m, north_m, z_m));
         let corners: Vec<Pos2> = placed.corners.iter().filter_map(|at| corner(*at)).collect();
         let Some(middle) = corner([placed.target.east_m, placed.target.north_m]) else {

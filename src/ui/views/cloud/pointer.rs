@@ -1,7 +1,7 @@
 //! What the pointer does on the cloud: turn, move, zoom, pick.
 
 use super::axes::Axes;
-use super::scene::CloudScene;
+use super::scene::{CloudScene, ShownPoints, shown};
 use crate::app::{App, Command, LogId, Mark};
 use crate::pipeline::Products;
 use crate::render::OrbitCamera;
@@ -28,7 +28,7 @@ pub struct Pointer {
 pub fn zoom(
     camera: &mut OrbitCamera,
     scene: &CloudScene,
-    (shown, rect): (bool, Rect),
+    (shown, rect): (ShownPoints, Rect),
     at: Pos2,
     factor: f32,
 ) {
@@ -37,7 +37,7 @@ pub fn zoom(
         let off = (at - rect.center()) / (0.5 * rect.size());
         Vec2::new(off.x, -off.y)
     };
-    let looks = scene.shown(shown) <= MOST_ON_HOVER;
+    let looks = scene.shown(shown.outliers) <= MOST_ON_HOVER;
     if factor <= 1.0 || !looks {
         camera.zoom(factor, ndc_of(at), aspect);
         return camera.hold(scene.corners);
@@ -73,7 +73,7 @@ pub fn zoom(
 /// Left drag turns, right or middle drag moves, the wheel zooms at the pointer.
 pub fn move_camera(
     ui: &Ui,
-    (shown, rect): (bool, Rect),
+    (shown, rect): (ShownPoints, Rect),
     response: &Response,
     scene: &CloudScene,
     camera: &mut OrbitCamera,
@@ -108,13 +108,13 @@ impl Pointer {
         scene: &CloudScene,
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
-        let preview = context.app.options.cloud.outlier_preview;
+        let shown = shown(&context.app.options, scene);
         let at = match response.clicked() {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
         };
         let looks = context.app.options.cloud.points
-            && (scene.shown(preview) <= MOST_ON_HOVER || response.clicked());
+            && (scene.shown(shown.outliers) <= MOST_ON_HOVER || response.clicked());
         let point = at.filter(|_| looks).and_then(|at| match self.looked {
             Some((last, with, point)) if last == at && with == camera => point,
             _ => {
@@ -149,7 +149,7 @@ fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usiz
     let off = at - axes.rect.min;
     let cover = (0.5 * app.options.cloud.point_size).max(1.0);
     axes.projection.pick(
-        scene.places(app.options.cloud.outlier_preview),
+        scene.places(shown(&app.options, scene)),
         Vec2::new(off.x, off.y),
         Vec2::new(size.x, size.y),
         [cover, REACH],
@@ -275,10 +275,16 @@ mod tests {
                 let mut camera = OrbitCamera::default();
                 camera.fit(scene.corners, 1.5, 1.2);
                 for _ in 0..100 {
-                    zoom(&mut camera, &scene, (false, rect), at.into(), factor);
+                    zoom(
+                        &mut camera,
+                        &scene,
+                        (Default::default(), rect),
+                        at.into(),
+                        factor,
+                    );
                 }
                 let projection = camera.projection(1.5);
-                let in_picture = scene.places(false).filter(|(_, place)| {
+                let in_picture = scene.places(Default::default()).filter(|(_, place)| {
                     let ndc = projection.project(*place);
                     ndc.is_some_and(|ndc| ndc.truncate().abs().max_element() <= 1.0)
                 });

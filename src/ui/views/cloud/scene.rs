@@ -1,5 +1,6 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
+use super::clip;
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
 use crate::calibration::Calibration;
 use crate::cloud::{
@@ -128,6 +129,15 @@ impl PartialEq for LogPoints {
     }
 }
 
+/// Which points are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShownPoints {
+    /// Those that the outlier filter would remove as well.
+    pub outliers: bool,
+    /// Those between these corners alone, in the places of the scene.
+    pub limits: Option<[Vec3; 2]>,
+}
+
 /// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
 /// asked for: a second copy of them all would be the largest thing in memory.
 pub struct CloudScene {
@@ -218,10 +228,11 @@ impl CloudScene {
     }
 
     /// Number and place of every point that is drawn.
-    pub fn places(&self, outlier_preview: bool) -> impl Iterator<Item = (usize, Vec3)> {
-        let removed = outlier_preview.then(|| self.points(false));
+    pub fn places(&self, shown: ShownPoints) -> impl Iterator<Item = (usize, Vec3)> {
+        let removed = shown.outliers.then(|| self.points(false));
         let all = self.points(true).chain(removed.into_iter().flatten());
         all.map(|(number, _, point)| (number, self.place(point)))
+            .filter(move |(_, place)| clip::holds(shown.limits, *place))
     }
 
     /// Points of all logs that are kept, or are not: their numbers, and the log of each.
@@ -339,6 +350,14 @@ impl CloudScene {
     }
 }
 
+/// Which points of a scene the options show.
+pub fn shown(options: &ViewOptions, scene: &CloudScene) -> ShownPoints {
+    ShownPoints {
+        outliers: options.cloud.outlier_preview,
+        limits: options.cloud.clip.map(|one| clip::limits(scene, one)),
+    }
+}
+
 /// The side that a point lies on.
 pub fn side(source: PointSource) -> Option<Side> {
     match source {
@@ -381,6 +400,13 @@ mod tests {
             east_m: f64::from(ping),
             north_m: 2.0,
             z_m,
+        }
+    }
+
+    fn with_outliers(outliers: bool) -> ShownPoints {
+        ShownPoints {
+            outliers,
+            limits: None,
         }
     }
 
@@ -431,7 +457,7 @@ mod tests {
             &progress,
         )
         .unwrap();
-        let numbers = both.places(true).map(|(number, _)| number);
+        let numbers = both.places(with_outliers(true)).map(|(number, _)| number);
         assert_eq!(
             numbers.collect::<Vec<_>>(),
             [0, 3, 4, 1],
@@ -477,7 +503,7 @@ mod tests {
             &progress,
         )
         .unwrap();
-        let order = |preview| scene.places(preview).map(|(index, _)| index);
+        let order = |preview| scene.places(with_outliers(preview)).map(|(index, _)| index);
         assert_eq!(order(true).collect::<Vec<_>>(), [0, 3, 1]);
         assert_eq!(order(false).collect::<Vec<_>>(), [0, 3]);
         assert_eq!((scene.shown(false), scene.shown(true)), (2, 3));

@@ -1,0 +1,201 @@
+//! The clip box: only what lies in it is drawn. Each of its faces has a handle, and its ends stand beside the cloud as numbers.
+
+use super::axes::Axes;
+use super::scene::CloudScene;
+use crate::app::{ClipBox, ViewOptions};
+use crate::presentation::units::Units;
+use crate::ui::ViewContext;
+use crate::ui::views::legend;
+use crate::ui::{place, theme};
+use egui::{
+    Align2, CursorIcon, DragValue, Id, Rect, Role, Sense, Stroke, Ui, UiBuilder, Vec2, WidgetInfo,
+    vec2,
+};
+use glam::Vec3;
+
+/// Shortest edge of the box as a share of the cloud's, so that something is left to see.
+const SHORTEST: f32 = 0.01;
+/// Radius of a handle, and half of the square that takes the pointer, points of the screen.
+const HANDLE: [f32; 2] = [5.0, 9.0];
+/// A face whose handle would cross the whole cloud in fewer points of the screen is seen from in front: it has none.
+const SHORTEST_WAY: f32 = 30.0;
+/// Names of the axes, and of a handle at each end.
+const AXES: [(&str, [&str; 2]); 3] = [
+    ("east", ["west end", "east end"]),
+    ("north", ["south end", "north end"]),
+    ("elevation", ["lower end", "upper end"]),
+];
+
+/// Corners of what is drawn, in the places of a scene; as far as numbers go where the box has no end.
+pub fn limits(scene: &CloudScene, clip: ClipBox) -> [Vec3; 2] {
+    let end = |end: usize| {
+        let at = |axis: usize| (clip.ends_m[axis][end] - scene.origin_m[axis]) as f32;
+        Vec3::new(at(0), at(1), at(2)).clamp(Vec3::MIN, Vec3::MAX)
+    };
+    [end(0), end(1)]
+}
+
+/// The box around the points that are drawn. A cloud that was computed anew and lies elsewhere is not lost from sight.
+pub fn part(scene: &CloudScene, clip: Option<ClipBox>) -> [Vec3; 2] {
+    let [low, high] = scene.corners;
+    let Some(clip) = clip else {
+        return scene.corners;
+    };
+    let shortest = SHORTEST * (high - low);
+    let [from, to] = limits(scene, clip);
+    let from = from.max(low).min(high - shortest);
+    [from, to.min(high).max(from + shortest)]
+}
+
+/// Whether a place is drawn.
+pub fn holds(limits: Option<[Vec3; 2]>, place: Vec3) -> bool {
+    limits.is_none_or(|[low, high]| (place.cmpge(low) & place.cmple(high)).all())
+}
+
+/// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the cloud goes on for ever.
+fn with_end(scene: &CloudScene, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
+    let [low, high] = scene.corners.map(|corner| corner[axis]);
+    let shortest = SHORTEST * (high - low);
+    let [from, until] = part(scene, Some(clip)).map(|corner| corner[axis]);
+    let placed = |local: f32| f64::from(local) + scene.origin_m[axis];
+    clip.ends_m[axis][end] = match end {
+        0 if to <= low => f64::NEG_INFINITY,
+        0 => placed(to.min(until - shortest)),
+        _ if to >= high => f64::INFINITY,
+        _ => placed(to.max(from + shortest)),
+    };
+    clip
+}
+
+/// Handles and numbers of the box, where there is one; what they make of it.
+pub fn show(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    scene: &CloudScene,
+    axes: &Axes<'_>,
+) -> Option<ClipBox> {
+    let clip = context.app.options.cloud.clip?;
+    let dragged = handles(ui, scene, axes, clip);
+    let changed = match legend::has_room(axes.rect) {
+        true => numbers(ui, context, scene, axes, dragged),
+        false => dragged,
+    };
+    (changed != clip).then_some(changed)
+}
+
+fn handles(ui: &Ui, scene: &CloudScene, axes: &Axes<'_>, clip: ClipBox) -> ClipBox {
+    let [low, high] = axes.corners;
+    let (middle, size) = (0.5 * (low + high), scene.corners[1] - scene.corners[0]);
+    let mut changed = clip;
+    for (axis, (_, names)) in AXES.iter().enumerate() {
+        for (end, name) in names.iter().enumerate() {
+            let mut face = middle;
+            face[axis] = axes.corners[end][axis];
+            let step = 0.01 * size[axis];
+            let mut ahead = face;
+            ahead[axis] += step;
+            let (Some(at), Some(ahead)) = (axes.at(face), axes.at(ahead)) else {
+                continue;
+            };
+            let way = ahead - at;
+            if 100.0 * way.length() < SHORTEST_WAY || !axes.rect.contains(at) {
+                continue;
+            }
+            let reach = Rect::from_center_size(at, Vec2::splat(2.0 * HANDLE[1]));
+            let id: Id = ui.scope_id().with(("clip box", axis, end));
+            let response = ui
+                .interact(reach, id, Sense::drag())
+                .on_hover_and_drag_cursor(CursorIcon::Grab)
+                .on_hover_text(format!("The {name} of the clip box: drag it."));
+            response.widget_info(|| {
+                let name = format!("{name} of the clip box");
+                WidgetInfo::labeled(Role::Slider, true, name)
+            });
+            let is_held = response.hovered() || response.dragged();
+            let fill = match is_held {
+                true => theme::hover_colour(),
+                false => theme::selection_colour(),
+            };
+            let painter = ui.painter_at(axes.rect);
+            painter.circle(at, HANDLE[0], fill, edge(axes.options));
+            if response.dragged() {
+                let steps = response.drag_delta().dot(way) / way.length_sq();
+                changed = with_end(scene, changed, axis, end, face[axis] + steps * step);
+            }
+        }
+    }
+    changed
+}
+
+/// Keeps a handle apart from what lies behind it.
+fn edge(options: &ViewOptions) -> Stroke {
+    Stroke::new(1.5, theme::canvas_text_colour(options))
+}
+
+/// The ends as numbers, to be dragged or typed.
+fn numbers(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    scene: &CloudScene,
+    axes: &Axes<'_>,
+    mut clip: ClipBox,
+) -> ClipBox {
+    let options = &context.app.options;
+    let reference = place::reduction(context.app).reference();
+    let size = vec2(196.0, 84.0);
+    let corner = axes.rect.right_top() + vec2(-4.0 - size.x, 4.0);
+    let place = Rect::from_min_size(corner, size);
+    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+        legend::frame(options).show(ui, |ui| {
+            egui::Grid::new("clip box").show(ui, |ui| {
+                for (axis, (name, names)) in AXES.iter().enumerate() {
+                    ui.small(*name).on_hover_text(match axis {
+                        2 => format!("Below 0: {}.", reference.name()),
+                        _ => "In the plane of the survey, as the scale of the box.".to_owned(),
+                    });
+                    for (end, end_name) in names.iter().enumerate() {
+                        let local = part(scene, Some(clip))[end][axis];
+                        if let Some(to) = number(ui, options.units, scene, axis, local, end_name) {
+                            clip = with_end(scene, clip, axis, end, to);
+                        }
+                    }
+                    ui.end_row();
+                }
+            });
+        });
+    });
+    clip
+}
+
+/// An end as a number in the unit in use; where it was put, in the places of the scene.
+fn number(
+    ui: &mut Ui,
+    units: Units,
+    scene: &CloudScene,
+    axis: usize,
+    local: f32,
+    name: &str,
+) -> Option<f32> {
+    let origin_m = scene.origin_m[axis];
+    let before = units.from_m(f64::from(local) + origin_m);
+    let mut value = before;
+    let size_m = f64::from(scene.corners[1][axis] - scene.corners[0][axis]);
+    let field = DragValue::new(&mut value)
+        .speed(units.from_m(0.005 * size_m))
+        .fixed_decimals(2)
+        .suffix(format!(" {}", units.symbol()));
+    let response = ui
+        .add(field)
+        .on_hover_text(format!("{name} of the clip box."));
+    let is_changed = response.changed() && value != before;
+    is_changed.then(|| (value * units.length.metres() - origin_m) as f32)
+}
+
+/// Says that not everything is drawn, in a picture that goes out.
+pub fn paint_note(painter: &egui::Painter, rect: Rect, options: &ViewOptions) {
+    if options.cloud.clip.is_some() {
+        let at = rect.right_top() + vec2(-8.0, 8.0);
+        let colour = theme::canvas_text_colour(options);
+        legend::plate(painter, options, at, Align2::RIGHT_TOP, "clipped", colour);
+    }
+}
