@@ -47,6 +47,8 @@ pub struct DepthMap {
     pub light: Light,
     /// Ends of the colour scale of depth on the screen, metres ([`crate::pipeline::Products::depth_range_m`]).
     pub colour_range_m: [f32; 2],
+    /// What its depths are worth ([`Surface::usual_error_m`]): found with the map, since every cell is looked at for it.
+    pub usual_error_m: Option<[f64; 2]>,
     /// Nothing is interpolated farther than this from a depth, metres.
     pub gap_m: f64,
     bounds_m: OnceLock<[f64; 4]>,
@@ -72,6 +74,7 @@ impl DepthMap {
         let range_m = colour_range_m(logs.iter().map(|log| &log.products)).or_else(of_surface);
         Ok(range_m.map(|colour_range_m| Self {
             light: Light::suited(&surface),
+            usual_error_m: surface.usual_error_m(),
             surface,
             map,
             colour_range_m,
