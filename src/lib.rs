@@ -12,7 +12,7 @@
 //!                     '--waterfall: picture tiles, shown with gain and levels by picture
 //! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
-//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file and system_words serve them all.
+//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file, system_words and versions (lists that grow) serve them all.
 //! ```
 //!
 //! From a log to its points, and to the depth map of all logs of a survey:
@@ -77,4 +77,5 @@ pub mod survey;
 mod system_words;
 #[cfg(feature = "gui")]
 pub mod ui;
+mod versions;
 pub mod waterfall;

@@ -207,8 +207,13 @@ fn search(
                 progress,
             )?;
             let mut all = FirstReturns::clone(&request.base);
-            all.port[pings.clone()].copy_from_slice(&seen.port);
-            all.starboard[pings].copy_from_slice(&seen.starboard);
+            let sides = [
+                (&mut all.port, &seen.port),
+                (&mut all.starboard, &seen.starboard),
+            ];
+            for (all, seen) in sides {
+                Arc::make_mut(all)[pings.clone()].copy_from_slice(seen);
+            }
             all.warnings = seen.warnings;
             Ok(all)
         }

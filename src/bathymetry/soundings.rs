@@ -18,7 +18,7 @@ pub struct DepthPoint {
 
 /// Every sounding of the survey that has both a place and a depth, in time order.
 pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint> {
-    let placed = survey.soundings.iter().zip(&navigation.soundings);
+    let placed = survey.soundings.iter().zip(navigation.soundings.iter());
     placed
         .filter(|(sounding, _)| sounding.locked)
         .map(|(sounding, place)| DepthPoint {

@@ -5,14 +5,15 @@ use super::geometry::{BottomPoint, across_track, fixed_bottom_point};
 use super::level::echo_level;
 use super::specular::{CrossSlope, Pair, specular_point};
 use super::{
-    CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource, Reduction,
-    SoundingIndex,
+    BySource, CloudPoint, CloudSettings, Correction, DownScan, Geometry, PointCloud, PointSource,
+    Reduction, SoundingIndex,
 };
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Side, Survey, nearest_in_time};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Slant range of a pick by the calibration in force, metres; NaN without a pick.
 pub fn slant_range_m(
@@ -45,7 +46,12 @@ pub fn build(
     progress: &Progress,
 ) -> Result<PointCloud, Cancelled> {
     progress.start(3);
-    let mut points = sounding_points(survey, navigation, settings.down_scan, correction);
+    let soundings = Arc::new(sounding_points(
+        survey,
+        navigation,
+        settings.down_scan,
+        correction,
+    ));
     progress.advance(1);
     let reduction = Reduction::new(calibration, correction);
     let ranges = Side::BOTH.map(|side| ranges_m(survey, returns, reduction, side));
@@ -56,7 +62,7 @@ pub fn build(
     let above_bottom_m = stretches_m(survey, navigation, returns);
     progress.advance(1);
     progress.check()?;
-    for (side, ranges_m) in Side::BOTH.into_iter().zip(&ranges) {
+    let points_of = |side: Side, ranges_m: &[f64]| -> Vec<CloudPoint> {
         let bottom_point = |ping: usize, range_m: f64| match (cross_slopes.get(ping), side) {
             (Some(slope), Side::Port) => specular_point(range_m, slope.port_rad),
             (Some(slope), Side::Starboard) => specular_point(range_m, slope.starboard_rad),
@@ -65,15 +71,22 @@ pub fn build(
         let z_m =
             |ping: usize, below_m: f64| correction.z_m(survey.side_scan[ping].time_s, below_m);
         let found = side_points(navigation, returns, side, ranges_m, bottom_point, z_m);
-        points.extend(found.map(|point| CloudPoint {
+        let points = found.map(|point| CloudPoint {
             above_bottom_m: match point.above_bottom {
                 true => above_bottom_m[point.ping as usize],
                 false => 0.0,
             },
             level: echo_level(survey, point.ping as usize, side, point.sample),
             ..point
-        }));
-    }
+        });
+        points.collect()
+    };
+    let [port_m, starboard_m] = &ranges;
+    let points = BySource::from_parts(|source| match source {
+        PointSource::DownScan => soundings.clone(),
+        PointSource::Port => Arc::new(points_of(Side::Port, port_m)),
+        PointSource::Starboard => Arc::new(points_of(Side::Starboard, starboard_m)),
+    });
     progress.advance(1);
     Ok(PointCloud {
         points,
@@ -128,7 +141,7 @@ fn sounding_points(
     let soundings = survey
         .soundings
         .iter()
-        .zip(&navigation.soundings)
+        .zip(navigation.soundings.iter())
         .enumerate();
     let nearest_ping =
         |time_s| nearest_in_time(&survey.side_scan, time_s, |ping| ping.time_s).unwrap_or(0);

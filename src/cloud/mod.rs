@@ -1,11 +1,12 @@
 //! The 3D point cloud: soundings under the boat, first returns beside it, and the outlier filter.
 //!
-//! `build` makes the points, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
+//! `build` makes the points, held `by_source`, with `geometry` for the published feet, `specular` for the one on a slope and `correction` for what
 //! depths count from, `level` says how strong its echo is, `reduction` joins it to the calibration for every read-out; `outliers` is the filter for any points and `keep` applies it to a cloud; `residuals` measures agreement
 //! with recorded depths, `scales` says between which values points are coloured.
 
 mod above_bottom;
 mod build;
+mod by_source;
 pub mod correction;
 mod geometry;
 mod keep;
@@ -18,10 +19,11 @@ mod scales;
 mod specular;
 
 pub use build::{build, slant_range_m};
+pub use by_source::BySource;
 pub use correction::{Correction, DepthReference, DepthSettings};
 pub use geometry::{BottomPoint, across_track, fixed_bottom_point};
 pub use keep::keep_points;
-pub use ping_depth::{DepthSource, PingDepth, TrackShare, ping_depths, without_left_out};
+pub use ping_depth::{DepthSource, PingDepth, TrackShare, leave_depths_out, ping_depths};
 pub use reduction::Reduction;
 pub use residuals::{Residuals, residuals, same_ping_differences};
 pub use scales::PointScales;
@@ -29,6 +31,7 @@ pub use scales::PointScales;
 use crate::survey::LeftOut;
 use serde::{Deserialize, Serialize};
 use std::num::NonZero;
+use std::sync::Arc;
 
 /// Where a first return is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,6 +112,13 @@ pub enum PointSource {
 }
 
 impl PointSource {
+    /// All of them, in the order of points in a cloud.
+    pub const ALL: [PointSource; 3] = [
+        PointSource::DownScan,
+        PointSource::Port,
+        PointSource::Starboard,
+    ];
+
     /// `downscan`, `port`, `starboard`, as in `cloud.csv`.
     pub fn name(self) -> &'static str {
         match self {
@@ -172,7 +182,7 @@ pub struct CloudPoint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointCloud {
     /// Soundings first, then port and starboard in ping order.
-    pub points: Vec<CloudPoint>,
+    pub points: BySource<CloudPoint>,
     /// Pings that gave no side-scan point because they have no heading.
     pub zero_heading: usize,
 }
@@ -182,25 +192,31 @@ impl PointCloud {
     pub fn of_ping(&self, ping: usize) -> impl Iterator<Item = &CloudPoint> {
         let sides = [PointSource::Port, PointSource::Starboard];
         sides.into_iter().flat_map(move |source| {
-            let before = |point: &CloudPoint| (point.source, point.ping as usize) < (source, ping);
-            let points = self.points[self.points.partition_point(before)..].iter();
-            points.take_while(move |point| point.source == source && point.ping as usize == ping)
+            let points = self.points.of(source);
+            let first = points.partition_point(|point| (point.ping as usize) < ping);
+            let points = points[first..].iter();
+            points.take_while(move |point| point.ping as usize == ping)
         })
     }
 
     /// The same without the points of pings and soundings that are left out.
     #[must_use]
-    pub fn without(mut self, left_out: &LeftOut) -> Self {
-        if !left_out.is_empty() {
-            self.points.retain(|point| {
-                let reason = match point.sounding {
-                    Some(sounding) => left_out.sounding(sounding.get()),
-                    None => left_out.ping(point.ping as usize),
-                };
-                reason.is_none()
-            });
+    pub fn without(self, left_out: &LeftOut) -> Self {
+        if left_out.is_empty() {
+            return self;
         }
-        self
+        let counts = |point: &&CloudPoint| {
+            let reason = match point.sounding {
+                Some(sounding) => left_out.sounding(sounding.get()),
+                None => left_out.ping(point.ping as usize),
+            };
+            reason.is_none()
+        };
+        let counted = |source| self.points.of(source).iter().filter(counts).copied();
+        Self {
+            points: BySource::from_parts(|source| Arc::new(counted(source).collect())),
+            ..self
+        }
     }
 
     /// Side-scan points that are less sure than the least confidence of a point that is kept.

@@ -58,9 +58,9 @@ pub fn ping_depths(
     depths
 }
 
-/// The same without a depth at the pings that are left out.
-pub fn without_left_out(mut depths: Vec<PingDepth>, left_out: &LeftOut) -> Vec<PingDepth> {
-    for (ping, depth) in depths.iter_mut().enumerate() {
+/// Takes the depths from the pings that are left out; `first` is the ping of the first of them.
+pub fn leave_depths_out(depths: &mut [PingDepth], first: usize, left_out: &LeftOut) {
+    for (ping, depth) in (first..).zip(depths) {
         if left_out.ping(ping).is_some() {
             *depth = PingDepth {
                 depth_m: f32::NAN,
@@ -68,7 +68,6 @@ pub fn without_left_out(mut depths: Vec<PingDepth>, left_out: &LeftOut) -> Vec<P
             };
         }
     }
-    depths
 }
 
 /// Over how much of the track the depth comes from what.

@@ -47,7 +47,7 @@ impl Raster {
     pub fn new(survey: &Survey, navigation: &Navigation, pixel_m: f64) -> Self {
         let mut along_m = Vec::with_capacity(survey.side_scan.len());
         let (mut distance_m, mut last_s) = (0.0, f64::NAN);
-        for (ping, place) in survey.side_scan.iter().zip(&navigation.pings) {
+        for (ping, place) in survey.side_scan.iter().zip(navigation.pings.iter()) {
             let speed_mps = if place.speed_mps <= MOST_SPEED_MPS {
                 place.speed_mps.max(LEAST_SPEED_MPS)
             } else {

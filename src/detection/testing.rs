@@ -3,6 +3,7 @@
 use crate::survey::{
     Bytes, Encoding, Navigation, Order, PingNav, Projection, SidePing, SideSpan, Survey,
 };
+use std::sync::Arc;
 
 /// Pings a tenth of a second apart at 2 m/s: 0.2 m each, 100 samples over 10 m, sample i of ping p holding `level`.
 pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Survey, Navigation) {
@@ -26,7 +27,7 @@ pub(super) fn survey(pings: usize, level: impl Fn(usize, usize) -> u8) -> (Surve
         starboard: None,
     });
     let survey = Survey {
-        side_scan: std::sync::Arc::new(side_scan.collect()),
+        side_scan: Arc::new(side_scan.collect()),
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()
     };
@@ -42,9 +43,9 @@ pub(super) fn navigation_of(pings: usize) -> Navigation {
         speed_mps: 2.0,
     };
     Navigation {
-        antenna: Vec::new(),
-        pings: vec![place; pings],
-        soundings: Vec::new(),
+        antenna: Arc::default(),
+        pings: vec![place; pings].into(),
+        soundings: Arc::default(),
         projection: Projection::Enu,
         zero_heading: 0,
         moving: pings,

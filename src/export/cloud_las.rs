@@ -48,10 +48,12 @@ pub fn cloud_las(
 ) -> Result<Summary, ExportError> {
     let mut points: Vec<(u16, &LogPoints<'_>, &CloudPoint, [f64; 2])> = Vec::new();
     for (number, log) in (1..).zip(logs) {
-        let flagged = log.cloud.points.par_iter().zip(log.kept);
-        let kept = flagged.filter(|(_, kept)| **kept).map(|(point, _)| point);
+        let kept: Vec<&CloudPoint> = log.kept_points().collect();
         let source = if logs.len() > 1 { number } else { 0 };
-        points.par_extend(kept.map(|point| (source, log, point, place(log, point))));
+        points.par_extend(
+            kept.into_par_iter()
+                .map(|point| (source, log, point, place(log, point))),
+        );
     }
     let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
     write_aside(path, |file| {

@@ -6,6 +6,7 @@
 use super::{FirstReturns, Pick};
 use crate::survey::{Side, SideSpan, Survey};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Where the bottom line comes from. Bottom edits stay on top of either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,7 +35,7 @@ pub fn at_recorded_depth(
             Side::Port => &mut line.port,
             Side::Starboard => &mut line.starboard,
         };
-        let recorded = picks.iter_mut().zip(drawn).enumerate();
+        let recorded = Arc::make_mut(picks).iter_mut().zip(drawn).enumerate();
         for (ping, (pick, is_drawn)) in recorded {
             let Some(span) = survey.span(ping, side).filter(|_| !is_drawn) else {
                 continue;
@@ -77,7 +78,6 @@ fn drawn(returns: &FirstReturns, side: Side) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::survey::SidePing;
-    use std::sync::Arc;
 
     #[test]
     fn edits_stay_and_what_was_not_recorded_is_searched_and_said() {
@@ -107,8 +107,8 @@ mod tests {
             above_bottom: true,
         };
         let returns = FirstReturns {
-            port: (0..5).map(|ping| pick(100.0 + ping as f32)).collect(),
-            starboard: vec![Pick::NONE; 5],
+            port: Arc::new((0..5).map(|ping| pick(100.0 + ping as f32)).collect()),
+            starboard: vec![Pick::NONE; 5].into(),
             drawn: vec![(Side::Port, [1, 1])],
             ..FirstReturns::default()
         };

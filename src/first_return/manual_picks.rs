@@ -4,6 +4,7 @@ use super::{FirstReturns, Pick};
 use crate::survey::{Identity, Side, Survey};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// `bottom.*` settings: the edits of the first returns of one log. The window keeps them in `LOG.bottom.toml`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -278,6 +279,7 @@ impl BottomSettings {
                 Side::Port => &mut returns.port,
                 Side::Starboard => &mut returns.starboard,
             };
+            let picks = Arc::make_mut(picks);
             for ping in line.span() {
                 if let (Some(pick), Some(span)) =
                     (picks.get_mut(ping), survey.span(ping, line.side))
@@ -324,7 +326,6 @@ fn simplified(corners: &[[f64; 2]], tolerance_m: f64) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::survey::{SidePing, SideSpan};
-    use std::sync::Arc;
 
     fn line(side: Side, pings: [usize; 2], range_m: f64) -> BottomEdit {
         BottomEdit {
@@ -423,8 +424,8 @@ mod tests {
         };
         let drawn = BottomSettings::of(&survey).with(line(Side::Port, [0, 3], 2.0));
         let mut returns = FirstReturns {
-            port: vec![Pick::NONE; 4],
-            starboard: vec![Pick::NONE; 4],
+            port: vec![Pick::NONE; 4].into(),
+            starboard: vec![Pick::NONE; 4].into(),
             ..FirstReturns::default()
         };
         drawn.apply(&survey, &mut returns);

@@ -25,6 +25,7 @@ use confidence::Found;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What a sample of the picture is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -126,13 +127,13 @@ impl Pick {
     }
 }
 
-/// The first return of every side-scan ping.
+/// The first return of every side-scan ping; the lists are shared by all copies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FirstReturns {
     /// One entry per [`Survey::side_scan`] ping.
-    pub port: Vec<Pick>,
+    pub port: Arc<Vec<Pick>>,
     /// One entry per [`Survey::side_scan`] ping.
-    pub starboard: Vec<Pick>,
+    pub starboard: Arc<Vec<Pick>>,
     /// What the search should say about itself (for example words whose sign bit defeats the threshold).
     pub warnings: Vec<String>,
     /// Stretches of manual picks: first and last ping, and the side.
@@ -151,7 +152,7 @@ impl FirstReturns {
     pub fn without(&self, left_out: &LeftOut) -> Self {
         let mut counted = self.clone();
         for side in [&mut counted.port, &mut counted.starboard] {
-            for (ping, pick) in side.iter_mut().enumerate() {
+            for (ping, pick) in Arc::make_mut(side).iter_mut().enumerate() {
                 if left_out.ping(ping).is_some() {
                     *pick = Pick::NONE;
                 }
@@ -214,7 +215,7 @@ pub fn detect_with(
 }
 
 fn none(survey: &Survey) -> FirstReturns {
-    let none = vec![Pick::NONE; survey.side_scan.len()];
+    let none = Arc::new(vec![Pick::NONE; survey.side_scan.len()]);
     FirstReturns {
         port: none.clone(),
         starboard: none,
@@ -299,7 +300,7 @@ pub fn track_range(
         picks.truncate(pings.end - around.start);
         picks.drain(..pings.start - around.start);
     }
-    let [port, starboard] = sides;
+    let [port, starboard] = sides.map(Arc::new);
     Ok(FirstReturns {
         port,
         starboard,

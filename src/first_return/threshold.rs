@@ -9,6 +9,7 @@ use super::{FirstReturns, ImageSettings, Method, Normalisation, SampleMode, Sett
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Side, Survey};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Answers where a threshold is first reached, for any threshold, without looking at the picture again.
 ///
@@ -120,8 +121,8 @@ impl ThresholdIndex {
         }
         .picks();
         FirstReturns {
-            port,
-            starboard,
+            port: Arc::new(port),
+            starboard: Arc::new(starboard),
             warnings: self.normalisation.warning().into_iter().collect(),
             drawn: Vec::new(),
         }

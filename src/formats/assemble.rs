@@ -55,7 +55,7 @@ pub(super) fn assemble(mut log: Collected, reading: &Reading<'_>) -> Survey {
         side_scan_state,
         range_source: log.range_source,
         echograms,
-        soundings,
+        soundings: Arc::new(soundings),
         sounding_channel,
         track: Track {
             projected: log.projected,

@@ -240,7 +240,7 @@ mod tests {
         };
         Survey {
             start_unix_s: Some(1_634_000_000.0),
-            soundings: (0..10).map(f64::from).map(sounding).collect(),
+            soundings: Arc::new((0..10).map(f64::from).map(sounding).collect()),
             ..Survey::default()
         }
     }

@@ -8,12 +8,13 @@ use super::Products;
 use super::products::bottom_line;
 use crate::bathymetry;
 use crate::cloud::{
-    self, CloudPoint, PointCloud, PointScales, PointSource, Reduction, SoundingIndex,
+    self, BySource, CloudPoint, PingDepth, PointCloud, PointScales, Reduction, SoundingIndex,
 };
-use crate::first_return::{self, FirstReturns, Normalisation};
+use crate::first_return::{self, FirstReturns, Normalisation, Pick};
 use crate::pipeline::Settings;
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, Side, Survey, navigate_mounted};
+use crate::survey::{LeftOut, Navigation, PingNav, Side, Survey, navigate_mounted};
+use crate::versions::Versions;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -24,13 +25,27 @@ const CONTEXT: usize = 384;
 /// The line of first returns is found in stretches that begin at multiples of this: here as over the whole log.
 const ALIGNED: usize = 512;
 
-/// What the results of a growing log go on with, measured over all of it.
-#[derive(Clone, Debug)]
-pub struct GrowingScale {
+/// What the results of a growing log go on with.
+#[derive(Debug)]
+pub struct GrowingResults {
+    /// The scale of its picture, measured over all of it.
     normalisation: Normalisation,
+    versions: ResultVersions,
 }
 
-impl GrowingScale {
+/// The lists of the results, each of which goes on from the one before.
+#[derive(Debug, Default)]
+struct ResultVersions {
+    pings: Versions<PingNav>,
+    soundings: Versions<PingNav>,
+    antenna: Versions<[f64; 2]>,
+    port: Versions<Pick>,
+    starboard: Versions<Pick>,
+    points: [Versions<CloudPoint>; 3],
+    depths: Versions<PingDepth>,
+}
+
+impl GrowingResults {
     /// Of a log as it is now.
     ///
     /// # Errors
@@ -42,7 +57,10 @@ impl GrowingScale {
     ) -> Result<Self, Cancelled> {
         let dead_zone_m = settings.first_return.dead_zone_m;
         let normalisation = Normalisation::measure(survey, &settings.image, dead_zone_m, progress)?;
-        Ok(Self { normalisation })
+        Ok(Self {
+            normalisation,
+            versions: ResultVersions::default(),
+        })
     }
 }
 
@@ -56,7 +74,8 @@ struct Part {
 }
 
 /// The results of `before`, of the same log when it was shorter, with those of what was added. All pings before `unchanged` are as they
-/// were. Takes time for the new pings and copies the rest.
+/// were. Takes time for the new pings; of the rest only the flags of points are copied, and what lies under bottom edits and left-out
+/// stretches is found anew.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -65,7 +84,7 @@ pub fn extend(
     unchanged: usize,
     before: &Products,
     settings: &Arc<Settings>,
-    scale: &mut GrowingScale,
+    growing: &mut GrowingResults,
     progress: &Progress,
 ) -> Result<Products, Cancelled> {
     let known = unchanged.min(before.navigation.pings.len());
@@ -84,18 +103,13 @@ pub fn extend(
     };
     let (how, mounting) = (&settings.heading, &settings.mounting);
     let navigation = navigate_mounted(&stretch, how, mounting, settings.projection, progress)?;
-    let found = found(&stretch, &part, before, settings, scale, progress)?;
+    let found = found(&stretch, &part, before, settings, growing, progress)?;
     let mut returns = found.clone();
     settings.bottom.apply(survey, &mut returns);
-    let all_navigation = part.join_navigation(&before.navigation, &navigation);
+    let versions = &mut growing.versions;
+    let all_navigation = part.join_navigation(&before.navigation, &navigation, versions);
     let left_out = LeftOut::new(survey, &all_navigation, &settings.left_out);
-    let counted = match left_out.is_empty() {
-        true => of_stretch(&returns, part.context..survey.side_scan.len()),
-        false => of_stretch(
-            &returns.without(&left_out),
-            part.context..survey.side_scan.len(),
-        ),
-    };
+    let counted = counted_of(&returns, part.context..survey.side_scan.len(), &left_out);
     let correction = &before.correction;
     let cloud = cloud::build(
         &stretch,
@@ -109,19 +123,25 @@ pub fn extend(
     let least = settings.first_return.min_confidence;
     let kept = cloud::keep_points(&cloud, least, &settings.outliers, progress)?;
     let depths = cloud::ping_depths(&stretch, &cloud, &kept, correction);
-    let all_depths = [
-        &before.depths[..part.first.min(before.depths.len())],
-        &depths[part.first - part.context..],
-    ]
-    .concat();
-    let all_depths = cloud::without_left_out(all_depths, &left_out);
+    let new_depths = &depths[part.first - part.context..];
+    let all_depths =
+        (versions.depths).next_changed(&before.depths, part.first, new_depths, |all| {
+            let first = part.first.min(all.len());
+            cloud::leave_depths_out(&mut all[first..], first, &left_out);
+            first
+        });
     let new_depths = all_depths[part.first..].iter().map(|depth| depth.depth_m);
     let depth_range_m = wider(before.depth_range_m, bathymetry::depth_range(new_depths));
     let reduction = Reduction::new(&before.calibration, correction);
     let returns = Arc::new(returns);
     let bottom_line = bottom_line(survey, settings, &returns, &reduction);
     let new_scales = PointScales::of(&stretch, &cloud, &kept, &reduction);
-    let (cloud, kept) = part.join_cloud(before, &cloud, &kept, &left_out, &all_navigation);
+    let points = &mut versions.points;
+    let (points, kept) = part.join_points(before, &cloud.points, &kept, &left_out, points);
+    let cloud = PointCloud {
+        points,
+        zero_heading: all_navigation.zero_heading,
+    };
     Ok(Products {
         settings: settings.clone(),
         navigation: Arc::new(all_navigation),
@@ -134,7 +154,7 @@ pub fn extend(
         correction: correction.clone(),
         cloud: Arc::new(cloud),
         kept: Arc::new(kept),
-        depths: Arc::new(all_depths),
+        depths: all_depths,
         depth_range_m,
         scales: before.scales.with(new_scales),
     })
@@ -146,136 +166,125 @@ fn found(
     part: &Part,
     before: &Products,
     settings: &Settings,
-    scale: &mut GrowingScale,
+    growing: &mut GrowingResults,
     progress: &Progress,
 ) -> Result<FirstReturns, Cancelled> {
     let dead_zone_m = settings.first_return.dead_zone_m;
     let here = Normalisation::measure(stretch, &settings.image, dead_zone_m, progress)?;
-    scale.normalisation = scale.normalisation.widened(&here);
+    growing.normalisation = growing.normalisation.widened(&here);
     let new = first_return::detect_with(
         stretch,
         &settings.image,
         &settings.first_return,
-        &scale.normalisation,
+        &growing.normalisation,
         progress,
     )?;
-    let side = |side: Side| {
-        let known = &before.found.side(side)[..part.first];
-        [known, &new.side(side)[part.first - part.context..]].concat()
-    };
+    let from = part.first - part.context;
+    let (known, versions) = (&before.found, &mut growing.versions);
     Ok(FirstReturns {
-        port: side(Side::Port),
-        starboard: side(Side::Starboard),
+        port: (versions.port).next(&known.port, part.first, &new.port[from..]),
+        starboard: (versions.starboard).next(&known.starboard, part.first, &new.starboard[from..]),
         warnings: new.warnings,
         drawn: Vec::new(),
     })
 }
 
-fn of_stretch(returns: &FirstReturns, pings: Range<usize>) -> FirstReturns {
+/// The picks of a stretch of pings that count.
+fn counted_of(returns: &FirstReturns, pings: Range<usize>, left_out: &LeftOut) -> FirstReturns {
+    let counted = |side: Side| {
+        let picks = pings.clone().map(|ping| match left_out.ping(ping) {
+            Some(_) => Pick::NONE,
+            None => returns.side(side)[ping],
+        });
+        Arc::new(picks.collect())
+    };
     FirstReturns {
-        port: returns.port[pings.clone()].to_vec(),
-        starboard: returns.starboard[pings].to_vec(),
+        port: counted(Side::Port),
+        starboard: counted(Side::Starboard),
         ..FirstReturns::default()
     }
 }
 
 impl Part {
-    fn join_navigation(&self, before: &Navigation, new: &Navigation) -> Navigation {
-        let pings = [
-            &before.pings[..self.first],
+    fn join_navigation(
+        &self,
+        before: &Navigation,
+        new: &Navigation,
+        versions: &mut ResultVersions,
+    ) -> Navigation {
+        let without_heading = |pings: &[PingNav]| {
+            let without = pings.iter().filter(|ping| ping.heading_rad.is_nan());
+            without.count()
+        };
+        let (again, added) = (
+            &before.pings[self.first..],
             &new.pings[self.first - self.context..],
-        ]
-        .concat();
+        );
         let known = self.first_sounding.min(before.soundings.len());
-        let soundings = [
-            &before.soundings[..known],
-            &new.soundings[known - self.context_sounding..],
-        ]
-        .concat();
+        let new_soundings = &new.soundings[known - self.context_sounding..];
         // How many pings of the part move is not told apart from how many of the context do.
-        let share =
-            (new.pings.len() + self.context - self.first) as f64 / new.pings.len().max(1) as f64;
+        let share = added.len() as f64 / new.pings.len().max(1) as f64;
         let known_share = self.first as f64 / before.pings.len().max(1) as f64;
         let moving = before.moving as f64 * known_share + new.moving as f64 * share;
         // Neither has one, or both have one for each ping.
-        let known_antenna = &before.antenna[..self.first.min(before.antenna.len())];
-        let added = new.antenna.get(self.first - self.context..);
-        let antenna = [known_antenna, added.unwrap_or_default()].concat();
+        let antenna = new.antenna.get(self.first - self.context..);
         Navigation {
-            antenna,
-            zero_heading: pings
-                .iter()
-                .filter(|ping| ping.heading_rad.is_nan())
-                .count(),
+            antenna: (versions.antenna).next(
+                &before.antenna,
+                self.first,
+                antenna.unwrap_or_default(),
+            ),
+            zero_heading: before.zero_heading - without_heading(again) + without_heading(added),
             moving: moving.round() as usize,
-            pings,
-            soundings,
+            pings: versions.pings.next(&before.pings, self.first, added),
+            soundings: (versions.soundings).next(&before.soundings, known, new_soundings),
             projection: new.projection,
         }
     }
 
-    /// Which points of a source, of points in the order of [`PointCloud`], lie before the part.
-    fn known_of(&self, points: &[CloudPoint], source: PointSource) -> Range<usize> {
-        let start = points.partition_point(|point| point.source < source);
-        let known = points[start..].partition_point(|point| {
-            point.source == source
-                && match point.sounding {
-                    Some(sounding) => sounding.get() < self.first_sounding,
-                    None => (point.ping as usize) < self.first,
-                }
-        });
-        start..start + known
-    }
-
-    /// The points of before that lie before the part, and the new ones of the part; sorted as [`PointCloud`] says.
-    fn join_cloud(
+    /// The points of before that lie before the part, and the new ones of the part; with their flags.
+    fn join_points(
         &self,
         before: &Products,
-        new: &PointCloud,
+        new: &BySource<CloudPoint>,
         kept: &[bool],
         left_out: &LeftOut,
-        navigation: &Navigation,
-    ) -> (PointCloud, Vec<bool>) {
-        let count = before.cloud.points.len() + new.points.len();
-        let (mut points, mut flags) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for source in [
-            PointSource::DownScan,
-            PointSource::Port,
-            PointSource::Starboard,
-        ] {
-            // Copied as a whole: looked at one by one, the points of a long log would take longer than all that is new.
-            let old = self.known_of(&before.cloud.points, source);
-            points.extend_from_slice(&before.cloud.points[old.clone()]);
-            flags.extend_from_slice(&before.kept[old]);
-            let added = new
-                .points
-                .iter()
-                .zip(kept)
-                .filter(|(point, _)| point.source == source);
-            for (point, flag) in added {
-                let ping = point.ping as usize + self.context;
-                let sounding = point.sounding.map(|one| one.get() + self.context_sounding);
-                let (is_new, is_out) = match sounding {
-                    Some(sounding) => (
-                        sounding >= self.first_sounding,
-                        left_out.sounding(sounding).is_some(),
-                    ),
-                    None => (ping >= self.first, left_out.ping(ping).is_some()),
-                };
-                if is_new && !is_out {
-                    let mut point = *point;
-                    point.ping = ping as u32;
-                    point.sounding = sounding.and_then(SoundingIndex::new);
-                    points.push(point);
-                    flags.push(*flag);
-                }
-            }
-        }
-        let cloud = PointCloud {
-            points,
-            zero_heading: navigation.zero_heading,
+        versions: &mut [Versions<CloudPoint>; 3],
+    ) -> (BySource<CloudPoint>, Vec<bool>) {
+        let mut flags = Vec::with_capacity(before.kept.len() + kept.len());
+        let points = BySource::from_parts(|source| {
+            let old = before.cloud.points.of(source);
+            let known = old.partition_point(|point| match point.sounding {
+                Some(sounding) => sounding.get() < self.first_sounding,
+                None => (point.ping as usize) < self.first,
+            });
+            let start = before.cloud.points.start(source);
+            flags.extend_from_slice(&before.kept[start..start + known]);
+            let of_source = new.of(source).iter().zip(&kept[new.start(source)..]);
+            let added = of_source.filter_map(|(point, flag)| {
+                let point = self.counted_point(point, left_out)?;
+                flags.push(*flag);
+                Some(point)
+            });
+            let added: Vec<CloudPoint> = added.collect();
+            versions[source as usize].next(old, known, &added)
+        });
+        (points, flags)
+    }
+
+    /// A point of the stretch as one of the log; `None` where it lies before the part, or is left out.
+    fn counted_point(&self, point: &CloudPoint, left_out: &LeftOut) -> Option<CloudPoint> {
+        let ping = point.ping as usize + self.context;
+        let sounding = point.sounding.map(|one| one.get() + self.context_sounding);
+        let (is_new, reason) = match sounding {
+            Some(sounding) => (sounding >= self.first_sounding, left_out.sounding(sounding)),
+            None => (ping >= self.first, left_out.ping(ping)),
         };
-        (cloud, flags)
+        (is_new && reason.is_none()).then(|| CloudPoint {
+            ping: ping as u32,
+            sounding: sounding.and_then(SoundingIndex::new),
+            ..*point
+        })
     }
 }
 

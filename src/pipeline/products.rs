@@ -255,8 +255,8 @@ pub fn run(
             begin(Stage::Outliers)?;
             let (least, how) = (settings.first_return.min_confidence, &settings.outliers);
             let kept = cloud::keep_points(&cloud, least, how, progress)?;
-            let depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
-            let depths = cloud::without_left_out(depths, &left_out);
+            let mut depths = cloud::ping_depths(survey, &cloud, &kept, &correction);
+            cloud::leave_depths_out(&mut depths, 0, &left_out);
             let range_m = depth_range_m(survey, &correction, &depths);
             let scales = PointScales::of(survey, &cloud, &kept, &reduction);
             (Arc::new(kept), Arc::new(depths), range_m, scales)

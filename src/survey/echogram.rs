@@ -102,11 +102,11 @@ mod tests {
         };
         Survey {
             side_scan: Arc::new((0..side_scan).map(ping).collect()),
-            soundings: vec![Sounding {
+            soundings: Arc::new(vec![Sounding {
                 time_s: 0.0,
                 depth_m: 4.0,
                 locked: true,
-            }],
+            }]),
             echograms: vec![Echogram {
                 kind: ChannelKind::DownScan,
                 pings: Arc::new((0..8).map(below).collect()),

@@ -165,7 +165,7 @@ struct Stay {
 fn stays(track: &Track) -> Vec<Stay> {
     let mut stays: Vec<Stay> = Vec::new();
     let mut shown = None;
-    for fix in &track.fixes {
+    for fix in track.fixes.iter() {
         if !(fix.position.lon_deg.is_finite() && fix.position.lat_deg.is_finite()) {
             continue;
         }

@@ -2,9 +2,11 @@
 
 use super::bottom_lock::{NEAREST_SOUNDING_S, mark_bottom_lock_from};
 use super::{
-    Channel, Echogram, EchogramPing, Encoding, Identity, Side, SideScanState, SideSpan, Survey,
-    give_depths,
+    Channel, ChannelKind, Echogram, EchogramPing, Encoding, Fix, Identity, Side, SidePing,
+    SideScanState, SideSpan, Sounding, Survey, give_depths,
 };
+use crate::versions::Versions;
+use std::collections::BTreeMap;
 use std::mem::discriminant;
 use std::sync::Arc;
 
@@ -30,6 +32,15 @@ pub struct Seam {
     pub time_s: f64,
     /// For each file of the log a place, in bytes, that nothing of that time or later was written before.
     pub from: Vec<u64>,
+}
+
+/// The lists of a log that is extended again and again ([`Survey::extended`]), so that each time takes as long as what is new.
+#[derive(Debug, Default)]
+pub struct SurveyVersions {
+    side_scan: Versions<SidePing>,
+    soundings: Versions<Sounding>,
+    fixes: Versions<Fix>,
+    echograms: BTreeMap<ChannelKind, Versions<EchogramPing>>,
 }
 
 impl Survey {
@@ -86,7 +97,12 @@ impl Survey {
 
     /// The log with what was added to it: `tail` is what was read from `seam` on, with the bytes of the longer files. The frame, the time
     /// zero and the scale of 16-bit samples stay. `None` where the tail does not continue the log: all of it has to be read again.
-    pub fn extended(&self, mut tail: Survey, seam: &Seam) -> Option<Survey> {
+    pub fn extended(
+        &self,
+        mut tail: Survey,
+        seam: &Seam,
+        versions: &mut SurveyVersions,
+    ) -> Option<Survey> {
         let is_same_kind = tail.side_scan.is_empty()
             || discriminant(&self.side_scan_state) == discriminant(&tail.side_scan_state)
             || self.side_scan_state == SideScanState::Usable;
@@ -98,18 +114,27 @@ impl Survey {
         let later_s = self.clock_shift_s(&tail, seam)?;
         tail.shift(later_s);
         tail.scale_like(self);
-        let mut soundings = joined(&self.soundings, &tail.soundings, seam, |one| one.time_s);
-        let kept = self
-            .soundings
-            .partition_point(|one| one.time_s < seam.time_s);
-        let marked = mark_bottom_lock_from(&mut soundings, kept);
-        let mut side_scan = joined(&self.side_scan, &tail.side_scan, seam, |one| one.time_s);
-        let from_s = soundings
-            .get(marked)
-            .map_or(seam.time_s, |one| one.time_s.min(seam.time_s));
-        let from = side_scan.partition_point(|ping| ping.time_s < from_s - NEAREST_SOUNDING_S);
-        give_depths(&mut side_scan[from..], &soundings);
-        let fixes = joined(&self.track.fixes, &tail.track.fixes, seam, |fix| fix.time_s);
+        let join = Join(seam.time_s);
+        let mut from_s = seam.time_s;
+        let [kept, added] = join.of(&self.soundings, &tail.soundings, |one| one.time_s);
+        let new = &tail.soundings[added..];
+        let soundings = (versions.soundings).next_changed(&self.soundings, kept, new, |all| {
+            let marked = mark_bottom_lock_from(all, kept);
+            from_s = all.get(marked).map_or(from_s, |one| from_s.min(one.time_s));
+            marked
+        });
+        let [kept, added] = join.of(&self.side_scan, &tail.side_scan, |one| one.time_s);
+        let new = &tail.side_scan[added..];
+        let side_scan = (versions.side_scan).next_changed(&self.side_scan, kept, new, |all| {
+            let from = all.partition_point(|ping| ping.time_s < from_s - NEAREST_SOUNDING_S);
+            give_depths(&mut all[from..], &soundings);
+            from
+        });
+        let [kept, added] = join.of(&self.track.fixes, &tail.track.fixes, |fix| fix.time_s);
+        let new = &tail.track.fixes[added..];
+        let fixes = versions.fixes.next(&self.track.fixes, kept, new);
+        let of_channels = &mut versions.echograms;
+        let echograms = joined_echograms(&self.echograms, &tail.echograms, &join, of_channels);
         let before = |place: &Option<(usize, u64)>| match place {
             Some((file, offset)) => seam.from.get(*file).is_none_or(|from| offset < from),
             None => true,
@@ -119,8 +144,8 @@ impl Survey {
         Some(Survey {
             source: tail.source,
             channels: joined_channels(&self.channels, &tail.channels, later_s),
-            side_scan: Arc::new(side_scan),
-            echograms: joined_echograms(&self.echograms, &tail.echograms, seam),
+            side_scan,
+            echograms,
             soundings,
             track: self.track.with_fixes(fixes),
             warnings: warnings.chain(added).cloned().collect(),
@@ -229,11 +254,10 @@ impl Survey {
             let pings = Arc::make_mut(&mut echogram.pings);
             pings.iter_mut().for_each(|ping| later(&mut ping.time_s));
         }
-        self.soundings
+        Arc::make_mut(&mut self.soundings)
             .iter_mut()
             .for_each(|one| later(&mut one.time_s));
-        self.track
-            .fixes
+        Arc::make_mut(&mut self.track.fixes)
             .iter_mut()
             .for_each(|fix| later(&mut fix.time_s));
     }
@@ -269,7 +293,7 @@ impl Survey {
         let stretch = Survey {
             source: self.source.clone(),
             side_scan: Arc::new(self.side_scan[first.min(self.side_scan.len())..].to_vec()),
-            soundings: self.soundings[sounding..].to_vec(),
+            soundings: Arc::new(self.soundings[sounding..].to_vec()),
             track: self.track.with_fixes(self.track.fixes[fix..].to_vec()),
             bytes: self.bytes.clone(),
             ..self.without_records()
@@ -278,17 +302,22 @@ impl Survey {
     }
 }
 
-/// What is older than the seam of a log, and what is not of its tail.
-fn joined<T: Clone>(log: &[T], tail: &[T], seam: &Seam, time_s: impl Fn(&T) -> f64) -> Vec<T> {
-    let kept = log.partition_point(|one| time_s(one) < seam.time_s);
-    let added = tail.partition_point(|one| time_s(one) < seam.time_s);
-    let mut all = Vec::with_capacity(kept + tail.len() - added);
-    all.extend_from_slice(&log[..kept]);
-    all.extend_from_slice(&tail[added..]);
-    all
+/// A log and its tail meet at this time, seconds.
+struct Join(f64);
+
+impl Join {
+    /// How many of the log's records are older, and the first of the tail's that is not.
+    fn of<T>(&self, log: &[T], tail: &[T], time_s: impl Fn(&T) -> f64) -> [usize; 2] {
+        [log, tail].map(|records| records.partition_point(|one| time_s(one) < self.0))
+    }
 }
 
-fn joined_echograms(log: &[Echogram], tail: &[Echogram], seam: &Seam) -> Vec<Echogram> {
+fn joined_echograms(
+    log: &[Echogram],
+    tail: &[Echogram],
+    join: &Join,
+    versions: &mut BTreeMap<ChannelKind, Versions<EchogramPing>>,
+) -> Vec<Echogram> {
     let of = |echograms: &[Echogram], kind| {
         let found = echograms.iter().find(|echogram| echogram.kind == kind);
         found.map_or_else(Arc::default, |echogram: &Echogram| echogram.pings.clone())
@@ -301,11 +330,12 @@ fn joined_echograms(log: &[Echogram], tail: &[Echogram], seam: &Seam) -> Vec<Ech
     kinds.sort_by_key(|kind| std::cmp::Reverse(*kind));
     kinds.dedup();
     let each = kinds.into_iter().map(|kind| {
-        let time_s = |ping: &EchogramPing| ping.time_s;
-        let pings = joined(&of(log, kind), &of(tail, kind), seam, time_s);
+        let (known, tail) = (of(log, kind), of(tail, kind));
+        let [kept, added] = join.of(&known, &tail, |ping| ping.time_s);
+        let versions = versions.entry(kind).or_default();
         Echogram {
             kind,
-            pings: Arc::new(pings),
+            pings: versions.next(&known, kept, &tail[added..]),
         }
     });
     each.collect()

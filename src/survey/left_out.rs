@@ -383,17 +383,16 @@ mod tests {
         };
         let survey = Survey {
             side_scan: Arc::new(pings),
-            soundings: times_s.iter().step_by(2).map(sounding).collect(),
+            soundings: Arc::new(times_s.iter().step_by(2).map(sounding).collect()),
             ..Survey::default()
         };
         let navigation = Navigation {
-            antenna: Vec::new(),
-            pings: if with_pings {
-                places.clone()
-            } else {
-                Vec::new()
+            antenna: Arc::default(),
+            pings: match with_pings {
+                true => Arc::new(places.clone()),
+                false => Arc::default(),
             },
-            soundings: places.into_iter().step_by(2).collect(),
+            soundings: Arc::new(places.into_iter().step_by(2).collect()),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

@@ -23,7 +23,7 @@ mod turn_rate;
 pub use bottom_lock::{give_depths, mark_bottom_lock};
 pub use echogram::{Echogram, EchogramPing};
 pub use gauge::{Gauge, WATER_LEVELS_M};
-pub use growing::Seam;
+pub use growing::{Seam, SurveyVersions};
 pub use identity::Identity;
 pub use left_out::{LeftOut, LeftOutReason, LeftOutSettings, LeftOutStretch, LogPart, Stretch};
 pub use mounting::{MountingSettings, arm_in_words};
@@ -252,8 +252,8 @@ pub struct Survey {
     pub range_source: RangeSource,
     /// Channels that look down.
     pub echograms: Vec<Echogram>,
-    /// Depths under the boat.
-    pub soundings: Vec<Sounding>,
+    /// Depths under the boat; shared likewise.
+    pub soundings: Arc<Vec<Sounding>>,
     /// The channel that they are of.
     pub sounding_channel: Option<ChannelKind>,
     /// Positions, courses and compass headings.

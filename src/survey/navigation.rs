@@ -6,6 +6,7 @@ use crate::geo::{LonLat, metres_per_degree, web_mercator, web_mercator_inverse};
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Where the heading comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,15 +68,16 @@ pub struct PingNav {
     pub speed_mps: f64,
 }
 
-/// Position and heading of every side-scan ping ([`Survey::side_scan`]) and every sounding ([`Survey::soundings`]).
+/// Position and heading of every side-scan ping ([`Survey::side_scan`]) and every sounding ([`Survey::soundings`]); the lists are shared by
+/// all copies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Navigation {
     /// One entry per side-scan ping.
-    pub pings: Vec<PingNav>,
+    pub pings: Arc<Vec<PingNav>>,
     /// One entry per sounding.
-    pub soundings: Vec<PingNav>,
+    pub soundings: Arc<Vec<PingNav>>,
     /// Where the antenna was at each side-scan ping, metres east and north; empty where it is right above the transducer.
-    pub antenna: Vec<[f64; 2]>,
+    pub antenna: Arc<Vec<[f64; 2]>>,
     /// The plane that the metres are in.
     pub projection: Projection,
     /// Pings without a heading.
@@ -195,14 +197,14 @@ pub fn navigate_mounted(
         navigator.move_by(arm_m, &mut soundings, &survey.soundings, |one| one.time_s);
     }
     Ok(Navigation {
-        antenna,
+        antenna: Arc::new(antenna),
         zero_heading: pings
             .iter()
             .filter(|ping| ping.heading_rad.is_nan())
             .count(),
         moving,
-        pings,
-        soundings,
+        pings: Arc::new(pings),
+        soundings: Arc::new(soundings),
         projection,
     })
 }

@@ -3,6 +3,7 @@
 use crate::geo::{Crs, CrsError, LocalFrame, LonLat};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// One recorded position with what came with it. Recorders repeat the last fix for many pings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +23,8 @@ pub struct Fix {
 /// The boat's track. Position between fixes, and heading, come from [`super::navigate`].
 #[derive(Clone, Debug)]
 pub struct Track {
-    /// One entry per record that carries a position, repeats included, in time order.
-    pub fixes: Vec<Fix>,
+    /// One entry per record that carries a position, repeats included, in time order; shared by all copies.
+    pub fixes: Arc<Vec<Fix>>,
     /// Local frame that all `east_m`, `north_m` of the log are in: its origin is the first fix, unless the log was put into the
     /// frame of another ([`Track::in_frame`]).
     pub frame: LocalFrame,
@@ -92,9 +93,9 @@ impl Default for Track {
 
 impl Track {
     /// The same with other fixes, whose places count from the same origin.
-    pub fn with_fixes(&self, fixes: Vec<Fix>) -> Self {
+    pub fn with_fixes(&self, fixes: impl Into<Arc<Vec<Fix>>>) -> Self {
         Self {
-            fixes,
+            fixes: fixes.into(),
             frame: self.frame.clone(),
             external: self.external.clone(),
             projected: self.projected.clone(),
@@ -111,7 +112,7 @@ impl Track {
             |fix| fix.position,
         );
         Self {
-            fixes,
+            fixes: Arc::new(fixes),
             frame: LocalFrame::new(origin),
             external: None,
             projected: None,
@@ -128,7 +129,7 @@ impl Track {
         };
         let local = ProjectedTrack::frame();
         let [x0, y0] = projected.origin_m;
-        let mut fixes = self.fixes;
+        let mut fixes = Arc::unwrap_or_clone(self.fixes);
         for (index, fix) in fixes.iter_mut().enumerate() {
             let [x, y] = local.to_enu(fix.position);
             let metres = [x0 + x, y0 + y];

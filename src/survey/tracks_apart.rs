@@ -41,7 +41,7 @@ impl TracksApart {
 /// Times and places where the position changed: recorders repeat the last fix for many pings.
 fn moves(track: &Track) -> Vec<(f64, LonLat)> {
     let mut moves: Vec<(f64, LonLat)> = Vec::new();
-    for fix in &track.fixes {
+    for fix in track.fixes.iter() {
         if moves.last().is_none_or(|(_, last)| *last != fix.position) {
             moves.push((fix.time_s, fix.position));
         }

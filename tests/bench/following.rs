@@ -6,10 +6,10 @@
 
 use crate::large_log;
 use bathyscope::formats::{GrowingLog, open_tail};
-use bathyscope::pipeline::{self, GrowingScale, Products, Settings, extend};
+use bathyscope::pipeline::{self, GrowingResults, Products, Settings, extend};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, simulate};
-use bathyscope::survey::Survey;
+use bathyscope::survey::{Survey, SurveyVersions};
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::Path;
@@ -64,7 +64,8 @@ fn measure(folder: &Path, whole: &[u8], whole_pings: usize, length: usize) -> f6
     let mut products = pipeline::run(&survey, &settings, None, &progress, |_| ()).expect("results");
     let whole_ms = start.elapsed().as_secs_f64() * 1e3;
     let mut growing = GrowingLog::start(&survey, &progress).expect("a file");
-    let mut scale = GrowingScale::measure(&survey, &settings, &progress).expect("a scale");
+    let mut results = GrowingResults::measure(&survey, &settings, &progress).expect("a scale");
+    let mut versions = SurveyVersions::default();
     let settings = Arc::new(settings);
     let mut file = OpenOptions::new()
         .append(true)
@@ -77,7 +78,14 @@ fn measure(folder: &Path, whole: &[u8], whole_pings: usize, length: usize) -> f6
             .expect("room");
         end += ADDED * bytes_a_ping;
         let start = Instant::now();
-        (survey, products) = step(&mut growing, &survey, &products, &settings, &mut scale);
+        (survey, products) = step(
+            &mut growing,
+            &survey,
+            &products,
+            &settings,
+            &mut results,
+            &mut versions,
+        );
         step_ms.push(start.elapsed().as_secs_f64() * 1e3);
     }
     step_ms.sort_by(f64::total_cmp);
@@ -96,17 +104,18 @@ fn step(
     survey: &Survey,
     products: &Products,
     settings: &Arc<Settings>,
-    scale: &mut GrowingScale,
+    results: &mut GrowingResults,
+    versions: &mut SurveyVersions,
 ) -> (Survey, Products) {
     let progress = Progress::new();
     growing.look(&progress).expect("it grows");
     let seam = survey.seam().expect("a seam");
     let files = growing.bytes().expect("bytes");
     let tail = open_tail(survey, &seam, files, &progress).expect("a tail");
-    let longer = survey.extended(tail, &seam).expect("it goes on");
+    let longer = survey.extended(tail, &seam, versions).expect("it goes on");
     let unchanged = longer
         .side_scan
         .partition_point(|ping| ping.time_s < seam.time_s);
-    let made = extend(&longer, unchanged, products, settings, scale, &progress);
+    let made = extend(&longer, unchanged, products, settings, results, &progress);
     (longer, made.expect("results"))
 }

@@ -135,7 +135,7 @@ fn app(count: usize) -> App {
     let survey = Arc::new(Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
-        soundings: soundings.collect(),
+        soundings: Arc::new(soundings.collect()),
         ..Survey::default()
     });
     let products = products(&survey, nav);
@@ -150,9 +150,9 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
         settings: Arc::default(),
         left_out: Arc::default(),
         navigation: Arc::new(Navigation {
-            antenna: Vec::new(),
-            pings: nav.clone(),
-            soundings: nav,
+            antenna: Arc::default(),
+            pings: Arc::new(nav.clone()),
+            soundings: Arc::new(nav),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

@@ -153,8 +153,8 @@ fn returns(pings: usize) -> FirstReturns {
             .collect()
     };
     FirstReturns {
-        port: picks(0.0),
-        starboard: picks(1.0),
+        port: Arc::new(picks(0.0)),
+        starboard: Arc::new(picks(1.0)),
         ..FirstReturns::default()
     }
 }

@@ -231,7 +231,7 @@ fn bottom_edits_are_kept_next_to_the_log_and_taken_headless() {
 fn track_next_to(log: &Path) -> PathBuf {
     let survey = bathyscope::formats::open(log, &Progress::new()).expect("the demo");
     let mut text = "time,lon,lat\n".to_owned();
-    for fix in &survey.track.fixes {
+    for fix in survey.track.fixes.iter() {
         let (at, time_s) = (
             fix.position,
             survey.start_unix_s.expect("a time") + fix.time_s,

@@ -37,10 +37,15 @@ fn true_returns(pond: &KnownSurvey, early_m: f64) -> FirstReturns {
             .collect()
     };
     FirstReturns {
-        port: picks(Side::Port),
-        starboard: picks(Side::Starboard),
+        port: Arc::new(picks(Side::Port)),
+        starboard: Arc::new(picks(Side::Starboard)),
         ..FirstReturns::default()
     }
+}
+
+fn all_picks(returns: &mut FirstReturns) -> impl Iterator<Item = &mut Pick> {
+    let sides = [&mut returns.port, &mut returns.starboard];
+    sides.into_iter().flat_map(Arc::make_mut)
 }
 
 fn calibrated(pond: &KnownSurvey, returns: &FirstReturns, settings: &Settings) -> Calibration {
@@ -112,12 +117,7 @@ fn the_flattest_stretch_lies_on_the_terrace() {
 fn a_flat_spot_gives_the_scale_though_a_third_of_its_picks_ran_into_the_limit() {
     let pond = pond(Scene::gentle(), 1);
     let mut returns = true_returns(&pond, 0.0);
-    for (index, pick) in returns
-        .port
-        .iter_mut()
-        .chain(&mut returns.starboard)
-        .enumerate()
-    {
+    for (index, pick) in all_picks(&mut returns).enumerate() {
         if index % 3 == 0 {
             pick.sample = 800.0;
         }
@@ -168,7 +168,7 @@ fn scales_that_disagree_are_reported() {
     let calibration = calibrated(&pond, &returns, &Settings::preset(Preset::Published));
     let text = calibration.warnings.join(" ");
     assert!(text.contains("range changes"), "{text}");
-    for pick in returns.port.iter_mut().chain(&mut returns.starboard) {
+    for pick in all_picks(&mut returns) {
         pick.sample *= 1.1;
     }
     let chosen = Settings::default()
@@ -283,7 +283,7 @@ fn a_stretch_whose_first_returns_are_flagged_or_scattered_on_one_side_falls_behi
                 Side::Starboard => &mut returns.starboard,
             };
             for index in first.pings.clone() {
-                spoil(index, &mut picks[index]);
+                spoil(index, &mut Arc::make_mut(picks)[index]);
             }
             let best = ranked(&pond, &returns)[0].pings.clone();
             let shared = best
@@ -303,7 +303,7 @@ fn a_stretch_whose_first_returns_are_flagged_or_scattered_on_one_side_falls_behi
 fn a_stretch_tells_its_first_returns() {
     let pond = pond(Scene::steep(), 1);
     let mut returns = true_returns(&pond, 0.05);
-    for pick in returns.starboard.iter_mut().step_by(5) {
+    for pick in Arc::make_mut(&mut returns.starboard).iter_mut().step_by(5) {
         pick.above_bottom = true;
     }
     for spot in ranked(&pond, &returns) {

@@ -112,7 +112,7 @@ fn other_track(window: &Window, behind_s: f64) -> String {
     let start_s = survey.start_unix_s.expect("a clock");
     let mut text = "time,lon,lat\n".to_owned();
     let mut last = None;
-    for fix in &survey.track.fixes {
+    for fix in survey.track.fixes.iter() {
         if last.replace(fix.position) != Some(fix.position) {
             let (at, time_s) = (fix.position, start_s + fix.time_s - behind_s);
             text += &format!("{time_s:.3},{:.9},{:.9}\n", at.lon_deg, at.lat_deg);
@@ -143,7 +143,12 @@ fn another_receivers_track_is_applied_slid_and_taken_back() {
     let apart_m = |window: &Window| app(window).log.external.apart.median_m;
     let moved_m = |window: &Window| {
         let now = places(window);
-        let pairs = now.pings.iter().zip(&recorded.pings).skip(200).take(1000);
+        let pairs = now
+            .pings
+            .iter()
+            .zip(recorded.pings.iter())
+            .skip(200)
+            .take(1000);
         let off = pairs.map(|(a, b)| (a.east_m - b.east_m).hypot(a.north_m - b.north_m));
         off.sum::<f64>() / 1000.0
     };

@@ -230,7 +230,7 @@ fn empty_and_silent_surveys_have_no_picks() {
                 found
                     .port
                     .iter()
-                    .chain(&found.starboard)
+                    .chain(found.starboard.iter())
                     .all(|pick| !pick.is_some())
             );
         }

@@ -66,9 +66,9 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
         speed_mps: if ping < 300 { 2.0 } else { 3.0 },
     });
     let navigation = Navigation {
-        antenna: Vec::new(),
-        pings: places.collect(),
-        soundings: Vec::new(),
+        antenna: Arc::default(),
+        pings: Arc::new(places.collect()),
+        soundings: Arc::default(),
         projection: Projection::Enu,
         zero_heading: 0,
         moving: PINGS,
@@ -78,8 +78,8 @@ fn survey(level: impl Fn(usize, f64) -> Option<u8>) -> (Survey, Navigation) {
 
 fn place(survey: &Survey, navigation: &Navigation, mark: &Mark) -> Target {
     let returns = FirstReturns {
-        port: vec![Pick::NONE; PINGS],
-        starboard: vec![Pick::NONE; PINGS],
+        port: vec![Pick::NONE; PINGS].into(),
+        starboard: vec![Pick::NONE; PINGS].into(),
         ..FirstReturns::default()
     };
     let (settings, progress) = (CalibrationSettings::default(), Progress::new());

@@ -134,7 +134,7 @@ fn only(sailed: &Sailed, seen: &Sighting) -> Sailed {
     let mut products = sailed.products.clone();
     let mut navigation = (*products.navigation).clone();
     let shown = seen.first_ping.saturating_sub(40)..seen.last_ping + 40;
-    for (ping, place) in navigation.pings.iter_mut().enumerate() {
+    for (ping, place) in Arc::make_mut(&mut navigation.pings).iter_mut().enumerate() {
         if !shown.contains(&ping) {
             place.heading_rad = f64::NAN;
         }

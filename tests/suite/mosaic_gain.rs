@@ -227,7 +227,8 @@ fn weak_to_starboard_and_misread() -> (Survey, Products) {
     let mut products = products.expect("nobody cancels");
     let mut returns = (*products.returns).clone();
     for ping in 260..280 {
-        for pick in [&mut returns.port[ping], &mut returns.starboard[ping]] {
+        for side in [&mut returns.port, &mut returns.starboard] {
+            let pick = &mut Arc::make_mut(side)[ping];
             pick.sample *= 0.5;
             pick.above_bottom = false;
         }

@@ -225,7 +225,7 @@ fn the_published_plane_is_stretched() {
         navigate(&survey, &settings, projection, &Progress::new()).expect("not cancelled")
     };
     let (enu, mercator) = (plane(Projection::Enu), plane(Projection::Mercator));
-    for (ground, map) in enu.pings.iter().zip(&mercator.pings).skip(600) {
+    for (ground, map) in enu.pings.iter().zip(mercator.pings.iter()).skip(600) {
         // kE and kN of EPSG:3857 at Citra.
         assert!((map.east_m / ground.east_m - 1.147010).abs() < 1e-4);
         assert!((map.north_m / ground.north_m - 1.152876).abs() < 1e-4);

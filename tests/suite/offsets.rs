@@ -126,10 +126,11 @@ fn survey(pond: &KnownSurvey, soundings: Soundings) -> Survey {
         Soundings::Wreck(share) if time_s > half_s => share as f32 * depth_m,
         _ => depth_m,
     };
-    for sounding in &mut survey.soundings {
+    let depths = Arc::make_mut(&mut survey.soundings);
+    for sounding in &mut *depths {
         sounding.depth_m = recorded(sounding.time_s, sounding.depth_m);
     }
-    survey.soundings.retain(|sounding| sounding.depth_m > 0.0);
+    depths.retain(|sounding| sounding.depth_m > 0.0);
     for ping in Arc::make_mut(&mut survey.side_scan) {
         ping.depth_m = recorded(ping.time_s, ping.depth_m);
     }

@@ -65,7 +65,7 @@ fn pond() -> (Survey, Products) {
     let survey = Survey {
         side_scan: std::sync::Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
-        soundings: soundings.collect(),
+        soundings: Arc::new(soundings.collect()),
         track: Track::new(vec![Fix {
             time_s: 0.0,
             position: LonLat {
@@ -116,18 +116,15 @@ fn cloud(nav: &[PingNav]) -> (PointCloud, Vec<bool>) {
                 1.0 + 0.01 * ping as f64 % 0.7,
             )
         }))
-        .map(|(source, ping, across_m, up_m)| point(source, ping, across_m, up_m));
-    let points: Vec<CloudPoint> = points.collect();
-    let kept = (0..points.len()).map(|index| index < 3 * nav.len());
-    let kept = kept.collect();
-    let zero_heading = 0;
-    (
-        PointCloud {
-            points,
-            zero_heading,
-        },
-        kept,
-    )
+        .map(|(source, ping, across_m, up_m)| (point(source, ping, across_m, up_m), up_m == 0.0));
+    let mut flagged: Vec<(CloudPoint, bool)> = points.collect();
+    flagged.sort_by_key(|(point, _)| (point.source, point.ping));
+    let kept = flagged.iter().map(|(_, kept)| *kept).collect();
+    let cloud = PointCloud {
+        points: flagged.into_iter().map(|(point, _)| point).collect(),
+        zero_heading: 0,
+    };
+    (cloud, kept)
 }
 
 fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<bool>) -> Products {
@@ -150,9 +147,9 @@ fn products(survey: &Survey, nav: Vec<PingNav>, cloud: PointCloud, kept: Vec<boo
         settings: Arc::default(),
         left_out: Arc::default(),
         navigation: Arc::new(Navigation {
-            antenna: Vec::new(),
-            pings: nav.clone(),
-            soundings: nav,
+            antenna: Arc::default(),
+            pings: Arc::new(nav.clone()),
+            soundings: Arc::new(nav),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

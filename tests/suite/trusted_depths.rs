@@ -24,7 +24,7 @@ fn pond_with_lost_bottom() -> KnownSurvey {
         ping.depth_locked = false;
         ping.depth_m *= 2.3;
     }
-    for sounding in &mut pond.survey.soundings {
+    for sounding in Arc::make_mut(&mut pond.survey.soundings) {
         sounding.locked = sounding.time_s < from_s;
     }
     pond

@@ -380,8 +380,10 @@ fn the_line_follows_new_picks_in_the_next_frame() {
     settle(&mut window);
     // As if the threshold were dragged: all picks 100 samples (5 m, then 2.5 m) farther out.
     let mut moved = pond_returns(&pond());
-    for pick in moved.port.iter_mut().chain(&mut moved.starboard) {
-        pick.sample += 100.0;
+    for side in [&mut moved.port, &mut moved.starboard] {
+        for pick in Arc::make_mut(side) {
+            pick.sample += 100.0;
+        }
     }
     window.state_mut().app.log.preview = Some(Arc::new(moved));
     window.run_steps(1);

@@ -3,11 +3,11 @@
 use crate::formats::{GrowingError, GrowingLog, OpenError, open_at_hand, open_growing, open_tail};
 use crate::geo::LocalFrame;
 use crate::pipeline::{
-    GrowingScale, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
+    GrowingResults, LogSettings, ProcessedLog, Products, Settings, SettingsError, SourceError,
     SourceKey, as_set, extend, run,
 };
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{Bytes, Survey};
+use crate::survey::{Bytes, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -70,12 +70,13 @@ impl Ground {
     }
 }
 
-/// What goes from one step to the next: the copy of the log, and the scale that its picture was measured by.
+/// What goes from one step to the next: the copy of the log, and what its records and results go on with.
 pub struct Tools {
     pub growing: GrowingLog,
     /// The bytes of the log as it was when it began to be followed.
     pub beginning: Vec<Bytes>,
-    scale: Option<(Arc<Settings>, GrowingScale)>,
+    versions: SurveyVersions,
+    results: Option<(Arc<Settings>, GrowingResults)>,
 }
 
 /// What a step came to.
@@ -96,7 +97,8 @@ impl Tools {
         Ok(Self {
             beginning: growing.beginning(&lengths)?,
             growing,
-            scale: None,
+            versions: SurveyVersions::default(),
+            results: None,
         })
     }
 
@@ -117,7 +119,7 @@ impl Tools {
             return Ok(Grown::Anew);
         };
         let tail = open_tail(&ground.read, &seam, self.growing.bytes()?, progress)?;
-        let Some(read) = ground.read.extended(tail, &seam) else {
+        let Some(read) = ground.read.extended(tail, &seam, &mut self.versions) else {
             return Ok(Grown::Anew);
         };
         let read = Arc::new(read);
@@ -127,13 +129,13 @@ impl Tools {
             .side_scan
             .partition_point(|ping| ping.time_s < seam.time_s);
         let (own, settings) = ground.settings_over(&survey)?;
-        let scale = self.scale_for(ground, progress)?;
+        let results = self.results_for(ground, progress)?;
         let products = extend(
             &survey,
             unchanged,
             &ground.products,
             &settings,
-            scale,
+            results,
             progress,
         )?;
         Ok(Grown::Longer(Box::new(Ground {
@@ -145,26 +147,26 @@ impl Tools {
         })))
     }
 
-    /// The scale of the picture by the settings in force; measured over the whole log where they changed.
-    fn scale_for(
+    /// What the results go on with by the settings in force; measured over the whole log where they changed.
+    fn results_for(
         &mut self,
         ground: &Ground,
         progress: &Progress,
-    ) -> Result<&mut GrowingScale, Cancelled> {
+    ) -> Result<&mut GrowingResults, Cancelled> {
         let settings = &ground.products.settings;
         let is_same = |known: &Settings| {
             known.image == settings.image
                 && known.first_return.dead_zone_m == settings.first_return.dead_zone_m
         };
-        let known = self.scale.take().filter(|(known, _)| is_same(known));
-        let scale = match known {
+        let known = self.results.take().filter(|(known, _)| is_same(known));
+        let results = match known {
             Some(known) => known,
             None => {
-                let measured = GrowingScale::measure(&ground.survey, settings, progress)?;
+                let measured = GrowingResults::measure(&ground.survey, settings, progress)?;
                 (settings.clone(), measured)
             }
         };
-        Ok(&mut self.scale.insert(scale).1)
+        Ok(&mut self.results.insert(results).1)
     }
 }
 

@@ -9,7 +9,7 @@ fn survey(start_unix_s: Option<f64>) -> Survey {
     };
     Survey {
         start_unix_s,
-        soundings: vec![sounding(0.0), sounding(1800.0)],
+        soundings: vec![sounding(0.0), sounding(1800.0)].into(),
         ..Survey::default()
     }
 }

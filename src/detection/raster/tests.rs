@@ -1,5 +1,6 @@
 use super::*;
 use crate::detection::testing::survey;
+use std::sync::Arc;
 
 #[test]
 fn a_mark_and_its_box_are_the_same_place() {
@@ -74,7 +75,7 @@ fn a_side_that_was_not_recorded_is_dark_and_an_empty_survey_has_no_rows() {
 fn positions_that_jump_do_not_stretch_the_picture() {
     let (some, mut navigation) = survey(200, |_, _| 90);
     let sound = Raster::new(&some, &navigation, 0.04).rows();
-    for (ping, place) in navigation.pings.iter_mut().enumerate() {
+    for (ping, place) in Arc::make_mut(&mut navigation.pings).iter_mut().enumerate() {
         place.speed_mps = 10f64.powi(ping as i32 % 8 + 1);
     }
     let rows = Raster::new(&some, &navigation, 0.04).rows();
@@ -84,10 +85,7 @@ fn positions_that_jump_do_not_stretch_the_picture() {
 #[test]
 fn what_few_pings_were_recorded_to_is_not_searched() {
     let (mut some, navigation) = survey(400, |_, _| 90);
-    for ping in std::sync::Arc::make_mut(&mut some.side_scan)
-        .iter_mut()
-        .step_by(5)
-    {
+    for ping in Arc::make_mut(&mut some.side_scan).iter_mut().step_by(5) {
         ping.port.as_mut().unwrap().far_m = 400.0;
     }
     let raster = Raster::new(&some, &navigation, 0.04);

@@ -51,12 +51,12 @@ pub fn track(survey: &Survey, navigation: &Navigation) -> Vec<TrackPiece> {
         }
     };
     if survey.side_scan.is_empty() {
-        let places = survey.soundings.iter().zip(&navigation.soundings);
+        let places = survey.soundings.iter().zip(navigation.soundings.iter());
         (0..)
             .zip(places)
             .for_each(|(ping, (one, place))| add(ping, one.time_s, place));
     } else {
-        let places = survey.side_scan.iter().zip(&navigation.pings);
+        let places = survey.side_scan.iter().zip(navigation.pings.iter());
         (0..)
             .zip(places)
             .for_each(|(ping, (one, place))| add(ping, one.time_s, place));

@@ -39,7 +39,7 @@ pub fn track_depths(log: &ProcessedLog) -> Vec<TrackDepth> {
         return depths;
     }
     let pings = survey.side_scan.iter().zip(log.products.depths.iter());
-    let placed = pings.zip(&log.products.navigation.pings);
+    let placed = pings.zip(log.products.navigation.pings.iter());
     let depths = placed.map(|((ping, depth), place)| TrackDepth {
         time_s: ping.time_s,
         east_m: place.east_m,

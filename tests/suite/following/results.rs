@@ -2,9 +2,9 @@
 
 use crate::support::{demo_log, real_data};
 use bathyscope::formats::{open_bytes, open_growing, open_tail};
-use bathyscope::pipeline::{GrowingScale, Preset, Products, Settings, extend, run};
+use bathyscope::pipeline::{GrowingResults, Preset, Products, Settings, extend, run};
 use bathyscope::progress::Progress;
-use bathyscope::survey::{Bytes, Side, Survey};
+use bathyscope::survey::{Bytes, Side, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -23,13 +23,16 @@ fn grow(whole: &[u8], share: f64, settings: &Settings) -> [(Survey, Products); 2
     let begin = (whole.len() as f64 * share) as usize;
     let mut survey = open_growing(bytes(whole, begin), &progress).expect("a log");
     let mut products = all(&survey);
-    let mut scale = GrowingScale::measure(&survey, settings, &progress).expect("a scale");
+    let mut results = GrowingResults::measure(&survey, settings, &progress).expect("a scale");
+    let mut versions = SurveyVersions::default();
     let settings_of = Arc::new(settings.clone());
     for step in 1..=STEPS {
         let end = begin + (whole.len() - begin) * step / STEPS;
         let seam = survey.seam().expect("a seam");
         let tail = open_tail(&survey, &seam, bytes(whole, end), &progress).expect("a tail");
-        survey = survey.extended(tail, &seam).expect("it goes on");
+        survey = survey
+            .extended(tail, &seam, &mut versions)
+            .expect("it goes on");
         let unchanged = survey
             .side_scan
             .partition_point(|ping| ping.time_s < seam.time_s);
@@ -38,7 +41,7 @@ fn grow(whole: &[u8], share: f64, settings: &Settings) -> [(Survey, Products); 2
             unchanged,
             &products,
             &settings_of,
-            &mut scale,
+            &mut results,
             &progress,
         );
         products = made.expect("results");
@@ -72,7 +75,11 @@ fn agreement([(survey, made), (finished, expected)]: &[(Survey, Products); 2]) -
         });
         same.count() as f64 / pings as f64
     };
-    let places = made.navigation.pings.iter().zip(&expected.navigation.pings);
+    let places = made
+        .navigation
+        .pings
+        .iter()
+        .zip(expected.navigation.pings.iter());
     let near = places.filter(|(a, b)| {
         (a.east_m - b.east_m).hypot(a.north_m - b.north_m) < 0.05 || a.east_m.is_nan()
     });
@@ -113,13 +120,12 @@ fn results_of_the_tail_agree_with_those_of_the_whole_log() {
         let [(_, made), (_, expected)] = &both;
         let ends = |products: &Products| products.left_out.stretches.len();
         assert!(ends(made).abs_diff(ends(expected)) <= 1);
-        let sorted = |pair: &[bathyscope::cloud::CloudPoint]| {
-            (pair[0].source, pair[0].ping) <= (pair[1].source, pair[1].ping)
-        };
-        assert!(
-            made.cloud.points.windows(2).all(sorted),
-            "the order of the cloud"
-        );
+        let points = made
+            .cloud
+            .points
+            .iter()
+            .map(|point| (point.source, point.ping));
+        assert!(points.is_sorted(), "the order of the cloud");
     }
 }
 

@@ -4,7 +4,7 @@ use crate::handmade::{Frame, humminbird, sl2, sl3, survey_frames, xtf};
 use crate::support::real_data;
 use bathyscope::formats::{open_growing, open_tail};
 use bathyscope::progress::Progress;
-use bathyscope::survey::{Bytes, Survey};
+use bathyscope::survey::{Bytes, Survey, SurveyVersions};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ fn whole(files: &Files) -> Option<Survey> {
 fn grown(known: &Survey, files: &Files) -> (Survey, bool) {
     let tail = known.seam().and_then(|seam| {
         let tail = open_tail(known, &seam, held(files), &Progress::new()).expect("a tail");
-        known.extended(tail, &seam)
+        known.extended(tail, &seam, &mut SurveyVersions::default())
     });
     match tail {
         Some(survey) => (survey, false),
@@ -86,7 +86,7 @@ fn assert_same(grown: &Survey, whole: &Survey, what: &str) {
             .track
             .fixes
             .iter()
-            .zip(&whole.track.fixes)
+            .zip(whole.track.fixes.iter())
             .all(same_fix),
         "fixes, {what}"
     );
@@ -222,7 +222,11 @@ fn what_another_log_adds_is_not_taken() {
     other.iter_mut().for_each(|frame| frame.data = vec![9; 333]);
     let files = one("a.sl2", sl2(&other));
     let tail = open_tail(&known, &seam, held(&files), &Progress::new()).expect("a log");
-    assert!(known.extended(tail, &seam).is_none());
+    assert!(
+        known
+            .extended(tail, &seam, &mut SurveyVersions::default())
+            .is_none()
+    );
 }
 
 #[test]

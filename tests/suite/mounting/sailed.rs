@@ -138,7 +138,7 @@ fn a_heading_offset_is_that_of_the_compass_alone() {
         let [one, other] =
             [plain, with].map(|settings| processed(&known, &settings, None).1.navigation);
         let bits = |heading_rad: f64| heading_rad.to_bits();
-        let mut pairs = one.pings.iter().zip(&other.pings);
+        let mut pairs = one.pings.iter().zip(other.pings.iter());
         assert!(
             pairs.all(|(a, b)| bits(a.heading_rad) == bits(b.heading_rad)),
             "{source:?}"

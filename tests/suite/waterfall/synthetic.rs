@@ -2,6 +2,7 @@
 
 use bathyscope::first_return::{FirstReturns, Pick};
 use bathyscope::survey::{Bytes, Encoding, Order, Side, SidePing, SideScanState, SideSpan, Survey};
+use std::sync::Arc;
 
 pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 2]>) -> Survey {
     let side_scan = spans.enumerate().map(|(ping, [port, starboard])| SidePing {
@@ -12,7 +13,7 @@ pub fn survey_of(bytes: Vec<u8>, spans: impl Iterator<Item = [Option<SideSpan>; 
         starboard,
     });
     Survey {
-        side_scan: std::sync::Arc::new(side_scan.collect()),
+        side_scan: Arc::new(side_scan.collect()),
         side_scan_state: SideScanState::Usable,
         bytes: vec![Bytes::Held(bytes.into())],
         ..Survey::default()
@@ -97,8 +98,8 @@ pub fn pond_returns(survey: &Survey) -> FirstReturns {
         survey.side_scan.iter().enumerate().map(pick).collect()
     };
     FirstReturns {
-        port: picks(Side::Port),
-        starboard: picks(Side::Starboard),
+        port: Arc::new(picks(Side::Port)),
+        starboard: Arc::new(picks(Side::Starboard)),
         ..FirstReturns::default()
     }
 }

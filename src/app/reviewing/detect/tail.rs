@@ -75,9 +75,9 @@ impl App {
         let task = Task::start(&self.jobs, move |progress| {
             let (stretch, _) = survey.stretch_from(from);
             let navigation = Navigation {
-                pings: all.pings[from..to].to_vec(),
-                soundings: Vec::new(),
-                antenna: Vec::new(),
+                pings: Arc::new(all.pings[from..to].to_vec()),
+                soundings: Arc::default(),
+                antenna: Arc::default(),
                 projection: all.projection,
                 zero_heading: 0,
                 moving: 0,

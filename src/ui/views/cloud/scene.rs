@@ -385,6 +385,7 @@ fn counts(logs: &[LogPoints]) -> Counts {
 mod tests {
     use super::*;
     use crate::app::CloudOptions;
+    use crate::cloud::BySource;
 
     fn point(source: PointSource, ping: u32, z_m: f64) -> CloudPoint {
         CloudPoint {
@@ -413,12 +414,12 @@ mod tests {
     #[test]
     fn kept_points_come_first_and_know_where_they_came_from() {
         let cloud = PointCloud {
-            points: vec![
+            points: BySource::from_iter([
                 point(PointSource::DownScan, 0, -2.0),
                 point(PointSource::Port, 4, -9.0),
                 point(PointSource::Port, 5, f64::NAN),
                 point(PointSource::Starboard, 4, -3.0),
-            ],
+            ]),
             zero_heading: 0,
         };
         let kept = [true, false, true, true];
@@ -436,7 +437,7 @@ mod tests {
         let second = LogPoints {
             id: LogId(2),
             cloud: Arc::new(PointCloud {
-                points: vec![point(PointSource::Port, 4, -1.0)],
+                points: BySource::from_iter([point(PointSource::Port, 4, -1.0)]),
                 zero_heading: 0,
             }),
             kept: Arc::new(vec![true]),

@@ -160,7 +160,7 @@ struct Record<'a> {
 fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Record<'a>> {
     let (navigation, correction) = (&products.navigation, &products.correction);
     if navigation.pings.is_empty() {
-        let soundings = survey.soundings.iter().zip(&navigation.soundings);
+        let soundings = survey.soundings.iter().zip(navigation.soundings.iter());
         let record = |(sounding, place): (&Sounding, &'a PingNav)| Record {
             time_s: sounding.time_s,
             place,
@@ -172,7 +172,7 @@ fn records<'a>(ProcessedLog { survey, products }: &'a ProcessedLog) -> Vec<Recor
         };
         return soundings.map(record).collect();
     }
-    let pings = survey.side_scan.iter().zip(&navigation.pings);
+    let pings = survey.side_scan.iter().zip(navigation.pings.iter());
     let pings = pings.zip(products.depths.iter());
     let records = pings.map(|((ping, place), depth)| Record {
         time_s: ping.time_s,

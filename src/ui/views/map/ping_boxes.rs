@@ -107,9 +107,9 @@ mod tests {
         };
         let pings: Vec<PingNav> = (0..3000).map(place).collect();
         let navigation = Navigation {
-            antenna: Vec::new(),
-            pings: pings.clone(),
-            soundings: Vec::new(),
+            antenna: Arc::default(),
+            pings: Arc::new(pings.clone()),
+            soundings: Arc::default(),
             projection: Projection::Enu,
             zero_heading: 0,
             moving: 0,

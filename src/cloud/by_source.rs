@@ -1,0 +1,114 @@
+//! A list with one part a source of points.
+
+use super::{CloudPoint, PointSource};
+use std::iter::Chain;
+use std::ops::Index;
+use std::slice::Iter;
+use std::sync::Arc;
+
+/// Entries by their source, in the order of [`PointSource`] and numbered through all of them. The parts are shared by all copies; each can
+/// grow without the others being moved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BySource<T>([Arc<Vec<T>>; 3]);
+
+impl<T> Default for BySource<T> {
+    fn default() -> Self {
+        Self(Default::default())
+    }
+}
+
+impl<T> BySource<T> {
+    /// Of the entries of each source, made by `part`.
+    pub fn from_parts(part: impl FnMut(PointSource) -> Arc<Vec<T>>) -> Self {
+        Self(PointSource::ALL.map(part))
+    }
+
+    /// Those of one source.
+    pub fn of(&self, source: PointSource) -> &Arc<Vec<T>> {
+        &self.0[source as usize]
+    }
+
+    /// Number of the first entry of a source.
+    pub fn start(&self, source: PointSource) -> usize {
+        let before = &self.0[..source as usize];
+        before.iter().map(|part| part.len()).sum()
+    }
+
+    /// Entries of all sources.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|part| part.len()).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The entry of a number.
+    pub fn get(&self, mut number: usize) -> Option<&T> {
+        for part in &self.0 {
+            match part.get(number) {
+                Some(entry) => return Some(entry),
+                None => number -= part.len(),
+            }
+        }
+        None
+    }
+
+    /// All entries in the order of their numbers.
+    pub fn iter(&self) -> Chain<Chain<Iter<'_, T>, Iter<'_, T>>, Iter<'_, T>> {
+        let [down_scan, port, starboard] = &self.0;
+        down_scan.iter().chain(port.iter()).chain(starboard.iter())
+    }
+}
+
+impl FromIterator<CloudPoint> for BySource<CloudPoint> {
+    fn from_iter<I: IntoIterator<Item = CloudPoint>>(points: I) -> Self {
+        let mut parts: [Vec<CloudPoint>; 3] = Default::default();
+        for point in points {
+            parts[point.source as usize].push(point);
+        }
+        Self(parts.map(Arc::new))
+    }
+}
+
+impl<'a, T> IntoIterator for &'a BySource<T> {
+    type Item = &'a T;
+    type IntoIter = Chain<Chain<Iter<'a, T>, Iter<'a, T>>, Iter<'a, T>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<T> Index<usize> for BySource<T> {
+    type Output = T;
+
+    /// # Panics
+    /// When there is no entry of this number, as a list does.
+    fn index(&self, number: usize) -> &T {
+        match self.get(number) {
+            Some(entry) => entry,
+            None => panic!("entry {number} of {}", self.len()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_numbered_through_all_parts() {
+        let list = BySource::from_parts(|source| match source {
+            PointSource::DownScan => Arc::new(vec!['a', 'b']),
+            PointSource::Port => Arc::default(),
+            PointSource::Starboard => Arc::new(vec!['c']),
+        });
+        let all: Vec<char> = list.iter().copied().collect();
+        assert_eq!(all, ['a', 'b', 'c']);
+        assert_eq!((list.len(), list[2], list.get(3)), (3, 'c', None));
+        assert_eq!(PointSource::ALL.map(|source| list.start(source)), [0, 2, 2]);
+        assert_eq!(list.of(PointSource::Starboard)[0], 'c');
+    }
+}
