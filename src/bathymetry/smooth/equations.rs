@@ -3,9 +3,9 @@
 use super::levels::Levels;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
-/// What is still to be done falls to this share of that at a flat plate before a grid counts as solved, in at most so many steps.
-const SOLVED: f64 = 1e-5;
+/// A grid counts as solved after so many steps at most.
 const MOST_STEPS: usize = 100;
 /// Cells that the bending of a cell reaches.
 const REACH: usize = 2;
@@ -27,11 +27,6 @@ pub struct Knot {
 }
 
 impl Knot {
-    fn depth_of(&self, depth_m: &[f64]) -> f64 {
-        let parts = self.cells.iter().zip(&self.shares);
-        parts.map(|(cell, share)| depth_m[*cell] * share).sum()
-    }
-
     /// Spreads what is pulled over the cells.
     fn add_to(&self, cells: &mut [f64], pull: f64) {
         for (cell, share) in self.cells.iter().zip(&self.shares) {
@@ -40,7 +35,7 @@ impl Knot {
     }
 }
 
-/// The normal equations, never written out.
+/// The normal equations: the bending is never written out, what the soundings hold is.
 pub struct Equations {
     /// Cells from west to east.
     pub columns: usize,
@@ -50,14 +45,114 @@ pub struct Equations {
     pub stiffness: f64,
     /// The soundings.
     pub knots: Vec<Knot>,
+    held: Held,
+}
+
+/// How the soundings tie each cell to itself and to four of its neighbours; the other four have it the other way round. However many
+/// soundings there are, the work is that of the cells.
+struct Held {
+    own: Vec<f64>,
+    east: Vec<f64>,
+    south_west: Vec<f64>,
+    south: Vec<f64>,
+    south_east: Vec<f64>,
+}
+
+impl Held {
+    fn by(knots: &[Knot], columns: usize, rows: usize) -> Self {
+        let none = || vec![0.0; columns * rows];
+        let mut held = Self {
+            own: none(),
+            east: none(),
+            south_west: none(),
+            south: none(),
+            south_east: none(),
+        };
+        for knot in knots {
+            for (at, &from) in knot.cells.iter().enumerate() {
+                held.own[from] += knot.weight * knot.shares[at].powi(2);
+                for (&to, share) in knot.cells.iter().zip(&knot.shares).skip(at + 1) {
+                    let tie = knot.weight * knot.shares[at] * share;
+                    let [[row, column], [down, right]] =
+                        [from, to].map(|cell| [cell / columns, cell % columns]);
+                    match (down > row, right.cmp(&column)) {
+                        // In a grid of one row or one column both are the same cell.
+                        (false, Ordering::Equal) => held.own[from] += 2.0 * tie,
+                        (false, Ordering::Greater) => held.east[from] += tie,
+                        (false, Ordering::Less) => held.east[to] += tie,
+                        (true, Ordering::Less) => held.south_west[from] += tie,
+                        (true, Ordering::Equal) => held.south[from] += tie,
+                        (true, Ordering::Greater) => held.south_east[from] += tie,
+                    }
+                }
+            }
+        }
+        held
+    }
+
+    /// Adds what the soundings make of the depths of a row.
+    fn add_row(&self, depth_m: &[f64], row: usize, made: &mut [f64]) {
+        let columns = made.len();
+        let start = row * columns;
+        let here = &depth_m[start..][..columns];
+        add_products(made, &self.own[start..][..columns], here);
+        let east = &self.east[start..][..columns - 1];
+        add_products(made, east, &here[1..]);
+        add_products(&mut made[1..], east, here);
+        if let Some(before) = start.checked_sub(columns) {
+            let north = &depth_m[before..][..columns];
+            add_products(made, &self.south[before..][..columns], north);
+            add_products(
+                &mut made[1..],
+                &self.south_east[before..][..columns - 1],
+                north,
+            );
+            add_products(
+                made,
+                &self.south_west[before + 1..][..columns - 1],
+                &north[1..],
+            );
+        }
+        if let Some(south) = depth_m
+            .get(start + columns..)
+            .and_then(|rest| rest.get(..columns))
+        {
+            add_products(made, &self.south[start..][..columns], south);
+            add_products(made, &self.south_east[start..][..columns - 1], &south[1..]);
+            add_products(
+                &mut made[1..],
+                &self.south_west[start + 1..][..columns - 1],
+                south,
+            );
+        }
+    }
+}
+
+/// Adds the products of two lists, as long as the shorter.
+fn add_products(to: &mut [f64], a: &[f64], b: &[f64]) {
+    for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
+        *to += a * b;
+    }
 }
 
 impl Equations {
-    /// Preconditioned conjugate gradients (M. R. Hestenes, E. Stiefel 1952), from what `depth_m` holds; `levels` are those of the same
-    /// equations.
+    /// Of the soundings on a grid of cells.
+    pub fn new([columns, rows]: [usize; 2], stiffness: f64, knots: Vec<Knot>) -> Self {
+        Self {
+            held: Held::by(&knots, columns, rows),
+            columns,
+            rows,
+            stiffness,
+            knots,
+        }
+    }
+
+    /// Preconditioned conjugate gradients (M. R. Hestenes, E. Stiefel 1952), from what `depth_m` holds, until what is still to be done is
+    /// the share `solved` of that at a flat plate; `levels` are those of the same equations.
     pub fn solve(
         &self,
         levels: &Levels,
+        solved: f64,
         depth_m: &mut [f64],
         progress: &Progress,
     ) -> Result<(), Cancelled> {
@@ -73,7 +168,7 @@ impl Equations {
         let mut direction = eased.clone();
         let mut moved = vec![0.0; depth_m.len()];
         let mut size = dot(&left, &eased);
-        let goal = self.flat(levels) * SOLVED * SOLVED;
+        let goal = self.flat(levels) * solved * solved;
         for _ in 0..MOST_STEPS {
             if size <= goal || size <= 0.0 {
                 break;
@@ -110,11 +205,10 @@ impl Equations {
         made.par_chunks_mut(self.columns)
             .with_min_len(ROWS_AT_ONCE)
             .enumerate()
-            .for_each(|(row, made)| self.bend_row(depth_m, row, made));
-        for knot in &self.knots {
-            let pull = knot.weight * knot.depth_of(depth_m);
-            knot.add_to(made, pull);
-        }
+            .for_each(|(row, made)| {
+                self.bend_row(depth_m, row, made);
+                self.held.add_row(depth_m, row, made);
+            });
     }
 
     /// [`Equations::bending`] of a row, times the stiffness; where no edge is near by the stencil that it then is.
@@ -179,13 +273,8 @@ impl Equations {
 
     /// The diagonal of the equations, that of bending as it is away from the edge.
     pub fn diagonal(&self) -> Vec<f64> {
-        let mut diagonal = vec![20.0 * self.stiffness; self.columns * self.rows];
-        for knot in &self.knots {
-            for (cell, share) in knot.cells.iter().zip(&knot.shares) {
-                diagonal[*cell] += knot.weight * share * share;
-            }
-        }
-        diagonal
+        let own = self.held.own.iter();
+        own.map(|held| 20.0 * self.stiffness + held).collect()
     }
 }
 

@@ -192,12 +192,8 @@ fn coarsened(grid: &Grid, equations: &Equations, coarser: &Grid) -> Equations {
             weight,
         }
     });
-    Equations {
-        columns: coarser.columns,
-        rows: coarser.rows,
-        stiffness: equations.stiffness * (grid.cell_m / coarser.cell_m).powi(2),
-        knots: knots.collect(),
-    }
+    let stiffness = equations.stiffness * (grid.cell_m / coarser.cell_m).powi(2);
+    Equations::new([coarser.columns, coarser.rows], stiffness, knots.collect())
 }
 
 /// Of a few equations, the factor `L` of `L L^T`, row by row.

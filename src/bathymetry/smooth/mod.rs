@@ -14,12 +14,14 @@ use crate::progress::{Cancelled, Progress};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use left_out::Judge;
 pub use left_out::SigmaByDistance;
-use plate::Plate;
+use plate::{Plate, Search};
 use rayon::prelude::*;
 
 /// Most cells of a plate, and of those that its stiffness is tried on: on a larger map the cells are larger.
 const MOST_CELLS: usize = 400_000;
 const MOST_CELLS_TRIED: usize = 10_000;
+/// Share of the work at a flat plate that is left when the plate of a map counts as found.
+const SOLVED: f64 = 1e-5;
 /// How far a plate gives way where too few soundings can be left out to tell.
 const USUAL_GIVE: f64 = 1.6;
 /// Soundings are left out in squares whose side is twice the distance to a sounding that this share of the map does not exceed: their
@@ -82,7 +84,11 @@ fn take_plate(
     let grid = made.grid;
     let cells = grid.coarser(grid.times_coarser(MOST_CELLS));
     progress.start(Plate::steps(&cells));
-    let plate = Plate::through(&cells, nodes, give, progress)?;
+    let search = Search {
+        give,
+        solved: SOLVED,
+    };
+    let plate = Plate::through(&cells, nodes, search, progress)?;
     let cells = made.depth_m.par_iter_mut().enumerate();
     cells
         .filter(|(_, depth_m)| !depth_m.is_nan())

@@ -18,6 +18,15 @@ const USUAL: f64 = 2.0;
 /// Least misfit that counts as unusual, metres: recorders write centimetres.
 const LEAST_MISFIT_M: f64 = 0.01;
 
+/// How a plate is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Search {
+    /// How far the plate gives way to the soundings, for each metre of their usual error: small for a board, large for a sheet.
+    pub give: f64,
+    /// It is found when what is still to be done is this share of that at a flat plate.
+    pub solved: f64,
+}
+
 /// Depths at the centres of the cells of a grid, everywhere known.
 #[derive(Clone, Debug)]
 pub struct Plate {
@@ -26,15 +35,14 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Through some soundings. `give` says how far the plate gives way to them, for each metre of their usual error: small for a board,
-    /// large for a sheet. From coarse to fine, so that far reaches are settled where they are few cells.
+    /// Through some soundings, from coarse to fine, so that far reaches are settled where they are few cells.
     ///
     /// # Errors
     /// When the work was cancelled.
     pub fn through(
         grid: &Grid,
         nodes: &[Node],
-        give: f64,
+        search: Search,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
         let halvings = halvings(grid);
@@ -43,11 +51,11 @@ impl Plate {
         let mut weights = vec![1.0; nodes.len()];
         for halving in (0..=halvings).rev() {
             plate = plate.on(grid.coarser(1 << halving));
-            plate.settle(nodes, &weights, give, progress)?;
+            plate.settle(nodes, &weights, search, progress)?;
         }
         for _ in 0..REWEIGHTED {
             weights = plate.weights(nodes);
-            plate.settle(nodes, &weights, give, progress)?;
+            plate.settle(nodes, &weights, search, progress)?;
         }
         Ok(plate)
     }
@@ -87,7 +95,7 @@ impl Plate {
         &mut self,
         nodes: &[Node],
         weights: &[f64],
-        give: f64,
+        search: Search,
         progress: &Progress,
     ) -> Result<(), Cancelled> {
         let knots = nodes.iter().zip(weights).map(|(node, weight)| {
@@ -99,16 +107,13 @@ impl Plate {
                 weight: *weight,
             }
         });
-        let equations = Equations {
-            columns: self.grid.columns,
-            rows: self.grid.rows,
-            stiffness: (give * self.grid.cell_m).powi(-2),
-            knots: knots.collect(),
-        };
+        let size = [self.grid.columns, self.grid.rows];
+        let stiffness = (search.give * self.grid.cell_m).powi(-2);
+        let equations = Equations::new(size, stiffness, knots.collect());
         let levels = Levels::of(&self.grid, equations);
         levels
             .finest()
-            .solve(&levels, &mut self.depth_m, progress)?;
+            .solve(&levels, search.solved, &mut self.depth_m, progress)?;
         progress.advance(1);
         Ok(())
     }

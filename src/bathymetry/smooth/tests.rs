@@ -1,5 +1,7 @@
 //! The plate against scipy's solution of the same equations, and what it does with soundings that are wrong.
 
+use super::equations::{Equations, Knot};
+use super::plate::around;
 use super::*;
 use crate::bathymetry::{DepthPoint, Grid, SurfaceMethod, SurfaceSettings, surface};
 
@@ -9,6 +11,11 @@ const GRID: Grid = Grid {
     cell_m: 0.5,
     columns: 30,
     rows: 25,
+};
+
+const USUAL: Search = Search {
+    give: USUAL_GIVE,
+    solved: SOLVED,
 };
 
 /// East of the west edge, south of the north edge and depth, metres.
@@ -47,10 +54,50 @@ fn nodes(soundings: &[[f64; 3]]) -> Vec<Node> {
 
 #[test]
 fn a_plate_is_what_scipy_makes_of_its_equations() {
-    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), 1.6, &Progress::new()).unwrap();
+    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), USUAL, &Progress::new()).unwrap();
     for (row, column, depth_m) in SOLVED_BY_SCIPY {
         let made_m = plate.depth_at(GRID.centre(row, column));
         assert!((made_m - depth_m).abs() < 1e-3, "{row} {column}: {made_m}");
+    }
+}
+
+#[test]
+fn what_soundings_hold_is_the_same_cell_by_cell_as_one_by_one() {
+    for [columns, rows] in [[1, 1], [1, 5], [5, 1], [2, 2], [4, 3]] {
+        let grid = Grid {
+            columns,
+            rows,
+            ..GRID
+        };
+        let (wide_m, high_m) = (0.5 * columns as f64, 0.5 * rows as f64);
+        let knots: Vec<Knot> = (0..40_u32)
+            .map(|index| {
+                let [right, down] =
+                    [7, 11].map(|times| f64::from(index * times % 40) / 40.0 * 1.2 - 0.1);
+                let place = [GRID.west_m + right * wide_m, GRID.north_m - down * high_m];
+                let (cells, shares) = around(&grid, place);
+                Knot {
+                    cells,
+                    shares,
+                    depth_m: 0.0,
+                    weight: 0.2 + f64::from(index % 5),
+                }
+            })
+            .collect();
+        let depth_m: Vec<f64> = (0..grid.len()).map(|cell| (cell as f64).sin()).collect();
+        let mut expected = vec![0.0; grid.len()];
+        for knot in &knots {
+            let parts = || knot.cells.iter().zip(&knot.shares);
+            let found_m: f64 = parts().map(|(cell, share)| share * depth_m[*cell]).sum();
+            for (cell, share) in parts() {
+                expected[*cell] += knot.weight * share * found_m;
+            }
+        }
+        let mut made = vec![0.0; grid.len()];
+        Equations::new([columns, rows], 0.0, knots).times(&depth_m, &mut made);
+        for (made, expected) in made.iter().zip(&expected) {
+            assert!((made - expected).abs() < 1e-12, "{columns} x {rows}");
+        }
     }
 }
 
@@ -186,6 +233,6 @@ fn the_stated_error_grows_away_from_soundings_and_holds_what_it_says() {
 fn a_cancelled_plate_is_none() {
     let progress = Progress::new();
     progress.cancel();
-    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), 1.6, &progress);
+    let plate = Plate::through(&GRID, &nodes(&SOUNDINGS), USUAL, &progress);
     assert!(plate.is_err());
 }
