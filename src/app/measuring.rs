@@ -241,7 +241,7 @@ impl App {
         Some((one.id, (one.shadow != Some(shadow)).then_some(shadow)))
     }
 
-    /// Where a pick lies on a level bottom.
+    /// Where a pick lies on the bottom.
     fn ground_at(&self, pick: &Pick) -> Option<LonLat> {
         self.with_placing(pick, |placing, log| {
             let side = pick.side_in(placing.survey());
@@ -264,14 +264,7 @@ impl App {
         };
         let log = self.logs().find(is_of)?;
         let (survey, products) = log.survey.as_ref().zip(log.products.as_ref())?;
-        let placing = Placing::new(
-            survey,
-            &products.navigation,
-            &products.returns,
-            &products.calibration,
-            &products.correction,
-        );
-        Some(with(&placing, log))
+        Some(with(&Placing::new(survey, products), log))
     }
 
     /// Takes the last corner back; a finished figure is drawn on.

@@ -64,6 +64,9 @@ pub struct SurfaceSettings {
     /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
     /// metres: a field of boulders, no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
+    /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`crate::survey::Relief`]); otherwise on a
+    /// level one.
+    pub relief: bool,
 }
 
 impl Default for SurfaceSettings {
@@ -79,6 +82,7 @@ impl Default for SurfaceSettings {
             side_scan_weight: 1.0,
             above_bottom: false,
             longest_above_bottom_m: 40.0,
+            relief: true,
         }
     }
 }
@@ -93,6 +97,16 @@ impl SurfaceSettings {
                 self.side_scan_weight * f64::from(point.confidence)
             }
         }
+    }
+
+    /// Whether the same depths count, whatever the surface between them is.
+    pub fn counts_the_same(&self, other: &Self) -> bool {
+        Self {
+            method: other.method,
+            cell_m: other.cell_m,
+            max_side: other.max_side,
+            ..self.clone()
+        } == *other
     }
 
     /// Whether a point above the recorded depth is taken for weed, fish or an object.

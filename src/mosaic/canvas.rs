@@ -185,6 +185,7 @@ impl Between {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::survey::AcrossTrack;
 
     #[test]
     fn a_place_between_two_turned_rays_is_found_where_it_was_put() {
@@ -195,6 +196,8 @@ mod tests {
                 heading_deg.to_radians().sin(),
             ],
             altitude_m: 3.0,
+            under_m: 3.0,
+            across: AcrossTrack::LEVEL,
             start_m: 0.0,
             step_m: 0.02,
             count: 1400,

@@ -7,12 +7,16 @@ use super::{MosaicSettings, TILE_CELLS};
 use crate::bathymetry::Grid;
 use crate::calibration::Calibration;
 use crate::first_return::FirstReturns;
-use crate::survey::{LeftOut, Navigation, Side, Survey, turn_rates_deg_s};
+use crate::survey::{AcrossTrack, LeftOut, Navigation, Relief, Side, Survey, turn_rates_deg_s};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Longest way and pause between two pings that are joined: beyond them the log was interrupted.
 const LONGEST_STEP_M: f64 = 3.0;
 const LONGEST_PAUSE_S: f64 = 2.0;
+/// Slant range in which an echo rises from the first return on, metres: about a pulse and the scatter of first returns.
+const RISE_M: f64 = 0.05;
 /// Length over which the plane's scale and direction are taken, metres.
 const PROBE_M: f64 = 20.0;
 
@@ -23,8 +27,12 @@ pub struct Ray {
     pub at: [f64; 2],
     /// What a metre on the ground, outward, is in the plane.
     pub out: [f64; 2],
-    /// Height over the ground, metres.
+    /// Slant range of the first return, metres: height over level ground.
     pub altitude_m: f64,
+    /// Height over the ground under the boat, metres.
+    pub under_m: f64,
+    /// The ground outward.
+    pub across: AcrossTrack,
     /// Calibrated slant range of the near edge of the first sample, and what each sample adds, metres.
     pub start_m: f64,
     /// See `start_m`.
@@ -47,8 +55,24 @@ impl Ray {
     /// Farthest distance on the ground, metres; the slant range itself with the water column.
     pub fn reach_m(&self, water_column: bool) -> f64 {
         let far_m = self.range_m(self.count as f64);
-        let below_m = if water_column { 0.0 } else { self.altitude_m };
-        (far_m * far_m - below_m * below_m).max(0.0).sqrt()
+        match water_column {
+            true => far_m.max(0.0),
+            false => self.across.ground_m(self.under_m, far_m),
+        }
+    }
+
+    /// The place on the ray, counted in samples, of the ground at a distance; the slant range itself with the water column.
+    pub fn sample_of(&self, ground_m: f64, water_column: bool) -> f64 {
+        if water_column {
+            return self.sample_at(ground_m);
+        }
+        let range_m = self.across.range_m(self.under_m, ground_m);
+        // Where the bottom rises from under the boat, its foot is broad and the water above it dark.
+        let least_m = match self.under_m > self.altitude_m {
+            true => self.altitude_m + RISE_M,
+            false => 0.0,
+        };
+        self.sample_at(range_m.max(least_m))
     }
 
     /// The place at a distance on the ground.
@@ -92,6 +116,8 @@ pub struct Layout {
     /// By side, port first.
     ranges: [Vec<Option<Ranges>>; 2],
     altitudes_m: [Vec<f32>; 2],
+    /// The ground across the track, and heights over it under the boat where it is not level.
+    relief: Option<(Arc<Relief>, [Vec<f32>; 2])>,
     /// Whether the ground between a ping and the next is shown.
     joined: Vec<bool>,
     water_column: bool,
@@ -170,6 +196,7 @@ impl Layout {
                 .fold(0.1, f64::max),
             placed,
             ranges,
+            relief: None,
             boxes: Vec::new(),
         }
     }
@@ -206,6 +233,24 @@ impl Layout {
             *altitude_m = (f64::from(*altitude_m) * factor) as f32;
         }
         self.far_m *= factor;
+        self.boxed()
+    }
+
+    /// The same on ground that is not level; its depths are those of ranges with their factor.
+    #[must_use]
+    pub fn with_relief(mut self, relief: &Arc<Relief>) -> Self {
+        if relief.is_level() {
+            return self;
+        }
+        let under = |side: Side| {
+            let altitudes = self.pings.par_iter().zip(&self.altitudes_m[slot(side)]);
+            let under = altitudes.map(|(ping, altitude_m)| {
+                let across = relief.across(side, *ping as usize);
+                across.altitude_m(f64::from(*altitude_m)) as f32
+            });
+            under.collect()
+        };
+        self.relief = Some((relief.clone(), Side::BOTH.map(under)));
         self.boxed()
     }
 
@@ -297,7 +342,16 @@ impl Layout {
             Side::Port => -1.0,
             Side::Starboard => 1.0,
         };
+        let (across, under_m) = match &self.relief {
+            Some((relief, under_m)) => (
+                relief.across(side, *self.pings.get(ping)? as usize),
+                f64::from(*under_m[slot(side)].get(ping)?),
+            ),
+            None => (AcrossTrack::LEVEL, altitude_m),
+        };
         (altitude_m > 0.0).then(|| Ray {
+            under_m,
+            across,
             at: placed.at,
             out: placed.starboard.map(|component| sign * component),
             altitude_m,

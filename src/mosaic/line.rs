@@ -113,18 +113,15 @@ impl Line {
         // Places on the ray, counted in samples, of the edges of all cells that are taken the mean of.
         let edge = |index: usize| {
             let ground_m = (index as f64 - STEPS as f64 / 2.0).max(0.0) / lines.steps_per_m;
-            let range_m = match lines.water_column {
-                true => ground_m,
-                false => (ground_m * ground_m + ray.altitude_m * ray.altitude_m).sqrt(),
-            };
-            ray.sample_at(range_m)
+            ray.sample_of(ground_m, lines.water_column)
         };
         self.edges.clear();
         self.edges
             .extend((self.steps.start..self.steps.end + STEPS).map(edge));
-        let (Some(low), Some(high)) = (self.edges.first(), self.edges.last()) else {
-            return false;
-        };
+        // Where the bottom rises from under the boat, what is nearest is not the first.
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        let edges = self.edges.iter();
+        let [low, high] = edges.fold(start, |[low, high], edge| [low.min(*edge), high.max(*edge)]);
         let samples =
             (low - 1.0).max(0.0) as usize..((high + 2.0).max(0.0) as usize).min(ray.count);
         if samples.is_empty() || !self.sum_up(lines, place, ray, samples.clone()) {

@@ -8,8 +8,9 @@
 //! lines --paint, canvas--> Tile of 256 x 256 cells
 //! ```
 //!
-//! The ground to the side of the boat is taken as level at the altitude `h` where the first return lies, so an echo at slant range `r`
-//! comes from `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is turned and moved evenly, so that the strips
+//! The ground to the side of the boat is that of the log's own depths ([`crate::survey::Relief`]), held to the first return, which comes from
+//! what is nearest; where no depth is known, level at the altitude `h` of the first return, so an echo at slant range `r` comes from
+//! `g = sqrt(r^2 - h^2)` across-track. Between two pings the ray is turned and moved evenly, so that the strips
 //! close without gaps on the outer side of a bend. A tile costs time and memory in proportion to what it shows; nothing grows
 //! with the area of the mosaic.
 

@@ -124,14 +124,7 @@ fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {
 }
 
 fn placing(of: &ProcessedLog) -> Placing<'_> {
-    let Products {
-        navigation,
-        returns,
-        calibration,
-        correction,
-        ..
-    } = &of.products;
-    Placing::new(&of.survey, navigation, returns, calibration, correction)
+    Placing::new(&of.survey, &of.products)
 }
 
 /// Whether the middle of a box lies in a stretch that is left out.

@@ -134,22 +134,13 @@ const NOT_OF_TRACK: &[&str] = &[
     "surface",
     "water_level",
 ];
-const NOT_OF_FOOTPRINT: &[&str] = &["cloud", "detector", "isobaths", "outliers", "surface"];
+const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths"];
 const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic"];
 const NOT_OF_BODY: &[&str] = &["detector", "isobaths"];
 const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic"];
-const NOT_OF_MOSAIC: &[&str] = &[
-    "cloud",
-    "detector",
-    "draft_m",
-    "height_offset_m",
-    "isobaths",
-    "outliers",
-    "surface",
-    "water_level",
-    "water_level_m",
-];
-const NOT_OF_BOXES: &[&str] = &["cloud", "crs", "isobaths", "mosaic", "outliers", "surface"];
+// Echoes and boxes lie on the bottom that the points tell.
+const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths"];
+const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic"];
 
 const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
 const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";

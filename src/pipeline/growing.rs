@@ -155,6 +155,8 @@ pub fn extend(
         cloud: Arc::new(cloud),
         kept: Arc::new(kept),
         depths: all_depths,
+        // Level under what is new: the surface is that of the whole log.
+        relief: before.relief.clone(),
         depth_range_m,
         scales: before.scales.with(new_scales),
     })

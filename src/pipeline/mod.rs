@@ -19,6 +19,7 @@ mod mosaic;
 mod placing;
 mod processed_log;
 mod products;
+mod relief;
 mod report;
 pub mod settings;
 mod source;

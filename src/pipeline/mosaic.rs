@@ -28,5 +28,6 @@ pub fn mosaic_layout_by(
         place,
     )
     .with_range_factor(products.correction.range_factor())
+    .with_relief(&products.relief)
     .without(&products.left_out)
 }

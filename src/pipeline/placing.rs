@@ -1,11 +1,10 @@
 //! Objects on the bottom, with what is known of water and transducer: as the points of the cloud are.
 
-use crate::calibration::Calibration;
+use super::Products;
 use crate::cloud::Correction;
 use crate::detection::targets::{Placer, Target};
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
-use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, Survey};
+use crate::survey::Survey;
 
 /// Places boxes of one survey.
 pub struct Placing<'a> {
@@ -16,16 +15,20 @@ pub struct Placing<'a> {
 
 impl<'a> Placing<'a> {
     /// Gets ready for the boxes of a survey.
-    pub fn new(
-        survey: &'a Survey,
-        navigation: &'a Navigation,
-        returns: &'a FirstReturns,
-        calibration: &'a Calibration,
-        correction: &'a Correction,
-    ) -> Self {
-        let placer = Placer::new(survey, navigation, returns, calibration);
+    pub fn new(survey: &'a Survey, products: &'a Products) -> Self {
+        let Products {
+            navigation,
+            returns,
+            calibration,
+            correction,
+            relief,
+            ..
+        } = products;
+        let placer = Placer::new(survey, navigation, returns, calibration)
+            .with_range_factor(correction.range_factor())
+            .with_relief(relief);
         Self {
-            placer: placer.with_range_factor(correction.range_factor()),
+            placer,
             survey,
             correction,
         }
@@ -47,7 +50,7 @@ impl<'a> Placing<'a> {
         let middle = usize::midpoint(mark.pings.start, mark.pings.end);
         let ping = self.survey.side_scan.get(middle)?;
         Some(Target {
-            depth_m: -self.correction.z_m(ping.time_s, target.altitude_m),
+            depth_m: -self.correction.z_m(ping.time_s, target.depth_m),
             ..target
         })
     }
@@ -57,7 +60,7 @@ impl<'a> Placing<'a> {
         self.survey
     }
 
-    /// What measures and places on a level bottom, as the cloud's points are, without the correction of depths.
+    /// What measures and places, as the cloud's points are, without the correction of depths.
     pub fn placer(&self) -> &Placer<'a> {
         &self.placer
     }

@@ -1,12 +1,13 @@
 //! The results of the stages, each tagged with the settings that made it.
 
 use super::Settings;
+use super::relief::relief;
 use crate::bathymetry;
 use crate::calibration::{self, Calibration, FlatSpot};
 use crate::cloud::{self, Correction, PingDepth, PointCloud, PointScales, Reduction};
 use crate::first_return::{self, BottomLine, FirstReturns};
 use crate::progress::{Cancelled, Progress};
-use crate::survey::{LeftOut, Navigation, SideSpan, Sounding, Survey, navigate_mounted};
+use crate::survey::{LeftOut, Navigation, Relief, SideSpan, Sounding, Survey, navigate_mounted};
 use std::sync::Arc;
 
 /// A stage of the pipeline, in the order of the data.
@@ -22,16 +23,19 @@ pub enum Stage {
     Cloud,
     /// Which points the outlier filter keeps.
     Outliers,
+    /// The bottom across the track.
+    Relief,
 }
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 5] = [
+    pub const ALL: [Stage; 6] = [
         Stage::Navigation,
         Stage::FirstReturn,
         Stage::Calibration,
         Stage::Cloud,
         Stage::Outliers,
+        Stage::Relief,
     ];
 
     /// What the stage does, for a progress line.
@@ -42,6 +46,7 @@ impl Stage {
             Stage::Calibration => "calibration",
             Stage::Cloud => "cloud",
             Stage::Outliers => "outliers",
+            Stage::Relief => "relief",
         }
     }
 
@@ -63,6 +68,8 @@ impl Stage {
             Some(Stage::Cloud)
         } else if old.outliers != new.outliers || old.first_return != new.first_return {
             Some(Stage::Outliers)
+        } else if !old.surface.counts_the_same(&new.surface) {
+            Some(Stage::Relief)
         } else {
             None
         }
@@ -96,6 +103,8 @@ pub struct Products {
     pub kept: Arc<Vec<bool>>,
     /// The depth under the boat at every side-scan ping.
     pub depths: Arc<Vec<PingDepth>>,
+    /// How the bottom lies across the track.
+    pub relief: Arc<Relief>,
     /// Ends of the colour scale of depth, metres: the 2nd and 98th percentile of the soundings that the recorder had the bottom for, as
     /// corrected. The others would stretch the colours. In a log without such soundings, those of the depths that side-scan gives;
     /// `None` where no depth is known.
@@ -262,6 +271,14 @@ pub fn run(
             (Arc::new(kept), Arc::new(depths), range_m, scales)
         }
     };
+    let relief = match reuse(Stage::Relief) {
+        Some(old) => old.relief.clone(),
+        None => {
+            begin(Stage::Relief)?;
+            let how = &settings.surface;
+            Arc::new(relief(survey, &navigation, &cloud, &kept, how, progress)?)
+        }
+    };
     Ok(Products {
         settings: Arc::new(settings.clone()),
         navigation,
@@ -275,6 +292,7 @@ pub fn run(
         cloud,
         kept,
         depths,
+        relief,
         depth_range_m,
         scales,
     })

@@ -1,7 +1,7 @@
 //! What a plan of further lines starts from: soundings, ground that was insonified, objects and disagreements of all logs in one plane.
 
 use super::joint::{PlacedBox, joint_objects, track_depths};
-use super::{Placing, ProcessedLog, Products};
+use super::{Placing, ProcessedLog};
 use crate::bathymetry::crosslines::{TrackDepth, crossings};
 use crate::bathymetry::{DepthPoint, sigma_by_distance};
 use crate::detection::review::Review;
@@ -187,14 +187,7 @@ pub fn seen_objects(logs: &[ProcessedLog], reviews: &[Option<Arc<Review>>]) -> V
         let Some(review) = review else {
             continue;
         };
-        let Products {
-            navigation,
-            returns,
-            calibration,
-            correction,
-            ..
-        } = &log.products;
-        let placing = Placing::new(&log.survey, navigation, returns, calibration, correction);
+        let placing = Placing::new(&log.survey, &log.products);
         for one in review.boxes().filter(|one| one.state.is_object()) {
             let target = placing.place_as(&one.mark, one.extent, one.shadow);
             let class = review.class_name(one.class).to_owned();

@@ -2,7 +2,7 @@
 //!
 //! `samples` reads echoes where they lie in the file, `track` holds the fixes, `bottom_lock` says which recorded depths can
 //! be believed, `mounting` says how the recorder is mounted on its boat, `identity` identifies a log, `tracks_apart` how far two tracks of one boat lie apart, `turn_rate` how fast it turns,
-//! `left_out` which stretches count for nothing, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
+//! `left_out` which stretches count for nothing, `relief` how the bottom lies across the track, `growing` what becomes of a log that is still being written, `echogram` holds the channels that look down. [`navigate`] places every ping on the ground, by `fitted_track` and its `local_fit` where a track is fitted.
 
 mod bottom_lock;
 mod echogram;
@@ -15,6 +15,7 @@ mod local_fit;
 mod mounting;
 mod navigation;
 mod nearest;
+mod relief;
 mod samples;
 mod track;
 mod tracks_apart;
@@ -31,6 +32,7 @@ pub use navigation::{
     HeadingSettings, HeadingSource, Navigation, PingNav, Projection, navigate, navigate_mounted,
 };
 pub use nearest::nearest_in_time;
+pub use relief::{AcrossTrack, Relief};
 pub use samples::{Bytes, Encoding, Order, Samples, SideSpan};
 pub use track::{ExternalTrack, Fix, ProjectedTrack, Track, TrackSettings};
 pub use tracks_apart::TracksApart;

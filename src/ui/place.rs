@@ -123,7 +123,7 @@ pub fn lon_lat(app: &App, mark: Mark) -> Option<LonLat> {
     Some(navigation.to_lon_lat(track, east_m, north_m))
 }
 
-/// Metres east and north of a mark: of the point, of the across-track place on a flat bottom, or of the boat.
+/// Metres east and north of a mark: of the point, of the place across the track on the bottom, or of the boat.
 pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     let products = app.log.products.as_ref()?;
     let points = &products.cloud.points;
@@ -131,7 +131,9 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
         return Some([point.east_m, point.north_m]);
     }
     let boat = products.navigation.pings.get(mark.ping)?;
-    let ground_m = ground_range_m(app, mark).unwrap_or(0.0);
+    let ground_m = ground_m(app, mark)
+        .or_else(|| range_m(app, mark))
+        .unwrap_or(0.0);
     // Starboard is a quarter turn clockwise from the heading.
     let across = match mark.side {
         Some(Side::Starboard) => ground_m,
@@ -147,19 +149,20 @@ pub fn east_north(app: &App, mark: Mark) -> Option<[f64; 2]> {
     (east_m.is_finite() && north_m.is_finite()).then_some([east_m, north_m])
 }
 
-/// Distance from the track on a flat bottom at the recorded depth, metres.
-fn ground_range_m(app: &App, mark: Mark) -> Option<f64> {
-    let slant_m = range_m(app, mark)?;
-    let recorded_m = f64::from(app.log.survey.as_ref()?.side_scan.get(mark.ping)?.depth_m);
-    let altitude_m = reduction(app).altitude_m(recorded_m);
-    let altitude_m = if altitude_m.is_finite() {
-        altitude_m
-    } else {
-        0.0
+/// Distance of a mark from the track on the bottom, metres; under the boat that lies at the recorded depth, or where the first return of the
+/// side says. `None` where neither is known.
+pub fn ground_m(app: &App, mark: Mark) -> Option<f64> {
+    let (slant_m, side) = (range_m(app, mark)?, mark.side?);
+    let survey = app.log.survey.as_ref()?;
+    let across = app.log.products.as_ref()?.relief.across(side, mark.ping);
+    let first_return_m = || {
+        let pick = app.bottom_line()?.side(side).get(mark.ping)?;
+        Some(reduction(app).range_at_m(survey, mark.ping, side, pick.sample))
     };
-    Some(
-        (slant_m * slant_m - altitude_m * altitude_m)
-            .max(0.0)
-            .sqrt(),
-    )
+    let recorded_m = altitude_m(app, survey.side_scan.get(mark.ping)?);
+    let altitude_m = match recorded_m > 0.0 {
+        true => recorded_m,
+        false => across.altitude_m(first_return_m()?),
+    };
+    (altitude_m > 0.0).then(|| across.ground_m(altitude_m, slant_m))
 }

@@ -149,6 +149,7 @@ fn products(survey: &Survey, nav: Vec<PingNav>) -> Products {
     Products {
         settings: Arc::default(),
         left_out: Arc::default(),
+        relief: Arc::default(),
         navigation: Arc::new(Navigation {
             antenna: Arc::default(),
             pings: Arc::new(nav.clone()),

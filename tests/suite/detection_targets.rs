@@ -1,7 +1,6 @@
 //! Objects in the world: boxes on simulated surveys against where the objects really were.
 
 use bathyscope::calibration::{Calibration, CalibrationSettings, calibrate};
-use bathyscope::cloud::Correction;
 use bathyscope::detection::Mark;
 use bathyscope::detection::targets::{
     Group, GroupSettings, Placer, Sighting as Claim, Target, group, passes_over,
@@ -10,9 +9,11 @@ use bathyscope::first_return::{
     self, BottomEdit, BottomSettings, FirstReturnSettings, FirstReturns, ImageSettings,
 };
 use bathyscope::formats;
-use bathyscope::pipeline::{Placing, Settings};
+use bathyscope::pipeline::{Placing, Settings, run};
 use bathyscope::progress::Progress;
-use bathyscope::simulation::{Scene, Sighting, Simulated, simulate};
+use bathyscope::simulation::{
+    Bank, ObjectKind, ObjectSettings, Scene, Sighting, Simulated, simulate,
+};
 use bathyscope::survey::{HeadingSettings, Navigation, Projection, Side, Survey, navigate};
 
 struct Sailed {
@@ -130,23 +131,17 @@ fn objects_lie_by_the_bottom_that_was_drawn_over_them() {
 #[test]
 fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
     let sailed = sail(&Scene::default(), 3);
-    let mut settings = Settings::default();
-    for known in ["draft_m=0.3", "water_level_m=0.5", "sound_speed.m_s=1455"] {
-        settings = settings.with_assignment(known).expect("a setting");
-    }
-    let [plain, corrected] = [Settings::default(), settings]
-        .map(|settings| Correction::new(settings.depth(), &sailed.survey));
-    let placing = |correction| {
-        let Sailed {
-            survey,
-            navigation,
-            returns,
-            calibration,
-            ..
-        } = &sailed;
-        Placing::new(survey, navigation, returns, calibration, correction)
+    let of = |assignments: &[&str]| {
+        let mut settings = Settings::default();
+        for assignment in ["surface.relief=false"].iter().chain(assignments) {
+            settings = settings.with_assignment(assignment).expect("a setting");
+        }
+        run(&sailed.survey, &settings, None, &Progress::new(), |_| ()).expect("not cancelled")
     };
-    let (plain, corrected) = (placing(&plain), placing(&corrected));
+    let known = ["draft_m=0.3", "water_level_m=0.5", "sound_speed.m_s=1455"];
+    let (plain, corrected) = (of(&[]), of(&known));
+    let [plain, corrected] =
+        [&plain, &corrected].map(|products| Placing::new(&sailed.survey, products));
     let seen = sailed.truth.objects.iter().flat_map(|one| &one.sightings);
     let marks: Vec<Mark> = seen
         .filter_map(|seen| true_box(&sailed.survey, seen))
@@ -167,6 +162,81 @@ fn what_is_known_of_the_water_moves_objects_as_it_moves_points() {
         let off_m = f64::hypot(after.east_m - before.east_m, after.north_m - before.north_m);
         assert!(near(off_m, (before.ground_m - after.ground_m).abs()));
     }
+}
+
+/// A pond like a trough: banks of 18 degrees meet in 7 m of water, and blocks stand on them between the lines.
+pub fn trough() -> Scene {
+    let mut scene = Scene::gentle();
+    scene.artefacts = Default::default();
+    scene.bed.mean_depth_m = 7.0;
+    scene.bed.terrace = None;
+    scene.bed.bank = Some(Bank {
+        length_m: 200.0,
+        width_m: 43.0,
+        slope_deg: 18.0,
+    });
+    scene.track.lines = 3;
+    scene.track.cross_lines = 0;
+    scene.recorder.range_m = 20.0;
+    let block = |index: u32| ObjectSettings {
+        kind: ObjectKind::Block,
+        east_m: -14.0 + 4.0 * f64::from(index),
+        north_m: [-6.5, 3.5, -5.0, 5.0, -3.5, 6.5][index as usize % 6],
+        length_m: 0.6,
+        width_m: 0.6,
+        height_m: 0.3,
+        heading_deg: 20.0,
+        buried_m: 0.0,
+        strength_db: Some(14.0),
+    };
+    scene.objects = (0..8).map(block).collect();
+    scene
+}
+
+#[test]
+fn objects_on_a_bank_lie_where_they_are_and_not_where_a_level_bottom_has_them() {
+    let scene = trough();
+    let sailed = sail(&scene, 1);
+    let [by_relief, by_level] = [true, false].map(|relief| {
+        let mut settings = Settings::default();
+        settings.surface.relief = relief;
+        let made = run(&sailed.survey, &settings, None, &Progress::new(), |_| ());
+        let products = made.expect("not cancelled");
+        let placing = Placing::new(&sailed.survey, &products);
+        let (mut off_m, mut deeper_m) = (Vec::new(), Vec::new());
+        let objects = sailed.truth.objects.iter().zip(&scene.objects);
+        for (object, laid) in objects {
+            for seen in &object.sightings {
+                let mark = true_box(&sailed.survey, seen);
+                let target = mark.and_then(|mark| placing.place(&mark));
+                // A turn smears what it sees.
+                let on_a_line = |one: &Target| one.heading_rad.sin().abs() > 0.99;
+                if let Some(target) = target.filter(on_a_line) {
+                    let (east_m, north_m) = (target.east_m, target.north_m);
+                    off_m.push(f64::hypot(east_m - object.east_m, north_m - object.north_m));
+                    let depth_m = (21.5 - laid.north_m.abs()) * 18_f64.to_radians().tan();
+                    deeper_m.push((target.depth_m - depth_m).abs());
+                }
+            }
+        }
+        let of = |values: &[f64]| [0.5, 0.9].map(|share| quantile(values.iter().copied(), share));
+        println!(
+            "{} boxes: off by {:.2?} m, their depth by {:.2?}",
+            off_m.len(),
+            of(&off_m),
+            of(&deeper_m)
+        );
+        (of(&off_m), of(&deeper_m))
+    });
+    assert!(by_level.0[0] > 1.0 && by_level.1[0] > 1.0, "{by_level:?}");
+    assert!(
+        by_relief.0[0] < 0.5 && by_relief.0[1] < 1.0,
+        "{by_relief:?}"
+    );
+    assert!(
+        by_relief.1[0] < 0.3 && by_relief.1[1] < 0.6,
+        "{by_relief:?}"
+    );
 }
 
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {

@@ -391,14 +391,7 @@ fn an_object_that_several_logs_saw_is_one() {
     // Every log, its object, and where it was placed; the receivers of other days are some decimetres off.
     let mut placed: Vec<(usize, usize, Target)> = Vec::new();
     for (log, (one, truth)) in lake.logs.iter().zip(&lake.truths).enumerate() {
-        let products = &one.products;
-        let placing = Placing::new(
-            &one.survey,
-            &products.navigation,
-            &products.returns,
-            &products.calibration,
-            &products.correction,
-        );
+        let placing = Placing::new(&one.survey, &one.products);
         let day_m = [
             0.5 * (log as f64 * 2.1).sin(),
             0.5 * (log as f64 * 1.3).cos(),

@@ -1,5 +1,6 @@
 //! The mosaic of simulated surveys: objects at their true places, no holes, no seams, even levels.
 
+use crate::detection_targets::trough;
 use bathyscope::bathymetry::Grid;
 use bathyscope::formats;
 use bathyscope::mosaic::{
@@ -196,6 +197,47 @@ fn an_object_seen_from_two_lines_lands_at_its_true_place_both_times() {
     });
     let farthest_m = wrong.fold(0.0, f64::max);
     assert!(farthest_m > 0.5, "{farthest_m}");
+}
+
+#[test]
+fn echoes_of_a_bank_lie_where_it_is_and_not_where_a_level_bottom_has_them() {
+    let sailed = sail(&trough(), 2);
+    let Products {
+        navigation,
+        returns,
+        calibration,
+        relief,
+        ..
+    } = &sailed.products;
+    let (survey, settings) = (&sailed.survey, MosaicSettings::default());
+    let place = |place| place;
+    let level = Layout::new(survey, navigation, returns, calibration, &settings, place);
+    let measured = level.clone().with_relief(relief);
+    let [by_relief, by_level] = [measured, level].map(|layout| {
+        let mut off_m = Vec::new();
+        for object in &sailed.truth.objects {
+            for seen in &object.sightings {
+                let ping = usize::midpoint(seen.first_ping, seen.last_ping);
+                // In a turn nothing is shown.
+                let Some(ray) = layout.ray(ping, seen.side) else {
+                    continue;
+                };
+                let sample = ray.sample_at(0.5 * (seen.near_m + seen.far_m));
+                let beside = |ground_m: &f64| (ray.sample_of(*ground_m, false) - sample).abs();
+                let steps = 0..(100.0 * ray.reach_m(false)) as u32;
+                let ground_m = steps
+                    .map(|step| 0.01 * f64::from(step))
+                    .min_by(|a, b| beside(a).total_cmp(&beside(b)));
+                let [east_m, north_m] = ray.place(ground_m.expect("a reach"));
+                off_m.push(f64::hypot(east_m - object.east_m, north_m - object.north_m));
+            }
+        }
+        off_m.sort_by(f64::total_cmp);
+        println!("{off_m:.2?}");
+        [off_m[off_m.len() / 2], off_m[9 * off_m.len() / 10]]
+    });
+    assert!(by_level[0] > 0.8, "{by_level:?}");
+    assert!(by_relief[0] < 0.4 && by_relief[1] < 0.8, "{by_relief:?}");
 }
 
 #[test]

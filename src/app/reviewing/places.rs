@@ -3,14 +3,10 @@
 
 use super::Reviewing;
 use crate::app::{App, Outcome, Task};
-use crate::calibration::Calibration;
-use crate::cloud::Correction;
 use crate::detection::review::{BoxId, Reviewed};
 use crate::detection::targets::Target;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
-use crate::first_return::FirstReturns;
 use crate::pipeline::{Placing, Products};
-use crate::survey::Navigation;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -26,29 +22,17 @@ pub struct Placed {
 
 /// What places are worked out from.
 #[derive(Clone)]
-struct Ground {
-    navigation: Arc<Navigation>,
-    returns: Arc<FirstReturns>,
-    calibration: Arc<Calibration>,
-    correction: Arc<Correction>,
-}
+struct Ground(Products);
 
 impl Ground {
-    fn of(products: &Products) -> Self {
-        Self {
-            navigation: products.navigation.clone(),
-            returns: products.returns.clone(),
-            calibration: products.calibration.clone(),
-            correction: products.correction.clone(),
-        }
-    }
-
     fn is_same(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.navigation, &other.navigation)
-            && Arc::ptr_eq(&self.returns, &other.returns)
-            && Arc::ptr_eq(&self.calibration, &other.calibration)
-            && (Arc::ptr_eq(&self.correction, &other.correction)
-                || self.correction == other.correction)
+        let (one, other) = (&self.0, &other.0);
+        Arc::ptr_eq(&one.navigation, &other.navigation)
+            && Arc::ptr_eq(&one.returns, &other.returns)
+            && Arc::ptr_eq(&one.calibration, &other.calibration)
+            && Arc::ptr_eq(&one.relief, &other.relief)
+            && (Arc::ptr_eq(&one.correction, &other.correction)
+                || one.correction == other.correction)
     }
 }
 
@@ -135,7 +119,7 @@ impl App {
         };
         let reviewing = &mut self.log.reviewing;
         reviewing.places.outdated = false;
-        let ground = Ground::of(products);
+        let ground = Ground(products.clone());
         let places = &mut reviewing.places;
         let is_same = places
             .ground
@@ -157,13 +141,7 @@ impl App {
         }
         let (survey, from) = (survey.clone(), ground.clone());
         let task = Task::start(&self.jobs, move |progress| {
-            let Ground {
-                navigation,
-                returns,
-                calibration,
-                correction,
-            } = &from;
-            let placing = Placing::new(&survey, navigation, returns, calibration, correction);
+            let placing = Placing::new(&survey, &from.0);
             let entry = |(id, (mark, extent, shadow)): (BoxId, Drawn)| {
                 let placed = placing.place_as(&mark, extent, shadow).map(|target| {
                     let corners = target.corners();

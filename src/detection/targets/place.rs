@@ -7,7 +7,7 @@ use super::{Parts, Target, altitude::altitude_m, echo, parts};
 use crate::calibration::Calibration;
 use crate::detection::{Mark, MeasuredShadow, ObjectExtent};
 use crate::first_return::FirstReturns;
-use crate::survey::{Navigation, PingNav, Side, SideSpan, Survey};
+use crate::survey::{AcrossTrack, Navigation, PingNav, Relief, Side, SideSpan, Survey};
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -30,6 +30,8 @@ pub struct Placer<'a> {
     calibration: &'a Calibration,
     /// What recorded ranges and depths are multiplied with.
     range_factor: f64,
+    /// How the bottom lies across the track; level without it.
+    relief: Option<&'a Relief>,
     /// Distance sailed up to each ping, metres: worked out for the first box, since what is measured on one ping does without it.
     sailed_m: OnceLock<Vec<f64>>,
 }
@@ -48,6 +50,7 @@ impl<'a> Placer<'a> {
             returns,
             calibration,
             range_factor: 1.0,
+            relief: None,
             sailed_m: OnceLock::new(),
         }
     }
@@ -56,6 +59,14 @@ impl<'a> Placer<'a> {
     pub fn with_range_factor(self, range_factor: f64) -> Self {
         Self {
             range_factor,
+            ..self
+        }
+    }
+
+    /// The same on a bottom that is not level; its depths are those of ranges with their factor.
+    pub fn with_relief(self, relief: &'a Relief) -> Self {
+        Self {
+            relief: Some(relief),
             ..self
         }
     }
@@ -78,7 +89,11 @@ impl<'a> Placer<'a> {
         let span = self.survey.span(middle, mark.side)?;
         let altitude_m = self.altitude_m(mark)?;
         let found = self.parts(mark, extent, span);
-        let seen = self.seen(mark, extent, found, span, altitude_m);
+        // The box begins where the echo does, and holds more shadow than echo.
+        let near_m = self.calibrated_m(span, mark.near_m);
+        let altitude_there_m = self.altitude_at_m(mark.side, middle, altitude_m, near_m);
+        let altitudes_m = [altitude_m, altitude_there_m];
+        let seen = self.seen(mark, extent, found, span, altitudes_m);
         let seen = match measured {
             Some(shadow) => self.with_shadow(seen, mark, shadow),
             None => seen,
@@ -118,7 +133,7 @@ impl<'a> Placer<'a> {
             shadow_m: seen.shadow_m(),
             height_m: seen.height_m(),
             height_sigma_m: seen.height_sigma_m(),
-            depth_m: altitude_m,
+            depth_m: altitude_there_m,
             sigma_m: along_sigma_m.max(across_sigma_m),
             along_sigma_m,
             across_sigma_m,
@@ -146,6 +161,24 @@ impl<'a> Placer<'a> {
             side,
             pings,
         )
+    }
+
+    /// Height of the transducer above the bottom where that has a slant range, from that under the boat.
+    pub(super) fn altitude_at_m(
+        &self,
+        side: Side,
+        ping: usize,
+        altitude_m: f64,
+        range_m: f64,
+    ) -> f64 {
+        let across = self.across(side, ping);
+        altitude_m + across.deeper_m(across.ground_m(altitude_m, range_m))
+    }
+
+    /// The bottom to one side of a ping.
+    pub(super) fn across(&self, side: Side, ping: usize) -> AcrossTrack {
+        let relief = self.relief;
+        relief.map_or(AcrossTrack::LEVEL, |relief| relief.across(side, ping))
     }
 
     /// Slant range by the calibration in force of one on the recorder's scale, metres.
@@ -195,12 +228,12 @@ impl<'a> Placer<'a> {
         extent: ObjectExtent,
         found: Option<Parts>,
         span: &SideSpan,
-        altitude_m: f64,
+        altitudes_m: [f64; 2],
     ) -> Seen {
         let calibrated = |recorded_m: f64| self.calibrated_m(span, recorded_m);
         if extent == ObjectExtent::Point {
             let range_m = calibrated(0.5 * (mark.near_m + mark.far_m));
-            return Seen::point(altitude_m, range_m);
+            return Seen::point(altitudes_m, range_m);
         }
         let is_drawn = extent.border_m().is_some();
         let large = echo::is_large(mark, self.sailed_over_m(mark));
@@ -217,8 +250,10 @@ impl<'a> Placer<'a> {
             false => calibrated(recorded_m),
         };
         let longest = found.and_then(|found| found.longest);
+        let [altitude_m, altitude_there_m] = altitudes_m;
         Seen {
             altitude_m,
+            altitude_there_m,
             near_m: calibrated(mark.near_m),
             far_m: calibrated(far_m),
             box_end_m: calibrated(mark.far_m),

@@ -1,8 +1,9 @@
 //! What is measured of an object across the track, and how well.
 //!
-//! The bottom around the boat is taken as flat. With the altitude `H` and a slant range `r`, a point of the bottom lies
-//! `sqrt(r^2 - H^2)` across-track, and one that stands `h` above it `sqrt(r^2 - (H - h)^2)`. A shadow from `r_t` (the far
-//! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e`.
+//! With the height `V` of the transducer above the bottom where the object lies and a slant range `r`, a point of the bottom lies
+//! `sqrt(r^2 - V^2)` across-track, and one that stands `h` above it `sqrt(r^2 - (V - h)^2)`. A shadow from `r_t` (the far
+//! edge of the top) to `r_e` tells `h = H (r_e - r_t) / r_e` with the altitude `H` under the boat, on a level bottom and on one that slopes
+//! evenly.
 
 use super::echo::Shadow;
 
@@ -29,8 +30,10 @@ pub(super) const PART_SIGMA: f64 = 0.15;
 /// What is measured of an object, by the calibration in force. Slant ranges and heights in metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
-    /// Height of the transducer above the bottom.
+    /// Height of the transducer above the bottom under the boat.
     pub(super) altitude_m: f64,
+    /// And above that where the object lies.
+    pub(super) altitude_there_m: f64,
     /// Near edge of the echo.
     pub(super) near_m: f64,
     /// Far edge of the echo: where the shadow starts, or the end of what is bright.
@@ -47,9 +50,10 @@ pub(super) struct Seen {
 
 impl Seen {
     /// A place without size.
-    pub(super) fn point(altitude_m: f64, range_m: f64) -> Self {
+    pub(super) fn point([altitude_m, altitude_there_m]: [f64; 2], range_m: f64) -> Self {
         Self {
             altitude_m,
+            altitude_there_m,
             near_m: range_m,
             far_m: range_m,
             bounded: true,
@@ -101,8 +105,8 @@ impl Seen {
             let beside = |range_m: f64, below_m: f64| {
                 (range_m * range_m - below_m * below_m).max(0.0).sqrt()
             };
-            let ground_m = beside(end_m, self.altitude_m);
-            let shadow_m = ground_m - beside(start_m, self.altitude_m - height_m);
+            let ground_m = beside(end_m, self.altitude_there_m);
+            let shadow_m = ground_m - beside(start_m, self.altitude_there_m - height_m);
             let flank = 0.5 * (end_m / ground_m.max(STEEPEST * end_m) - 1.0);
             start
                 .hypot(end)
@@ -142,9 +146,10 @@ impl Seen {
             seen.middle_raised_m(raised_m)
         });
         let altitude_m = moved(&|sign| {
-            let altitude_m = self.altitude_m * (1.0 + sign * ALTITUDE_SIGMA);
+            let factor = 1.0 + sign * ALTITUDE_SIGMA;
             Self {
-                altitude_m,
+                altitude_m: self.altitude_m * factor,
+                altitude_there_m: self.altitude_there_m * factor,
                 ..*self
             }
             .middle_raised_m(raised_m)
@@ -178,7 +183,7 @@ impl Seen {
 
     /// Distances of both edges from the track, of an object so high.
     fn ground_m(&self, raised_m: f64) -> [f64; 2] {
-        let below_m = (self.altitude_m - raised_m).max(0.0);
+        let below_m = (self.altitude_there_m - raised_m).max(0.0);
         [self.near_m, self.far_m]
             .map(|range_m| (range_m * range_m - below_m * below_m).max(0.0).sqrt())
     }
@@ -208,6 +213,7 @@ mod tests {
         let end_m = shadow_end_m.hypot(2.5);
         Seen {
             altitude_m: 2.5,
+            altitude_there_m: 2.5,
             near_m: ground_m.hypot(2.0),
             far_m: start_m,
             box_end_m: end_m,
@@ -252,12 +258,12 @@ mod tests {
 
     #[test]
     fn a_point_lies_where_its_ray_meets_the_bottom_and_has_no_height() {
-        let point = Seen::point(3.0, 5.0);
+        let point = Seen::point([3.0; 2], 5.0);
         assert!((point.middle_m() - 4.0).abs() < 1e-12);
         assert!(point.height_m().is_nan() && point.shadow_m()[0].is_nan());
         assert!(point.across_sigma_m() > 0.0);
         // Nearer to the boat the same slant range says less of the place.
-        assert!(Seen::point(3.0, 3.2).across_sigma_m() > point.across_sigma_m());
+        assert!(Seen::point([3.0; 2], 3.2).across_sigma_m() > point.across_sigma_m());
     }
 
     #[test]

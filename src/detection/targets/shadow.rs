@@ -72,15 +72,13 @@ impl ShadowHeight {
 }
 
 impl Placer<'_> {
-    /// Where a place of the side-scan lies on a level bottom, metres east and north; the slant range is on the recorder's scale.
+    /// Where a place of the side-scan lies on the bottom, metres east and north; the slant range is on the recorder's scale.
     /// `None` where the boat has no position or heading, or nothing was recorded. In the water column the place is the boat's.
     pub fn ground(&self, side: Side, ping: usize, recorded_m: f64) -> Option<[f64; 2]> {
         let slant_m = self.calibrated_m(self.span(side, ping)?, recorded_m);
         let near = ping.saturating_sub(ALTITUDE_PINGS)..ping + ALTITUDE_PINGS + 1;
         let altitude_m = self.altitude_over_m(side, near).unwrap_or(0.0);
-        let ground_m = (slant_m * slant_m - altitude_m * altitude_m)
-            .max(0.0)
-            .sqrt();
+        let ground_m = self.across(side, ping).ground_m(altitude_m, slant_m);
         self.abeam(side, ping, ground_m)
     }
 

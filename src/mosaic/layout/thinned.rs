@@ -34,6 +34,13 @@ impl Layout {
                 let known = chosen.iter().map(of_side);
                 known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
             }),
+            relief: self.relief.as_ref().map(|(relief, under_m)| {
+                let of_side = |side: usize| {
+                    let known = chosen.iter().map(|&ping| under_m[side].get(ping).copied());
+                    known.map(|metres| metres.unwrap_or(f32::NAN)).collect()
+                };
+                (relief.clone(), [0, 1].map(of_side))
+            }),
             joined,
             water_column: self.water_column,
             far_m: self.far_m,

@@ -11,6 +11,6 @@ mod surface;
 pub use choices::{Choice, choices};
 pub use contours::Contours;
 pub use crosslines::{Crosslines, crosslines};
-pub use plane::Plane;
+pub use plane::{Plane, depth_points};
 pub use residuals::{NamedComparison, comparisons};
 pub use surface::joint_depth_surface;

@@ -1,7 +1,7 @@
 //! The cloud in the metres of a map.
 
-use crate::bathymetry::DepthPoint;
-use crate::cloud::CloudPoint;
+use crate::bathymetry::{DepthPoint, SurfaceSettings};
+use crate::cloud::{CloudPoint, PointCloud};
 use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
@@ -62,23 +62,8 @@ impl<'a> Plane<'a> {
 
     /// The kept points that count for the surface, as weighted depths.
     pub fn depth_points(&self, products: &Products) -> Vec<DepthPoint> {
-        let settings = &products.settings.surface;
-        let weighted = || {
-            let weighted = kept(products).map(|point| (point, settings.weight(point)));
-            weighted.filter(|(_, weight)| *weight > 0.0)
-        };
-        // Counted first: a vector of a million points that grows takes three times their memory for a moment.
-        let mut points = Vec::with_capacity(weighted().count());
-        let placed = weighted().map(|(point, weight)| (self.place(point), weight));
-        points.extend(placed.filter(|(place, _)| is_finite(place)).map(
-            |([east_m, north_m, z_m], weight)| DepthPoint {
-                east_m,
-                north_m,
-                depth_m: -z_m,
-                weight,
-            },
-        ));
-        points
+        let (cloud, kept) = (&products.cloud, &products.kept);
+        depth_points(cloud, kept, &products.settings.surface, |p| self.place(p))
     }
 
     fn place(&self, point: &CloudPoint) -> [f64; 3] {
@@ -93,6 +78,32 @@ impl<'a> Plane<'a> {
 fn kept(products: &Products) -> impl Iterator<Item = &CloudPoint> {
     let flagged = products.cloud.points.iter().zip(products.kept.iter());
     flagged.filter(|(_, kept)| **kept).map(|(point, _)| point)
+}
+
+/// The kept points of a cloud that count for a surface, as weighted depths; `place` gives east, north and elevation in its plane.
+pub fn depth_points(
+    cloud: &PointCloud,
+    kept: &[bool],
+    settings: &SurfaceSettings,
+    place: impl Fn(&CloudPoint) -> [f64; 3],
+) -> Vec<DepthPoint> {
+    let weighted = || {
+        let flagged = cloud.points.iter().zip(kept).filter(|(_, kept)| **kept);
+        let weighted = flagged.map(|(point, _)| (point, settings.weight(point)));
+        weighted.filter(|(_, weight)| *weight > 0.0)
+    };
+    // Counted first: a vector of a million points that grows takes three times their memory for a moment.
+    let mut points = Vec::with_capacity(weighted().count());
+    let placed = weighted().map(|(point, weight)| (place(point), weight));
+    points.extend(placed.filter(|(place, _)| is_finite(place)).map(
+        |([east_m, north_m, z_m], weight)| DepthPoint {
+            east_m,
+            north_m,
+            depth_m: -z_m,
+            weight,
+        },
+    ));
+    points
 }
 
 fn is_finite(place: &[f64; 3]) -> bool {

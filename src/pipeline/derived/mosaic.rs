@@ -6,8 +6,9 @@ use crate::geo::MapPlane;
 use crate::mosaic::{
     Bounds, GainTable, Layout, MosaicLog, MosaicSettings, joint_bounds, joint_window, match_levels,
 };
-use crate::pipeline::{ProcessedLog, mosaic_layout, mosaic_layout_by};
+use crate::pipeline::{ProcessedLog, Same, mosaic_layout, mosaic_layout_by};
 use crate::progress::{Cancelled, Progress};
+use crate::survey::Relief;
 use std::sync::{Arc, OnceLock};
 
 /// The finest level of detail worth drawing, 2 to this in metres: recorders' samples are about as long.
@@ -36,6 +37,7 @@ pub struct MosaicKey {
 #[derive(Clone, PartialEq)]
 struct LogKey {
     side_scan: SideScanKey,
+    relief: Same<Relief>,
     settings: MosaicSettings,
 }
 
@@ -47,6 +49,7 @@ impl MosaicKey {
         } = MosaicSettings::default();
         let key = |log: &ProcessedLog| LogKey {
             side_scan: SideScanKey::of(log),
+            relief: Same(log.products.relief.clone()),
             settings: MosaicSettings {
                 cell_m,
                 colours,

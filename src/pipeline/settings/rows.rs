@@ -353,6 +353,12 @@ rows! {
     LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Longest", "longest above-bottom stretch",
         "Side-scan points above the recorded depth count where most first returns of both sides lie above it for longer than this along the track.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
+    RELIEF: "surface.relief", "Echoes", "ground of echoes and objects",
+        "What echoes and objects are placed on: the bottom that the log measured, where it did, or a level one.",
+        choice!(surface.relief, [
+            "true", "on the measured bottom", "By the depths that the log measured across the track; on where it measured none, as deep as it last was.";
+            "false", "on a level bottom", "As deep everywhere as under the boat.";
+        ]);
     // Finer than a millimetre no depth is known.
     INTERVAL: "isobaths.interval_m", "Isobaths", "isobath interval",
         "Depth from one isobath to the next, counted from depth 0. Every fifth is thick.",

@@ -64,6 +64,7 @@ fn worth(ui: &mut Ui, context: &ViewContext<'_>) {
 fn mosaic(ui: &mut Ui, context: &mut ViewContext<'_>) {
     layer_button(ui, context, MapLayer::Mosaic, Action::MosaicLayer);
     for row in [
+        &rows::RELIEF,
         &rows::OVERLAP,
         &rows::GAIN,
         &rows::MOSAIC_COLOURS,

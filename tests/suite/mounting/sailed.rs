@@ -15,13 +15,7 @@ const ARM_M: [f64; 2] = [2.5, -1.5];
 
 /// Distances of the sightings of all objects from their true places, and of the sightings of one object from each other, metres.
 fn objects_m(known: &KnownSurvey, survey: &Survey, products: &Products) -> [Vec<f64>; 2] {
-    let placing = Placing::new(
-        survey,
-        &products.navigation,
-        &products.returns,
-        &products.calibration,
-        &products.correction,
-    );
+    let placing = Placing::new(survey, products);
     let mut found = [Vec::new(), Vec::new()];
     for object in &known.truth.objects {
         // The lines run east and west; what is seen in the turn between them is smeared.

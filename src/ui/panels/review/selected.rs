@@ -175,7 +175,7 @@ fn on_the_ground(ui: &mut Ui, context: &ViewContext<'_>, target: &Target) {
     fact(
         ui,
         "Place",
-        "The middle of the object on a flat bottom, WGS84.",
+        "The middle of the object on the bottom, WGS84.",
         RichText::new(place::written(context.app, target.position)).monospace(),
     );
     fact(

@@ -170,13 +170,6 @@ impl Lens {
         }
     }
 
-    /// Distance on level ground of a recorded range, metres; `None` where the altitude is not known.
-    pub fn ground_m(&self, place: Place) -> Option<f64> {
-        let scale = self.scale(place.side(), place.ping);
-        let ground_m = scale.across_m(Geometry::Ground, place.across_m.abs());
-        (scale.altitude_m > 0.0).then_some(ground_m)
-    }
-
     /// Screen position of a place.
     pub fn screen_at(&self, place: Place) -> Pos2 {
         let side = place.side();

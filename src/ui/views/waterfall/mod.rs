@@ -184,8 +184,8 @@ impl WaterfallView {
         if let Some(banner) = &banner {
             banner.draw(ui);
         }
-        let read_out = (followed.place)
-            .and_then(|place| pointer::describe(context.app, &survey, &lens, place));
+        let read_out =
+            (followed.place).and_then(|place| pointer::describe(context.app, &survey, place));
         // A hand that draws wants to see what lies ahead.
         let reads = response.hover_pos().filter(|_| !draws);
         if let Some((at, text)) = reads.zip(read_out.as_ref()) {

@@ -253,7 +253,7 @@ fn doubts(app: &App, ping: &SidePing, number: usize, side: Side) -> String {
 }
 
 /// What is known of a place. Its range is that of the range lines and of the cloud; beside it stands the recorder's.
-pub(super) fn describe(app: &App, survey: &Survey, lens: &Lens, at: Place) -> Option<String> {
+pub(super) fn describe(app: &App, survey: &Survey, at: Place) -> Option<String> {
     let mark = mark_at(survey, at)?;
     let ping = survey.side_scan.get(mark.ping)?;
     let side = at.side();
@@ -268,7 +268,7 @@ pub(super) fn describe(app: &App, survey: &Survey, lens: &Lens, at: Place) -> Op
     if app.log.products.is_some() {
         lines += &format!("\n{} as recorded", units.measure(at.across_m.abs(), 2));
     }
-    if let Some(ground_m) = lens.ground_m(at) {
+    if let Some(ground_m) = place::ground_m(app, mark) {
         lines += &format!("\n{} on the ground", units.measure(ground_m, 2));
     }
     if let Some((span, sample)) = ping.side(side).zip(mark.sample)

@@ -1,0 +1,84 @@
+//! How the bottom lies across the track, by the depths that the log itself measured.
+
+use super::depth::depth_points;
+use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface};
+use crate::cloud::PointCloud;
+use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
+use crate::survey::{Navigation, Relief, Side, Survey};
+
+/// Cells of the surface that it is read from are this share of the median depth, and this long at least, metres: what is smaller is noise as
+/// seen from the transducer.
+const CELL_SHARE: f64 = 0.25;
+const LEAST_CELL_M: f64 = 1.0;
+/// Most cells along a side.
+const MOST_CELLS: usize = 2048;
+
+/// The bottom across the track of every ping; level where none is known, or none is asked for.
+///
+/// It is read from linear triangles, whatever the depth map is made by: what the depths between lines are to a decimetre, an echo ten
+/// metres out is placed to within a few centimetres by.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn relief(
+    survey: &Survey,
+    navigation: &Navigation,
+    cloud: &PointCloud,
+    kept: &[bool],
+    settings: &SurfaceSettings,
+    progress: &Progress,
+) -> Result<Relief, Cancelled> {
+    if !settings.relief || !survey.has_side_scan() {
+        return Ok(Relief::default());
+    }
+    let points = depth_points(cloud, kept, settings, |p| [p.east_m, p.north_m, p.z_m]);
+    let mut depths_m: Vec<f64> = points.iter().map(|point| point.depth_m).collect();
+    let cell_m = (CELL_SHARE * median(&mut depths_m)).max(LEAST_CELL_M);
+    let settings = SurfaceSettings {
+        method: SurfaceMethod::Linear,
+        cell_m: Some(cell_m),
+        max_side: MOST_CELLS,
+        ..settings.clone()
+    };
+    let Some(bottom) = surface(points, &settings, progress)? else {
+        return Ok(Relief::default());
+    };
+    let pings = survey.side_scan.len().min(navigation.pings.len());
+    let deeper_m = |side: Side, ping: usize, ground_m: f64| {
+        deeper_m(&bottom, navigation, side, ping, ground_m)
+    };
+    Ok(Relief::new(pings, farthest_m(survey), deeper_m))
+}
+
+/// How much deeper the bottom is at a distance across the track than under the boat.
+fn deeper_m(
+    bottom: &Surface,
+    navigation: &Navigation,
+    side: Side,
+    ping: usize,
+    ground_m: f64,
+) -> Option<f64> {
+    let boat = navigation.pings.get(ping)?;
+    let [x, y] = boat.starboard()?;
+    let out_m = match side {
+        Side::Port => -ground_m,
+        Side::Starboard => ground_m,
+    };
+    // At its edge, where the outermost lines lie, a cell has no neighbours to be bilinear between.
+    let depth_m = |[east_m, north_m]: [f64; 2]| {
+        let of_cell = || bottom.at(east_m, north_m).map(|(depth_m, _)| depth_m);
+        bottom.depth_at([east_m, north_m]).or_else(of_cell)
+    };
+    let under_m = depth_m([boat.east_m, boat.north_m])?;
+    let there_m = depth_m([boat.east_m + x * out_m, boat.north_m + y * out_m])?;
+    Some(f64::from(there_m - under_m))
+}
+
+/// Longest slant range, metres.
+fn farthest_m(survey: &Survey) -> f64 {
+    let pings = survey.side_scan.iter();
+    let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
+    let ranges = spans.map(|span| f64::from(span.far_m));
+    ranges.filter(|far_m| far_m.is_finite()).fold(1.0, f64::max)
+}
