@@ -4,7 +4,7 @@ use crate::app::ViewOptions;
 use crate::render::Projection;
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
-use egui::{Align2, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
 use glam::Vec3;
 
 /// Labels nearer to each other than this are thinned out, points: along a level edge, and along an upright one.
@@ -51,6 +51,22 @@ fn outline(axis: usize, walls: &[Face]) -> Vec<Edge> {
         .collect()
 }
 
+/// Writes a text unless it would lie on what is covered.
+fn write_beside(
+    painter: &Painter,
+    covered: &[Rect],
+    at: Pos2,
+    anchor: Align2,
+    text: String,
+    colour: Color32,
+) {
+    let galley = painter.layout_no_wrap(text, legend::font(), colour);
+    let rect = anchor.anchor_size(at, galley.size());
+    if !covered.iter().any(|one| one.intersects(rect)) {
+        painter.galley(rect.min, galley, colour);
+    }
+}
+
 fn others(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }
@@ -90,8 +106,8 @@ impl Axes<'_> {
         }
     }
 
-    /// Lengths along the outline, and what they count; to be painted after the points.
-    pub fn labels(&self, painter: &Painter) {
+    /// Lengths along the outline, and what they count; to be painted after the points. Nothing is written over what is `covered`.
+    pub fn labels(&self, painter: &Painter, covered: &[Rect]) {
         let walls = walls(self.corners, self.projection.eye);
         for (axis, name) in ["east", "north", "elevation"].into_iter().enumerate() {
             let edges = outline(axis, &walls);
@@ -104,7 +120,7 @@ impl Axes<'_> {
             };
             if let Some((_, edge)) = chosen {
                 let unit = self.options.units.symbol();
-                self.label_edge(painter, &edge, &format!("{name}, {unit}"));
+                self.label_edge(painter, &edge, &format!("{name}, {unit}"), covered);
             }
         }
     }
@@ -120,7 +136,7 @@ impl Axes<'_> {
         place
     }
 
-    fn label_edge(&self, painter: &Painter, edge: &Edge, name: &str) {
+    fn label_edge(&self, painter: &Painter, edge: &Edge, name: &str, covered: &[Rect]) {
         let axis = edge.0;
         let middle = 0.5 * (self.corners[0] + self.corners[1]);
         let (Some(from), Some(to), Some(centre)) = (
@@ -153,13 +169,8 @@ impl Axes<'_> {
             painter.line_segment([at, at + 4.0 * outward], Stroke::new(1.0, text));
             let at_m = self.origin_m[axis] + f64::from(value);
             let label = self.options.units.tick(at_m, step_m);
-            painter.text(
-                at + 15.0 * outward,
-                Align2::CENTER_CENTER,
-                label,
-                legend::font(),
-                text,
-            );
+            let at = at + 15.0 * outward;
+            write_beside(painter, covered, at, Align2::CENTER_CENTER, label, text);
         }
         if !legend::has_room(self.rect) {
             return;
@@ -173,7 +184,8 @@ impl Axes<'_> {
                 (from.lerp(to, 0.5) + away * outward, Align2::CENTER_CENTER)
             }
         };
-        painter.text(at, anchor, name, legend::font(), text.gamma_multiply(0.75));
+        let faint = text.gamma_multiply(0.75);
+        write_beside(painter, covered, at, anchor, name.to_owned(), faint);
     }
 
     fn step_m(&self, axis: usize) -> f64 {

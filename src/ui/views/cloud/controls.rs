@@ -135,7 +135,7 @@ fn lack(survey: &Survey, units: Units) -> Option<String> {
     }
 }
 
-/// What the colours mean, and how many points there are of each.
+/// What the colours mean, and how many points there are of each; returns what its lines and scales cover.
 pub fn paint_legend(
     painter: &Painter,
     rect: Rect,
@@ -143,8 +143,9 @@ pub fn paint_legend(
     survey: &Survey,
     (scene, bottom): (&CloudScene, Option<&Bottom>),
     reference: DepthReference,
-) {
+) -> Vec<Rect> {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
+    let mut covered = Vec::new();
     let lines = match options.cloud.points {
         true => lines(options, scene),
         false => Vec::new(),
@@ -160,6 +161,7 @@ pub fn paint_legend(
         );
         painter.circle_filled(pos2(at.x + 5.0, plate.center().y), 4.0, colour);
         at.y = plate.bottom() + 1.0;
+        covered.push(plate);
     }
     if let Some(text) = lack(survey, options.units) {
         let warning = theme::outlier_colour();
@@ -176,8 +178,11 @@ pub fn paint_legend(
     let mut corner = rect.right_bottom() - vec2(8.0, 8.0);
     let height = (rect.height() * 0.4).clamp(50.0, 160.0);
     for scale in of_bottom.into_iter().chain(of_points.filter(|_| !is_one)) {
-        corner.x = scale.show(painter, options, corner, height).left() - 4.0;
+        let shown = scale.show(painter, options, corner, height);
+        corner.x = shown.left() - 4.0;
+        covered.push(shown);
     }
+    covered
 }
 
 /// The scale of what the colour of the bottom says, where that is a number.

@@ -155,12 +155,11 @@ impl CloudView {
             }),
         };
         self.picture.show(&painter, rect, state, drawing);
-        axes.labels(&painter);
         objects::paint(&painter, context.app, &scene, &axes);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
         let reference = place::reduction(context.app).reference();
         let shown_bottom = bottom.as_ref().map(|scene| &*scene.bottom);
-        controls::paint_legend(
+        let covered = controls::paint_legend(
             &painter,
             rect,
             options,
@@ -168,6 +167,7 @@ impl CloudView {
             (&scene, shown_bottom),
             reference,
         );
+        axes.labels(&painter, &covered);
         controls::paint_read_out(&painter, rect, context.app, &survey, &products);
         self.pointer
             .handle(context, response, &scene, (&axes, camera));
