@@ -1,6 +1,6 @@
 //! A surface in larger cells, and the direction that it faces.
 
-use super::{Grid, Surface};
+use super::{CellSource, Grid, Surface};
 use rayon::prelude::*;
 
 impl Surface {
@@ -13,8 +13,10 @@ impl Surface {
             depth_m: means(&self.depth_m),
             spread_m: means(&self.spread_m),
             distance_m: means(&self.distance_m),
+            source: best(&self.grid, &self.source, &grid, times),
             grid,
-            ..*self
+            method: self.method,
+            spread_is: self.spread_is,
         }
     }
 
@@ -70,6 +72,18 @@ fn means(fine: &Grid, values: &[f32], coarse: &Grid, times: usize) -> Vec<f32> {
                 }
             }
         });
+    made
+}
+
+/// The best that any part rests on.
+fn best(fine: &Grid, values: &[CellSource], coarse: &Grid, times: usize) -> Vec<CellSource> {
+    let mut made = vec![CellSource::None; coarse.len()];
+    for (row, line) in values.chunks(fine.columns.max(1)).enumerate() {
+        for (column, value) in line.iter().enumerate() {
+            let cell = &mut made[row / times * coarse.columns + column / times];
+            *cell = (*cell).max(*value);
+        }
+    }
     made
 }
 
@@ -129,6 +143,13 @@ mod tests {
             "without the hole"
         );
         assert!((coarse.depth_m[5] - of(&[14])).abs() < 1e-5, "at the edge");
+        let mut parts = plane();
+        parts.source = vec![CellSource::Interpolated; 15];
+        parts.source[8] = CellSource::FirstReturn;
+        let sources = parts.coarser(2).source;
+        let others = [0, 2, 3, 4, 5].map(|cell| sources[cell]);
+        assert_eq!(sources[1], CellSource::FirstReturn);
+        assert_eq!(others, [CellSource::Interpolated; 5]);
         assert_eq!(surface.grid.times_coarser(6), 2);
         assert_eq!(surface.grid.times_coarser(15), 1);
     }

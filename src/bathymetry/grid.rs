@@ -182,6 +182,7 @@ mod tests {
                 north_m: spacing_m * (i / along) as f64,
                 depth_m: 1.0,
                 weight: 1.0,
+                is_sounding: true,
             })
             .collect()
     }

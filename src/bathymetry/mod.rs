@@ -4,8 +4,9 @@
 //! depth between them, `grid` chooses the cells and `surface` fills them. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
-//! along a line; `coarser` gives it larger cells.
+//! along a line; `coarser` gives it larger cells, `cell_source` says what was measured in each.
 
+mod cell_source;
 mod coarser;
 pub mod compare;
 pub mod crosslines;
@@ -24,6 +25,7 @@ mod testing;
 mod tin;
 mod transect;
 
+pub use cell_source::CellSource;
 pub use grid::{CentresAbout, Grid, suited_cell_m};
 pub use hill_shade::{Light, hill_shade};
 pub use nodes::{Node, merge_repeated};

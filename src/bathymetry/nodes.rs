@@ -103,6 +103,7 @@ mod tests {
             north_m,
             depth_m,
             weight: 1.0,
+            is_sounding: true,
         }
     }
 

@@ -14,6 +14,8 @@ pub struct DepthPoint {
     pub depth_m: f64,
     /// What it counts where several depths meet; 1 for a recorder's own sounding, 0 for none.
     pub weight: f64,
+    /// Whether it is a sounding of the recorder or of a reference, and no first return of the side-scan.
+    pub is_sounding: bool,
 }
 
 /// Every sounding of the survey that has both a place and a depth, in time order.
@@ -26,6 +28,7 @@ pub fn depth_points(survey: &Survey, navigation: &Navigation) -> Vec<DepthPoint>
             north_m: place.north_m,
             depth_m: f64::from(sounding.depth_m),
             weight: 1.0,
+            is_sounding: true,
         })
         .filter(|point| {
             point.east_m.is_finite() && point.north_m.is_finite() && point.depth_m.is_finite()

@@ -1,5 +1,6 @@
 //! The surface: depths on a grid over the soundings, with values only where a sounding is near.
 
+use super::cell_source::{self, CellSource, measured_cells};
 use super::inverse_distance::inverse_distance;
 use super::smooth::{Bend, bend_least};
 use super::{Between, DepthPoint, Grid, Node, Tin, TinSampler, merge_repeated, suited_cell_m};
@@ -142,6 +143,8 @@ pub struct Surface {
     pub spread_m: Vec<f32>,
     /// Distance from the centre of each cell to the nearest sounding, metres; NaN where nothing is known.
     pub distance_m: Vec<f32>,
+    /// What the depth of each cell rests on.
+    pub source: Vec<CellSource>,
 }
 
 impl Surface {
@@ -153,6 +156,7 @@ impl Surface {
             grid,
             spread_m: vec![0.0; depth_m.len()],
             distance_m: vec![0.0; depth_m.len()],
+            source: vec![CellSource::Sounding; depth_m.len()],
             depth_m,
         }
     }
@@ -173,6 +177,14 @@ impl Surface {
         sigmas_m.sort_by(f64::total_cmp);
         (self.spread_is == Spread::OfError && !sigmas_m.is_empty())
             .then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
+    }
+
+    /// The shares of the known cells that hold a sounding, that hold a first return alone, and that are interpolated.
+    pub fn source_shares(&self) -> [f64; 3] {
+        let of = |source| self.source.iter().filter(|one| **one == source).count() as f64;
+        let counts = CellSource::KNOWN.map(of);
+        let all: f64 = counts.iter().sum();
+        counts.map(|count| count / all.max(1.0))
     }
 
     /// Depth of the cell at a place and its distance to the nearest sounding; `None` where nothing is known.
@@ -207,12 +219,15 @@ pub fn surface(
     progress.check()?;
     // Soundings nearer to each other than a cell cannot be distinguished in the map.
     let nodes = merge_repeated(&points, grid.cell_m);
+    let measured = measured_cells(&points, &grid);
     drop(points);
     progress.check()?;
     let Some(field) = Field::new(nodes, settings) else {
         return Ok(None);
     };
     let mut made = field.fill(grid, progress)?;
+    made.source = measured;
+    cell_source::settle(&mut made.source, &made.depth_m);
     let bend = match settings.method {
         SurfaceMethod::Auto => Some(Bend::WhereBetter),
         SurfaceMethod::Smooth => Some(Bend::Always),
@@ -300,6 +315,7 @@ impl Field {
             depth_m: unknown(),
             spread_m: unknown(),
             distance_m: unknown(),
+            source: Vec::new(),
         };
         progress.start(grid.rows as u64);
         let columns = grid.columns.max(1);

@@ -40,6 +40,7 @@ pub(super) fn golden_points() -> Vec<DepthPoint> {
                 north_m: y,
                 depth_m: 3.0 + 0.5 * (x / 2.0).sin() + 0.3 * (y / 1.7).cos(),
                 weight: 1.0,
+                is_sounding: true,
             }
         })
         .collect()

@@ -102,6 +102,8 @@ enum ShownBottom {
     Uncertainty,
     /// Distance to the nearest depth
     Distance,
+    /// What the depth rests on: a sounding, a first return, or depths around
+    Source,
     /// No bottom: the points alone
     None,
 }
@@ -113,6 +115,7 @@ impl ShownBottom {
             Self::Mosaic => Some(BottomColour::Mosaic),
             Self::Uncertainty => Some(BottomColour::Uncertainty),
             Self::Distance => Some(BottomColour::Distance),
+            Self::Source => Some(BottomColour::Source),
             Self::None => None,
         }
     }

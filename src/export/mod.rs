@@ -63,7 +63,7 @@ pub use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
 pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};
-pub use qgis_style::qgis_style;
+pub use qgis_style::{qgis_classes, qgis_style};
 pub use summary::Summary;
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};

@@ -2,7 +2,6 @@
 
 use super::{ExportError, write_aside};
 use crate::printable::xml;
-use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -24,19 +23,8 @@ pub fn qgis_style(
         )
     });
     let items: String = items.collect();
-    let text = text(&items, [least_m, most_m]);
-    write_aside(path, |mut file| file.write_all(text.as_bytes()))
-}
-
-fn text(items: &str, [least_m, most_m]: [f64; 2]) -> String {
-    let mut text = String::new();
-    // Writing into text cannot fail.
-    write!(
-        text,
-        r#"<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>
-<qgis styleCategories="Symbology" version="3.22.0">
-  <pipe>
-    <rasterrenderer alphaBand="-1" band="1" classificationMax="{most_m}" classificationMin="{least_m}" nodataColor="" opacity="1" type="singlebandpseudocolor">
+    let renderer = format!(
+        r#"    <rasterrenderer alphaBand="-1" band="1" classificationMax="{most_m}" classificationMin="{least_m}" nodataColor="" opacity="1" type="singlebandpseudocolor">
       <rasterTransparency/>
       <minMaxOrigin>
         <limits>None</limits>
@@ -48,16 +36,48 @@ fn text(items: &str, [least_m, most_m]: [f64; 2]) -> String {
 {items}        </colorrampshader>
       </rastershader>
     </rasterrenderer>
-    <brightnesscontrast brightness="0" contrast="0" gamma="1"/>
+"#
+    );
+    write_style(path, &renderer, "bilinear")
+}
+
+/// A class of a raster: its number, name and colour.
+pub type Class = (u8, &'static str, [u8; 3]);
+
+/// Writes the style of a raster of classes. What is none of them is clear.
+pub fn qgis_classes(path: &Path, classes: &[Class]) -> Result<(), ExportError> {
+    let entries = classes.iter().map(|(number, name, [red, green, blue])| {
+        format!(
+            "        <paletteEntry alpha=\"255\" color=\"#{red:02x}{green:02x}{blue:02x}\" label=\"{}\" value=\"{number}\"/>\n",
+            xml(name)
+        )
+    });
+    let entries: String = entries.collect();
+    let renderer = format!(
+        r#"    <rasterrenderer alphaBand="-1" band="1" nodataColor="" opacity="1" type="paletted">
+      <rasterTransparency/>
+      <colorPalette>
+{entries}      </colorPalette>
+    </rasterrenderer>
+"#
+    );
+    write_style(path, &renderer, "nearest neighbour")
+}
+
+fn write_style(path: &Path, renderer: &str, enlarged: &str) -> Result<(), ExportError> {
+    let text = format!(
+        r#"<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>
+<qgis styleCategories="Symbology" version="3.22.0">
+  <pipe>
+{renderer}    <brightnesscontrast brightness="0" contrast="0" gamma="1"/>
     <huesaturation colorizeOn="0" grayscaleMode="0" saturation="0"/>
-    <rasterresampler maxOversampling="2" zoomedInResampler="bilinear"/>
+    <rasterresampler maxOversampling="2" zoomedInResampler="{enlarged}"/>
   </pipe>
   <blendMode>0</blendMode>
 </qgis>
 "#
-    )
-    .ok();
-    text
+    );
+    write_aside(path, |mut file| file.write_all(text.as_bytes()))
 }
 
 #[cfg(test)]
@@ -75,5 +95,16 @@ mod tests {
         assert!(text.contains("color=\"#000010\" label=\"1.50 m\" value=\"1.5\""));
         assert!(text.contains("color=\"#ff0010\" label=\"6.50 m\" value=\"6.5\""));
         assert!(text.contains("classificationMax=\"6.5\" classificationMin=\"1.5\""));
+    }
+
+    #[test]
+    fn a_class_has_its_number_name_and_colour() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("source.qml");
+        qgis_classes(&path, &[(1, "a & b", [0, 255, 16]), (3, "c", [1, 2, 3])]).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains("color=\"#00ff10\" label=\"a &amp; b\" value=\"1\""));
+        assert_eq!(text.matches("<paletteEntry ").count(), 2);
+        assert!(text.contains("type=\"paletted\"") && text.contains("nearest neighbour"));
     }
 }

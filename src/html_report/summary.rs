@@ -186,6 +186,17 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
             (area(cell_m2 * known.len() as f64), "mapped"),
             (volume(cell_m2 * sum_m), "water above the mapped bottom"),
         ]);
+        let [sounding, first_return, interpolated] = surface.source_shares();
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        figures.push((
+            format!(
+                "{}, {}, {}",
+                percent(sounding),
+                percent(first_return),
+                percent(interpolated)
+            ),
+            "of the mapped bottom in cells with a sounding, in cells with a first return alone, and interpolated between them",
+        ));
         if let Some([half_m, most_m]) = surface.usual_error_m() {
             figures.push((
                 format!("\u{b1} {} m, \u{b1} {} m", decimal(half_m, 2), decimal(most_m, 2)),

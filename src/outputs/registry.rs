@@ -269,7 +269,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 33] = [
+pub const OUTPUT_FILES: [OutputFile; 34] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -373,6 +373,14 @@ pub const OUTPUT_FILES: [OutputFile; 33] = [
         "distance_m",
         "distance to the nearest depth, metres",
         Writer::Results(depth::rasters::distance),
+    ),
+    raster(
+        "depth/source.tif",
+        &["depth/source.qml"],
+        "What the depth of a cell rests on: 3 a sounding, 2 a first return, 1 interpolated",
+        "class",
+        "what the depth of a cell rests on",
+        Writer::Results(depth::rasters::source),
     ),
     OutputFile {
         when: When::Chosen(Product::Xyz),

@@ -112,6 +112,7 @@ impl Log<'_> {
                 north_m,
                 depth_m: -point.z_m,
                 weight,
+                is_sounding: true,
             }
         });
         placed.filter(|point| (point.east_m + point.north_m + point.depth_m).is_finite())

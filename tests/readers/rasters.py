@@ -18,13 +18,15 @@ def check(folder, made, points):
     for name in LAYERS:
         if name in made:
             check_layer(name, folder / "depth" / name, made[name])
+    if "source.tif" in made:
+        check_source(folder, made["source.tif"], points)
     if "depth.xyz" in made:
         check_cells(folder, made["depth.xyz"])
     if "depth.tif" in made:
         check_depths(folder / "depth/depth.tif", made["depth.tif"], points)
     if "mosaic.tif" in made:
         check_mosaic(folder / "mosaic/mosaic.tif", made["mosaic.tif"], points)
-    for name in (*LAYERS, "mosaic.tif"):
+    for name in (*LAYERS, "source.tif", "mosaic.tif"):
         if name in made:
             check_cloud_optimized(name, folder / ("mosaic" if name == "mosaic.tif" else "depth") / name)
 
@@ -70,6 +72,27 @@ def check_layer(name, path, record):
         check_style(path, values)
     check_count(name, record, "cells", len(values))
     check_values(name, record, values.min(), values.max(), 0.00001)
+
+
+def check_source(folder, record, points):
+    """A class for each cell that has a depth; where soundings lie, that of soundings."""
+    path = folder / "depth/source.tif"
+    with rasterio.open(path) as raster, rasterio.open(folder / "depth/depth.tif") as depths:
+        check_raster("source.tif", raster, record)
+        assert raster.dtypes == ("uint8",) and raster.descriptions == ("what the depth rests on",)
+        known = depths.read(1) != -9999
+        classes, mask = raster.read(1), raster.dataset_mask()
+        assert ((mask > 0) == known).all() and set(numpy.unique(classes[known])) <= {1, 2, 3}
+        check_statistics("source.tif", raster, classes[known])
+        places = into(record, points.lon, points.lat)
+        found = numpy.array([value[0] for value in raster.sample(places)])
+    on_map = found > 0
+    assert (found[on_map & (points.source == 0)] == 3).mean() > 0.95, "soundings in cells without"
+    beside = found[on_map & (points.source > 0)]
+    assert beside.size == 0 or (beside >= 2).mean() > 0.5, "first returns in cells without"
+    check_count("source.tif", record, "cells", known.sum())
+    entries = lxml.etree.parse(path.with_suffix(".qml")).findall(".//paletteEntry")
+    assert [entry.get("value") for entry in entries] == ["3", "2", "1"], entries
 
 
 def check_style(path, values):

@@ -285,7 +285,15 @@ fn the_bottom_is_shown_coloured_lit_and_hidden_by_keys() {
 fn a_picture_is_drawn_of_the_bottom_in_each_of_its_colours() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
-    let pictures = ["depth", "mosaic", "uncertainty", "distance", "none"].map(|colours| {
+    let pictures = [
+        "depth",
+        "mosaic",
+        "uncertainty",
+        "distance",
+        "source",
+        "none",
+    ]
+    .map(|colours| {
         let name = format!("{colours}.png");
         let snapshot = [
             "snapshot", "-o", &name, "--view", "cloud", "--size", "400x300",

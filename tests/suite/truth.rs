@@ -58,6 +58,7 @@ impl KnownSurvey {
                 north_m: point.north_m,
                 depth_m: -point.z_m,
                 weight: settings.weight(point),
+                is_sounding: point.source == PointSource::DownScan,
             })
             .filter(|point| point.weight > 0.0)
             .collect();

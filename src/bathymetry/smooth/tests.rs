@@ -110,6 +110,7 @@ fn lines(bed: impl Fn(f64, f64) -> f64) -> Vec<DepthPoint> {
         north_m,
         depth_m: bed(east_m, north_m),
         weight: 1.0,
+        is_sounding: true,
     };
     places.map(point).collect()
 }

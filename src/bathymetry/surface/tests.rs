@@ -7,6 +7,7 @@ fn line(north_m: f64, depth_m: f64) -> impl Iterator<Item = DepthPoint> {
         north_m,
         depth_m,
         weight: 1.0,
+        is_sounding: true,
     })
 }
 
@@ -32,6 +33,30 @@ fn between_two_lines_the_depth_is_linear() {
 }
 
 #[test]
+fn a_cell_says_what_its_depth_rests_on() {
+    let beside = line(0.6, 2.0).map(|point| DepthPoint {
+        is_sounding: false,
+        ..point
+    });
+    let points = line(0.0, 2.0)
+        .chain(beside)
+        .chain(line(10.0, 4.0))
+        .collect();
+    let map = surface(points, &settings(6.0), &Progress::new())
+        .unwrap()
+        .unwrap();
+    let at = |east_m, north_m| map.source[map.grid.index_at(east_m, north_m).unwrap()];
+    assert_eq!(at(20.0, 0.01), CellSource::Sounding);
+    assert_eq!(at(20.0, 0.61), CellSource::FirstReturn);
+    assert_eq!(at(20.0, 5.0), CellSource::Interpolated);
+    let known = map.depth_m.iter().map(|depth_m| !depth_m.is_nan());
+    assert!(known.eq(map.source.iter().map(|one| *one != CellSource::None)));
+    let [sounding, first_return, interpolated] = map.source_shares();
+    assert!((sounding + first_return + interpolated - 1.0).abs() < 1e-12);
+    assert!(interpolated > 0.8 && sounding > first_return && first_return > 0.0);
+}
+
+#[test]
 fn no_value_is_farther_than_the_gap_from_a_sounding() {
     // Triangles of equal sides, 5.9 m: their middles are 3.4 m from the corners.
     let points: Vec<_> = (0..49)
@@ -40,6 +65,7 @@ fn no_value_is_farther_than_the_gap_from_a_sounding() {
             north_m: 5.9 * 0.75f64.sqrt() * f64::from(i / 7),
             depth_m: f64::from(i % 5),
             weight: 1.0,
+            is_sounding: true,
         })
         .collect();
     let map = surface(points.clone(), &settings(3.0), &Progress::new())
@@ -77,6 +103,7 @@ fn the_bay_of_a_bend_stays_empty() {
                 north_m: 100.0 * sin,
                 depth_m: 2.0,
                 weight: 1.0,
+                is_sounding: true,
             }
         })
         .collect();
@@ -100,6 +127,7 @@ fn a_bend_is_not_bridged_by_a_lens_across_the_track() {
                     north_m: reach_m * sin,
                     depth_m: 2.0,
                     weight: 1.0,
+                    is_sounding: true,
                 }
             })
         })
@@ -124,6 +152,7 @@ fn every_sounding_of_a_single_winding_track_has_its_cell() {
                 north_m: 120.0 * sin,
                 depth_m: 2.0 + 0.001 * f64::from(i),
                 weight: 1.0,
+                is_sounding: true,
             }
         })
         .collect();

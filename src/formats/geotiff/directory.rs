@@ -112,7 +112,7 @@ fn tags(spec: &RasterSpec, statistics: &Statistics, page: &Page) -> Vec<Tag> {
     // Samples, bits of each, what they are (1 grey, 2 colours, 4 a mask).
     let (samples, bits, colours) = match cells {
         Some(Cells::Rgba) => (4, 8, 2),
-        Some(Cells::Level) => (1, 8, 1),
+        Some(Cells::Level | Cells::Class) => (1, 8, 1),
         Some(Cells::Metres) => (1, 32, 1),
         None => (1, 1, 4),
     };

@@ -44,6 +44,8 @@ pub enum Cells {
     Rgba,
     /// A level of one byte, 0 where nothing is known; a mask in the file says so too.
     Level,
+    /// The number of a class, one byte, 0 where nothing is known; a mask in the file says so too. Of four cells the coarser one has the greatest.
+    Class,
     /// Metres as f32, little-endian, [`NODATA`] where nothing is known.
     Metres,
 }
@@ -59,7 +61,7 @@ impl Cells {
         const METRES: [u8; 4] = NODATA.to_le_bytes();
         match self {
             Cells::Rgba => &[0; 4],
-            Cells::Level => &[0],
+            Cells::Level | Cells::Class => &[0],
             Cells::Metres => &METRES,
         }
     }

@@ -3,11 +3,12 @@
 use super::{Cells, NODATA, RASTER_TILE};
 
 /// Draws a tile of the finer level into a quarter (row and column, 0 or 1) of a coarser one: each cell the mean of those of its
-/// four that hold something. Both hold [`RASTER_TILE`] rows of as many cells.
+/// four that hold something, of classes the greatest. Both hold [`RASTER_TILE`] rows of as many cells.
 pub fn halve_into(cells: Cells, finer: &[u8], quarter: [usize; 2], coarser: &mut [u8]) {
     match cells {
         Cells::Rgba => halve(finer, quarter, coarser, mean_colour),
         Cells::Level => halve(finer, quarter, coarser, mean_level),
+        Cells::Class => halve(finer, quarter, coarser, greatest),
         Cells::Metres => halve(finer, quarter, coarser, mean_metres),
     }
 }
@@ -51,6 +52,11 @@ fn mean_level(four: [[u8; 1]; 4]) -> [u8; 1] {
     let count: u16 = four.iter().map(|level| u16::from(level[0] > 0)).sum();
     // Never 0, since each of them is at least 1.
     [((sum + count / 2) / count.max(1)) as u8]
+}
+
+/// The greatest class.
+fn greatest(four: [[u8; 1]; 4]) -> [u8; 1] {
+    [four.map(|[class]| class).into_iter().fold(0, u8::max)]
 }
 
 /// The mean of what is known.

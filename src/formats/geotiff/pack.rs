@@ -18,7 +18,7 @@ pub struct Packed {
 /// Compresses a tile; bytes of colour as differences to the cell before (predictor 2).
 pub fn pack(cells: Cells, mut bytes: Vec<u8>) -> io::Result<Packed> {
     let mask = match cells {
-        Cells::Level => Some(deflate(&mask(&bytes))?),
+        Cells::Level | Cells::Class => Some(deflate(&mask(&bytes))?),
         Cells::Rgba | Cells::Metres => None,
     };
     if cells == Cells::Rgba {

@@ -33,7 +33,7 @@ impl Statistics {
     pub fn of(cells: Cells, bytes: &[u8]) -> Self {
         match cells {
             Cells::Rgba => Self::default(),
-            Cells::Level => Self::of_levels(bytes),
+            Cells::Level | Cells::Class => Self::of_levels(bytes),
             Cells::Metres => {
                 let values = bytes.as_chunks().0.iter();
                 let values = values.map(|&four| f32::from_le_bytes(four));

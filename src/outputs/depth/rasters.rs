@@ -1,14 +1,14 @@
-//! The surface as rasters: metres as f32 on one grid, each with what was and was not corrected in its description, and beside each its
+//! The surface as rasters: metres as f32 on one grid, and what they rest on, each with what was and was not corrected in its description, and beside each its
 //! colours for QGIS (`.qml`).
 
-use crate::bathymetry::{Grid, Spread, Surface};
-use crate::export::{Summary, geotiff, qgis_style};
+use crate::bathymetry::{CellSource, Grid, Spread, Surface};
+use crate::export::{Summary, geotiff, qgis_classes, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
-use crate::presentation::colours::{depth_colour, distance_colour, uncertainty_colour};
+use crate::presentation::colours::{SOURCES, depth_colour, distance_colour, uncertainty_colour};
 use std::path::Path;
 
 /// A raster to write.
@@ -70,29 +70,94 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
     write(&layer, results, path)
 }
 
+/// Writes `source.tif`.
+pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
+    let (grid, plane) = (&surface.grid, &results.plane);
+    let classes = CellSource::KNOWN.map(|source| source as u8);
+    let names: Vec<String> = CellSource::KNOWN
+        .iter()
+        .map(|source| format!("{} {}", *source as u8, source.name()))
+        .collect();
+    let spec = RasterSpec {
+        cells: Cells::Class,
+        band: Some(Band {
+            name: "what the depth rests on",
+            unit: "",
+            positive_down: false,
+        }),
+        description: format!(
+            "What the depth of a cell rests on: {}; {}. {}",
+            names.join(", "),
+            plane.survey.name(),
+            applied(results.products, surface)
+        ),
+        ..spec(results, surface)
+    };
+    let draw = |tile| {
+        draw(grid, tile, |cell| {
+            [cell.map_or(0, |cell| surface.source[cell] as u8)]
+        })
+    };
+    let tiles = tiles(grid, &surface.depth_m);
+    geotiff(path, &spec, &tiles, draw, results.progress)?;
+    let named = (CellSource::KNOWN.iter().zip(classes)).zip(SOURCES);
+    let named: Vec<_> = named
+        .map(|((source, number), colour)| (number, source.name(), colour))
+        .collect();
+    qgis_classes(&path.with_extension("qml"), &named)?;
+    let values = surface.source.iter().map(|source| match source {
+        CellSource::None => f32::NAN,
+        source => f32::from(*source as u8),
+    });
+    let values: Vec<f32> = values.collect();
+    let summary = summary(plane, grid, &values);
+    Ok(FileContent::new(
+        Coordinates::System(spec.crs.clone()),
+        summary,
+    ))
+}
+
 fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane, values) = (&surface.grid, &results.plane, (layer.values)(surface));
-    let crs = &plane.map.crs;
     let applied = applied(results.products, surface);
     let spec = RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: plane.map.in_crs([grid.west_m, 0.0])[0],
-        north: plane.map.in_crs([0.0, grid.north_m])[1],
-        cell: plane.map.in_crs([grid.cell_m; 2]),
-        crs: crs.clone(),
         cells: Cells::Metres,
         band: Some(layer.band),
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
+        ..spec(results, surface)
     };
+    let crs = &spec.crs;
     let tiles = tiles(grid, &surface.depth_m);
-    let draw = |tile| draw(grid, values, tile);
+    let draw = |tile| {
+        draw(grid, tile, |cell| {
+            let value = cell.map_or(f32::NAN, |cell| values[cell]);
+            let stored = if value.is_nan() { NODATA } else { value };
+            stored.to_le_bytes()
+        })
+    };
     geotiff(path, &spec, &tiles, draw, results.progress)?;
     let summary = summary(plane, grid, values);
     let range = summary.values.unwrap_or_default();
     qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
     Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
+}
+
+/// A raster over the cells of the surface; of nothing yet.
+fn spec(results: &Results<'_>, surface: &Surface) -> RasterSpec {
+    let (grid, map) = (&surface.grid, &results.plane.map);
+    RasterSpec {
+        columns: grid.columns,
+        rows: grid.rows,
+        west: map.in_crs([grid.west_m, 0.0])[0],
+        north: map.in_crs([0.0, grid.north_m])[1],
+        cell: map.in_crs([grid.cell_m; 2]),
+        crs: map.crs.clone(),
+        cells: Cells::Metres,
+        band: None,
+        description: String::new(),
+    }
 }
 
 /// The cells that are known, and the whole raster around them.
@@ -136,18 +201,17 @@ fn tiles(grid: &Grid, values: &[f32]) -> Vec<[usize; 2]> {
     filled.map(|tile| [tile / across, tile % across]).collect()
 }
 
-fn draw(grid: &Grid, values: &[f32], [row, column]: [usize; 2]) -> Vec<u8> {
-    let mut tile = Vec::with_capacity(4 * RASTER_TILE * RASTER_TILE);
+/// The bytes of a tile; `stored` is asked for the number of a cell, `None` beyond the grid.
+fn draw<const BYTES: usize>(
+    grid: &Grid,
+    [row, column]: [usize; 2],
+    stored: impl Fn(Option<usize>) -> [u8; BYTES],
+) -> Vec<u8> {
+    let mut tile = Vec::with_capacity(BYTES * RASTER_TILE * RASTER_TILE);
     for row in row * RASTER_TILE..(row + 1) * RASTER_TILE {
         for column in column * RASTER_TILE..(column + 1) * RASTER_TILE {
             let inside = row < grid.rows && column < grid.columns;
-            let value = if inside {
-                values[row * grid.columns + column]
-            } else {
-                f32::NAN
-            };
-            let stored = if value.is_nan() { NODATA } else { value };
-            tile.extend(stored.to_le_bytes());
+            tile.extend(stored(inside.then_some(row * grid.columns + column)));
         }
     }
     tile

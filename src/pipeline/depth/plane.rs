@@ -1,7 +1,7 @@
 //! The cloud in the metres of a map.
 
 use crate::bathymetry::{DepthPoint, SurfaceSettings};
-use crate::cloud::{CloudPoint, PointCloud};
+use crate::cloud::{CloudPoint, PointCloud, PointSource};
 use crate::geo::{Crs, LonLat, MapPlane};
 use crate::pipeline::Products;
 use crate::pipeline::map_plane;
@@ -94,13 +94,14 @@ pub fn depth_points(
     };
     // Counted first: a vector of a million points that grows takes three times their memory for a moment.
     let mut points = Vec::with_capacity(weighted().count());
-    let placed = weighted().map(|(point, weight)| (place(point), weight));
-    points.extend(placed.filter(|(place, _)| is_finite(place)).map(
-        |([east_m, north_m, z_m], weight)| DepthPoint {
+    let placed = weighted().map(|(point, weight)| (place(point), weight, point.source));
+    points.extend(placed.filter(|(place, ..)| is_finite(place)).map(
+        |([east_m, north_m, z_m], weight, source)| DepthPoint {
             east_m,
             north_m,
             depth_m: -z_m,
             weight,
+            is_sounding: source == PointSource::DownScan,
         },
     ));
     points

@@ -1,11 +1,11 @@
 //! The bottom of a survey as a body: the depth map with so many corners at most, and a colour for each.
 
 use super::{DepthMap, Derived, MosaicKey, MosaicPlane};
-use crate::bathymetry::Surface;
+use crate::bathymetry::{CellSource, Surface};
 use crate::mosaic::Colours;
 use crate::pipeline::{ProcessedLog, Same};
 use crate::presentation::colours::{
-    Rgb, depth_colour, depth_share, distance_colour, uncertainty_colour,
+    Rgb, SOURCES, depth_colour, depth_share, distance_colour, uncertainty_colour,
 };
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -30,11 +30,19 @@ pub enum BottomColour {
     Uncertainty,
     /// How far away the nearest depth was measured.
     Distance,
+    /// What the depth rests on.
+    Source,
 }
 
 impl BottomColour {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 4] = [Self::Depth, Self::Mosaic, Self::Uncertainty, Self::Distance];
+    pub const ALL: [Self; 5] = [
+        Self::Depth,
+        Self::Mosaic,
+        Self::Uncertainty,
+        Self::Distance,
+        Self::Source,
+    ];
 
     /// Name in the menu.
     pub fn name(self) -> &'static str {
@@ -43,6 +51,7 @@ impl BottomColour {
             Self::Mosaic => "mosaic",
             Self::Uncertainty => "uncertainty",
             Self::Distance => "distance",
+            Self::Source => "source",
         }
     }
 
@@ -93,7 +102,7 @@ pub struct Bottom {
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
-    /// Values at the ends of the colours, metres; none of the mosaic's.
+    /// Values at the ends of the colours, metres; none of the mosaic's and of what depths rest on.
     pub ends_m: Option<[f32; 2]>,
 }
 
@@ -135,6 +144,7 @@ impl Bottom {
             }
             BottomColour::Uncertainty => scaled(&surface.spread_m, uncertainty_colour),
             BottomColour::Distance => scaled(&surface.distance_m, distance_colour),
+            BottomColour::Source => (surface.source.iter().map(source_colour).collect(), None),
             BottomColour::Mosaic => {
                 let plane = MosaicPlane::Map(depth_map.map.clone());
                 let rgb = match derived.mosaic(logs, plane, progress)? {
@@ -224,6 +234,11 @@ impl Bottom {
             is_known,
         }
     }
+}
+
+fn source_colour(source: &CellSource) -> Rgb {
+    let known = CellSource::KNOWN.iter().position(|one| one == source);
+    known.map_or(UNSEEN, |index| SOURCES[index])
 }
 
 fn of_values(values: &[f32], colour: impl Fn(f32) -> Rgb + Sync) -> Vec<Rgb> {

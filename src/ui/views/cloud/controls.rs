@@ -3,9 +3,10 @@
 use super::light;
 use super::scene::CloudScene;
 use crate::app::{App, CloudColour, Command, ViewOptions};
+use crate::bathymetry::CellSource;
 use crate::cloud::{DepthReference, PointSource};
 use crate::pipeline::{Bottom, BottomColour, Products};
-use crate::presentation::colours::share_colour;
+use crate::presentation::colours::{SOURCES, share_colour};
 use crate::presentation::units::Units;
 use crate::survey::{Side, SideScanState, Survey};
 use crate::ui::text::count;
@@ -146,10 +147,19 @@ pub fn paint_legend(
 ) -> Vec<Rect> {
     let mut at = rect.left_top() + vec2(8.0, 36.0);
     let mut covered = Vec::new();
-    let lines = match options.cloud.points {
+    let mut lines = match options.cloud.points {
         true => lines(options, scene),
         false => Vec::new(),
     };
+    if bottom.is_some_and(|bottom| bottom.colour == BottomColour::Source) {
+        let sources = CellSource::KNOWN.iter().zip(SOURCES);
+        lines.extend(sources.map(|(source, [r, g, b])| {
+            (
+                format!("bottom: {}", source.name()),
+                Color32::from_rgb(r, g, b),
+            )
+        }));
+    }
     for (text, colour) in lines {
         let plate = legend::plate(
             painter,
@@ -189,7 +199,7 @@ pub fn paint_legend(
 fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<Scale> {
     let ends_m = bottom.ends_m?;
     Some(match bottom.colour {
-        BottomColour::Mosaic => return None,
+        BottomColour::Mosaic | BottomColour::Source => return None,
         BottomColour::Depth => Scale::of_depth(ends_m, reference, units),
         BottomColour::Uncertainty => Scale::of_uncertainty(ends_m, units),
         BottomColour::Distance => Scale::of_distance(ends_m, units),
