@@ -356,8 +356,8 @@ rows! {
     RELIEF: "surface.relief", "Echoes", "ground of echoes and objects",
         "What echoes and objects are placed on: the bottom that the log measured, where it did, or a level one.",
         choice!(surface.relief, [
-            "true", "on the measured bottom", "By the depths that the log measured across the track; on where it measured none, as deep as it last was.";
-            "false", "on a level bottom", "As deep everywhere as under the boat.";
+            "true", "measured bottom", "By the depths that the log measured across the track; on where it measured none, as deep as it last was.";
+            "false", "level bottom", "As deep everywhere as under the boat.";
         ]);
     // Finer than a millimetre no depth is known.
     INTERVAL: "isobaths.interval_m", "Isobaths", "isobath interval",
