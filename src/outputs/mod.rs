@@ -5,7 +5,7 @@
 //! out of date. `clouds` writes the files of points, `track` those of the
 //! boat's way, `depth` the depth map and what follows from it, `residuals` and `comparison` how the depths agree, `mosaic` the
 //! side-scan mosaic, `detections` what a search proposes, `objects` makes one object of its sightings in all logs, `page` writes the report; `manifest` lists the files with what each is. `boxes` writes
-//! what was decided about boxes, `training_tiles` as pictures for training.
+//! what was decided about boxes, `training_tiles` as pictures for training, `raster` says where a raster lies.
 
 mod boxes;
 mod clouds;
@@ -21,6 +21,7 @@ mod objects;
 mod overwrite;
 mod page;
 mod product;
+mod raster;
 mod registry;
 mod residuals;
 mod results;

@@ -8,6 +8,7 @@ use crate::formats::geotiff::{Band, Cells, RASTER_TILE, RasterSpec};
 use crate::geo::MapPlane;
 use crate::mosaic::{Colours, MosaicLog, TILE_CELLS, TileIndex, joint_grid, joint_tile};
 use crate::outputs::OutputError;
+use crate::outputs::raster;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -94,14 +95,9 @@ fn spec(grid: &Grid, map: &MapPlane, name: &str, colours: Colours) -> RasterSpec
         Colours::Copper => (Cells::Rgba, None),
     };
     RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: map.in_crs([grid.west_m, 0.0])[0],
-        north: map.in_crs([0.0, grid.north_m])[1],
-        cell: map.in_crs([grid.cell_m; 2]),
-        crs: map.crs.clone(),
         cells,
         band,
         description: format!("Side-scan mosaic of {name}"),
+        ..raster::over(grid, map)
     }
 }

@@ -6,6 +6,7 @@ use crate::export::{Summary, geotiff, qgis_classes, qgis_style};
 use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
+use crate::outputs::raster;
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
 use crate::presentation::colours::{SOURCES, depth_colour, distance_colour, uncertainty_colour};
@@ -74,11 +75,7 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
 pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
     let (grid, plane) = (&surface.grid, &results.plane);
-    let classes = CellSource::KNOWN.map(|source| source as u8);
-    let names: Vec<String> = CellSource::KNOWN
-        .iter()
-        .map(|source| format!("{} {}", *source as u8, source.name()))
-        .collect();
+    let names = CellSource::KNOWN.map(|source| format!("{} {}", source as u8, source.name()));
     let spec = RasterSpec {
         cells: Cells::Class,
         band: Some(Band {
@@ -92,7 +89,7 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
             plane.survey.name(),
             applied(results.products, surface)
         ),
-        ..spec(results, surface)
+        ..raster::over(grid, &plane.map)
     };
     let draw = |tile| {
         draw(grid, tile, |cell| {
@@ -101,11 +98,10 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
     };
     let tiles = tiles(grid, &surface.depth_m);
     geotiff(path, &spec, &tiles, draw, results.progress)?;
-    let named = (CellSource::KNOWN.iter().zip(classes)).zip(SOURCES);
-    let named: Vec<_> = named
-        .map(|((source, number), colour)| (number, source.name(), colour))
-        .collect();
-    qgis_classes(&path.with_extension("qml"), &named)?;
+    let classes = CellSource::KNOWN.iter().zip(SOURCES);
+    let classes = classes.map(|(source, colour)| (*source as u8, source.name(), colour));
+    let classes: Vec<_> = classes.collect();
+    qgis_classes(&path.with_extension("qml"), &classes)?;
     let values = surface.source.iter().map(|source| match source {
         CellSource::None => f32::NAN,
         source => f32::from(*source as u8),
@@ -126,7 +122,7 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
         cells: Cells::Metres,
         band: Some(layer.band),
         description: format!("{}; {}. {applied}", layer.what, plane.survey.name()),
-        ..spec(results, surface)
+        ..raster::over(grid, &plane.map)
     };
     let crs = &spec.crs;
     let tiles = tiles(grid, &surface.depth_m);
@@ -142,22 +138,6 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
     let range = summary.values.unwrap_or_default();
     qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
     Ok(FileContent::new(Coordinates::System(crs.clone()), summary))
-}
-
-/// A raster over the cells of the surface; of nothing yet.
-fn spec(results: &Results<'_>, surface: &Surface) -> RasterSpec {
-    let (grid, map) = (&surface.grid, &results.plane.map);
-    RasterSpec {
-        columns: grid.columns,
-        rows: grid.rows,
-        west: map.in_crs([grid.west_m, 0.0])[0],
-        north: map.in_crs([0.0, grid.north_m])[1],
-        cell: map.in_crs([grid.cell_m; 2]),
-        crs: map.crs.clone(),
-        cells: Cells::Metres,
-        band: None,
-        description: String::new(),
-    }
 }
 
 /// The cells that are known, and the whole raster around them.
