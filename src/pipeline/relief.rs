@@ -4,13 +4,15 @@ use super::depth::depth_points;
 use crate::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, surface};
 use crate::cloud::PointCloud;
 use crate::progress::{Cancelled, Progress};
-use crate::statistics::median;
+use crate::statistics::{median, quantile};
 use crate::survey::{Navigation, Relief, Side, Survey};
 
 /// Cells of the surface that it is read from are this share of the median depth, and this long at least, metres: what is smaller is noise as
 /// seen from the transducer.
 const CELL_SHARE: f64 = 0.25;
 const LEAST_CELL_M: f64 = 1.0;
+/// The bottom is read up to the slant range that this share of all sides does not exceed.
+const RANGE_SHARE: f64 = 0.98;
 /// Most cells along a side.
 const MOST_CELLS: usize = 2048;
 
@@ -75,10 +77,40 @@ fn deeper_m(
     Some(f64::from(there_m - under_m))
 }
 
-/// Longest slant range, metres.
+/// Slant range that nearly no side of a ping exceeds, metres: a damaged header may state any.
 fn farthest_m(survey: &Survey) -> f64 {
     let pings = survey.side_scan.iter();
     let spans = pings.flat_map(|ping| [ping.port, ping.starboard]).flatten();
     let ranges = spans.map(|span| f64::from(span.far_m));
-    ranges.filter(|far_m| far_m.is_finite()).fold(1.0, f64::max)
+    let mut ranges: Vec<f64> = ranges.filter(|far_m| far_m.is_finite()).collect();
+    ranges.sort_by(f64::total_cmp);
+    // Of none it is NaN, and the greater of NaN and 1 is 1.
+    quantile(&ranges, RANGE_SHARE).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::{SidePing, SideSpan};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_damaged_header_does_not_say_how_far_the_bottom_is_read() {
+        let ping = |index: usize| SidePing {
+            time_s: index as f64,
+            depth_m: 3.0,
+            depth_locked: true,
+            port: None,
+            starboard: Some(SideSpan::of_bytes(
+                100,
+                [0.0, if index == 7 { 3e9 } else { 20.0 }],
+            )),
+        };
+        let survey = Survey {
+            side_scan: Arc::new((0..200).map(ping).collect()),
+            ..Survey::default()
+        };
+        assert_eq!(farthest_m(&survey), 20.0);
+        assert_eq!(farthest_m(&Survey::default()), 1.0);
+    }
 }
