@@ -15,7 +15,7 @@ fn room(view: View) -> f32 {
     match view {
         View::Waterfall => 640.0,
         View::Map => 220.0,
-        View::Cloud => 470.0,
+        View::Cloud => 570.0,
     }
 }
 
