@@ -1,9 +1,9 @@
 //! Where a box's object lies in the world, and how large it is.
 //!
 //! `echo` finds the echo and the shadow inside a box (`profile` has the levels, `runs` the edges), `seen` makes distances and
-//! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it), `passes` tells which passes of the boat covered a place, `group` makes
-//! one object of the same object seen from several lines (`pairs` says which sightings may be one, `spread`
-//! and `heading` how sure that is).
+//! a height of them, `shadow` a height of a shadow that the analyst measures, `place` puts them on the bottom (`altitude` above it),
+//! `passes` tells which passes of the boat covered a place, `group` makes one object of the same object seen from several lines (`pairs`
+//! says which sightings may be one, `spread` and `heading` how sure that is), `shape` fits a solid to what they recorded of it.
 
 mod altitude;
 mod echo;
@@ -16,6 +16,7 @@ mod profile;
 mod runs;
 mod seen;
 mod shadow;
+mod shape;
 mod spread;
 
 pub use echo::{Parts, Shadow, parts};
@@ -23,6 +24,9 @@ pub use group::{Group, GroupSettings, Sighting, group};
 pub use passes::{Pass, passes_over};
 pub use place::Placer;
 pub use shadow::{ShadowError, ShadowHeight};
+pub use shape::{
+    BoxLevels, FittedShape, PosedSolid, ShapeError, ShapeKind, ShapeOnPing, Solid, fit_shape,
+};
 
 use super::{Mark, MeasuredShadow, ObjectExtent};
 use crate::geo::LonLat;

@@ -202,6 +202,16 @@ impl<'a> Placer<'a> {
             .then_some(place)
     }
 
+    /// The recording.
+    pub(super) fn survey(&self) -> &'a Survey {
+        self.survey
+    }
+
+    /// Place and heading of the boat at a ping.
+    pub(super) fn boat_at(&self, ping: usize) -> Option<&PingNav> {
+        self.navigation.pings.get(ping)
+    }
+
     /// The span of a ping on one side.
     pub(super) fn span(&self, side: Side, ping: usize) -> Option<&'a SideSpan> {
         self.survey.span(ping, side)

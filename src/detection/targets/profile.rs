@@ -45,14 +45,19 @@ impl Grid {
         (count > 0.0).then(|| sums.iter().map(|sum| sum / count).collect())
     }
 
-    /// What the pings before and behind the box receive; `None` where there are none.
-    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Background> {
+    /// Pings before and behind a box, that the background is taken from.
+    pub(super) fn beside(survey: &Survey, mark: &Mark) -> [Range<usize>; 2] {
         let before = mark.pings.start.saturating_sub(APART);
         let behind = (mark.pings.end + APART).min(survey.side_scan.len());
-        let pings = [
+        [
             before.saturating_sub(NEIGHBOUR_PINGS)..before,
             behind..(behind + NEIGHBOUR_PINGS).min(survey.side_scan.len()),
-        ];
+        ]
+    }
+
+    /// What the pings before and behind the box receive; `None` where there are none.
+    pub(super) fn background(&self, survey: &Survey, mark: &Mark) -> Option<Background> {
+        let pings = Self::beside(survey, mark);
         let both: Vec<Vec<f64>> = pings
             .iter()
             .filter_map(|pings| self.profile(survey, pings.clone()))

@@ -1,0 +1,232 @@
+//! Solids that objects are like, as heights above the bottom.
+
+/// What an object is like by its shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShapeKind {
+    /// A crate or a block: straight sides and a flat top.
+    Block,
+    /// A pipe, a drum or a trunk on its side: as high as it is wide.
+    Cylinder,
+    /// A tyre that lies flat.
+    Tyre,
+    /// A boulder: the upper half of an ellipsoid.
+    Boulder,
+    /// An open boat on its keel: a side around a lower floor.
+    Hull,
+    /// A boat that lies keel up.
+    UpturnedHull,
+}
+
+/// What is usual of a kind: length and width in metres, length over width, height over width.
+pub(super) struct Usual {
+    pub(super) length_m: [f64; 2],
+    pub(super) width_m: [f64; 2],
+    pub(super) slenderness: [f64; 2],
+    pub(super) steepness: [f64; 2],
+    /// The length over the width to begin with.
+    pub(super) typical_slenderness: f64,
+}
+
+impl ShapeKind {
+    /// All of them.
+    pub const ALL: [ShapeKind; 6] = [
+        ShapeKind::Block,
+        ShapeKind::Cylinder,
+        ShapeKind::Tyre,
+        ShapeKind::Boulder,
+        ShapeKind::Hull,
+        ShapeKind::UpturnedHull,
+    ];
+
+    /// In words and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            ShapeKind::Block => "block",
+            ShapeKind::Cylinder => "cylinder",
+            ShapeKind::Tyre => "tyre",
+            ShapeKind::Boulder => "boulder",
+            ShapeKind::Hull => "hull",
+            ShapeKind::UpturnedHull => "hull keel up",
+        }
+    }
+
+    /// Whether it is a boat, whichever way up: with a bow, it does not look the same from ahead and from behind.
+    pub fn is_boat(self) -> bool {
+        matches!(self, ShapeKind::Hull | ShapeKind::UpturnedHull)
+    }
+
+    /// Sizes that such objects have: crates, drums, tyres of cars and tractors, boulders that a boat's beam resolves, boats. Beyond
+    /// them one kind would take the place of another (a boulder four times as long as it is wide is a boat).
+    pub(super) fn usual(self) -> Usual {
+        let usual = |length_m, width_m, slenderness, steepness, typical_slenderness| Usual {
+            length_m,
+            width_m,
+            slenderness,
+            steepness,
+            typical_slenderness,
+        };
+        match self {
+            ShapeKind::Block => usual([0.3, 3.0], [0.2, 3.0], [1.0, 3.0], [0.3, 1.6], 1.5),
+            ShapeKind::Cylinder => usual([0.6, 12.0], [0.1, 1.5], [2.5, 15.0], [1.0, 1.0], 5.0),
+            ShapeKind::Tyre => usual([0.5, 1.6], [0.5, 1.6], [1.0, 1.0], [0.2, 0.45], 1.0),
+            ShapeKind::Boulder => usual([0.3, 3.0], [0.2, 3.0], [1.0, 2.0], [0.3, 1.0], 1.2),
+            ShapeKind::Hull | ShapeKind::UpturnedHull => {
+                usual([2.5, 60.0], [0.9, 15.0], [2.0, 5.0], [0.15, 0.8], 3.0)
+            }
+        }
+    }
+}
+
+/// A shape in its size, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// What it is like.
+    pub kind: ShapeKind,
+    /// Its longest extent.
+    pub length_m: f64,
+    /// Its extent across that.
+    pub width_m: f64,
+    /// Of its highest point above the bottom.
+    pub height_m: f64,
+    /// How much more than its middle a boat's starboard side stands up, as a share of the height there; of the port side it is as much less.
+    /// 0 of what is no boat.
+    pub list: f64,
+}
+
+/// Middle of a tyre's ring and half of its thickness, in outer radii: a car's tyre is 0.6 m wide around a rim of 0.4 m at most.
+const RING: [f64; 2] = [0.68, 0.32];
+/// Thickness of a boat's side with what is fastened to it, metres, and the height of its floor, with the mud on it, as a share of the side's.
+const SIDE_M: f64 = 0.1;
+const FLOOR: f64 = 0.3;
+
+impl Solid {
+    /// Radius of the circle that holds it, metres.
+    pub fn reach_m(&self) -> f64 {
+        0.5 * self.length_m.hypot(self.width_m)
+    }
+
+    /// Height above the bottom, metres, at a place so far along its length (a boat's bow ahead) and across it (to starboard) from its middle;
+    /// 0 beside it.
+    pub fn height_at_m(&self, along_m: f64, across_m: f64) -> f64 {
+        let (u, v) = (2.0 * along_m / self.length_m, 2.0 * across_m / self.width_m);
+        if u.abs() > 1.0 || v.abs() > 1.0 {
+            return 0.0;
+        }
+        let upright = match self.kind {
+            ShapeKind::Block => 1.0,
+            ShapeKind::Cylinder => lying_round(v),
+            ShapeKind::Tyre => lying_round((u.hypot(v) - RING[0]) / RING[1]),
+            ShapeKind::Boulder => (1.0 - u * u - v * v).max(0.0).sqrt(),
+            ShapeKind::Hull => self.open_hull(u, v),
+            ShapeKind::UpturnedHull => lying_round(v / boat_outline(u)),
+        };
+        self.height_m * upright * (1.0 + self.list * v) / (1.0 + self.list.abs())
+    }
+
+    fn open_hull(&self, u: f64, v: f64) -> f64 {
+        let across_m = 0.5 * self.width_m * (boat_outline(u) - v.abs());
+        let along_m = 0.5 * self.length_m * (1.0 - u.abs());
+        match across_m.min(along_m) {
+            inside_m if inside_m < 0.0 => 0.0,
+            inside_m if inside_m < SIDE_M => 1.0,
+            _ => FLOOR,
+        }
+    }
+
+    /// Its outline on the bottom: places along and across from its middle, metres, back to the first.
+    pub fn outline_m(&self) -> Vec<[f64; 2]> {
+        const POINTS: usize = 32;
+        let [length_m, width_m] = [0.5 * self.length_m, 0.5 * self.width_m];
+        if matches!(self.kind, ShapeKind::Block | ShapeKind::Cylinder) {
+            let corners = [
+                (1.0, 1.0),
+                (1.0, -1.0),
+                (-1.0, -1.0),
+                (-1.0, 1.0),
+                (1.0, 1.0),
+            ];
+            return corners.map(|(u, v)| [u * length_m, v * width_m]).to_vec();
+        }
+        let round = (0..=POINTS).map(|point| {
+            let (sin, cos) = (std::f64::consts::TAU * point as f64 / POINTS as f64).sin_cos();
+            let half = match self.kind.is_boat() {
+                true => boat_outline(cos).copysign(sin),
+                false => sin,
+            };
+            [cos * length_m, half * width_m]
+        });
+        round.collect()
+    }
+}
+
+/// Half of a boat's width at a place along it in half lengths, the bow at 1, as a share of the greatest: a transom, and a bow that is not
+/// quite pointed.
+fn boat_outline(u: f64) -> f64 {
+    match u < 0.0 {
+        true => 1.0 - 0.25 * u * u,
+        false => (1.0 - u * u * (0.3 + 0.7 * u)).max(1e-6),
+    }
+}
+
+/// Upper half of a round section that lies on the bottom: 1 in the middle, one half at its sides, 0 beyond.
+fn lying_round(offset: f64) -> f64 {
+    match offset.abs() < 1.0 {
+        true => 0.5 + 0.5 * (1.0 - offset * offset).sqrt(),
+        false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solid(kind: ShapeKind) -> Solid {
+        Solid {
+            kind,
+            length_m: 4.0,
+            width_m: 2.0,
+            height_m: 1.0,
+            list: 0.0,
+        }
+    }
+
+    #[test]
+    fn shapes_are_as_high_as_they_are_said_to_be_and_end_at_their_outline() {
+        for kind in ShapeKind::ALL {
+            let solid = solid(kind);
+            let heights = (-25..=25)
+                .flat_map(|a| (-15..=15).map(move |c| (f64::from(a) * 0.1, f64::from(c) * 0.1)));
+            let highest = heights
+                .map(|(a, c)| solid.height_at_m(a, c))
+                .fold(0.0, f64::max);
+            assert!((highest - 1.0).abs() < 0.03, "{kind:?}: {highest}");
+            let outline = solid.outline_m();
+            assert!(outline.len() > 4);
+            for [along, across] in outline {
+                assert!(
+                    solid.height_at_m(1.03 * along, 1.03 * across) == 0.0,
+                    "{kind:?}"
+                );
+                let within = solid.height_at_m(0.96 * along, 0.96 * across);
+                assert!(within > 0.2, "{kind:?} {along} {across}: {within}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_tyre_has_a_hole_and_an_open_boat_a_floor() {
+        assert_eq!(solid(ShapeKind::Tyre).height_at_m(0.0, 0.0), 0.0);
+        assert_eq!(solid(ShapeKind::Hull).height_at_m(0.0, 0.0), FLOOR);
+        assert_eq!(solid(ShapeKind::UpturnedHull).height_at_m(0.0, 0.0), 1.0);
+        let listing = Solid {
+            list: 0.2,
+            ..solid(ShapeKind::Hull)
+        };
+        let sides = [0.95, -0.95].map(|across_m| listing.height_at_m(0.0, across_m));
+        assert!((sides[0] / sides[1] - 1.19 / 0.81).abs() < 1e-9);
+        // The bow is ahead, and narrower than the stern.
+        let hull = solid(ShapeKind::Hull);
+        assert_eq!(hull.height_at_m(1.8, 0.6), 0.0);
+        assert!(hull.height_at_m(-1.8, 0.6) > 0.0);
+    }
+}
