@@ -3,13 +3,13 @@
 //! They are put together off the window's thread, again when a box, a place, the confidence or the logs are others. An object keeps its
 //! number while its boxes are decided, moved or hidden.
 
-use super::reviewing::Entries;
+use super::reviewing::{Entries, Placed};
 use super::{App, LogBox, LogId, ObjectSummary, ObjectTable, OpenLog};
 use crate::detection::review::{Review, Reviewed, State};
-use crate::detection::targets::GroupSettings;
+use crate::detection::targets::{FittedShape, GroupSettings, ShapeError, Target};
 use crate::geo::LonLat;
-use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects};
-use crate::pipeline::{Background, Same};
+use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects, object_shape};
+use crate::pipeline::{Background, ProcessedLog, Same};
 use crate::survey::{LeftOut, Navigation, Survey};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -218,18 +218,27 @@ struct PassesOf {
     logs: Vec<(LogId, Same<Navigation>)>,
 }
 
+/// Boxes of an object in their places: what its shape is fitted to.
+type ShapeOf = Vec<(LogBox, Same<Placed>)>;
+/// Its shape, and the boxes that it is of.
+type ShapeFound = (Vec<LogBox>, Result<FittedShape, ShapeError>);
+
 /// The objects, and the work on them.
 #[derive(Default)]
 pub(super) struct Objects {
     grouping: Background<Vec<LogBoxes>, Grouped>,
     passes: Background<PassesOf, (u32, usize)>,
+    shape: Background<ShapeOf, ShapeFound>,
     listing: Background<(Same<Vec<SurveyObject>>, ObjectTable), Vec<u32>>,
 }
 
 impl Objects {
     /// Whether objects are being put together.
     pub fn is_busy(&self) -> bool {
-        self.grouping.is_running() || self.passes.is_running() || self.listing.is_running()
+        self.grouping.is_running()
+            || self.passes.is_running()
+            || self.shape.is_running()
+            || self.listing.is_running()
     }
 }
 
@@ -261,6 +270,13 @@ impl App {
     /// The object of the selected box.
     pub fn selected_object(&self) -> Option<&SurveyObject> {
         self.object_of(self.selected_log_box()?)
+    }
+
+    /// The shape of the selected object, or why it has none, once it is fitted.
+    pub fn selected_object_shape(&self) -> Option<&Result<FittedShape, ShapeError>> {
+        let (boxes, shape) = self.objects.shape.result()?;
+        let object = self.selected_object()?;
+        (*boxes == object.boxes).then_some(shape)
     }
 
     /// How many passes of the boat over all visible logs covered the selected object, once they are counted.
@@ -295,6 +311,7 @@ impl App {
         });
         self.list_objects();
         self.count_passes(logs);
+        self.fit_shape();
     }
 
     /// Sorts and filters the table where the objects, the order or the filter are others.
@@ -308,6 +325,35 @@ impl App {
         let (objects, table) = (grouped.objects.clone(), self.options.objects.clone());
         let key = (Same(objects.clone()), table.clone());
         listing.ask(key, &self.jobs, move |_| Some(table.list(&objects)));
+    }
+
+    /// Fits a shape to the selected object where its boxes, or their places, are others.
+    fn fit_shape(&mut self) {
+        let boxes = self.selected_object().map(|object| object.boxes.clone());
+        let placed = boxes.into_iter().flatten().filter_map(|id| {
+            let log = self.open_log(id.log)?;
+            let processed = ProcessedLog {
+                survey: log.survey.clone()?,
+                products: log.products.clone()?,
+            };
+            Some((id, processed, log.reviewing.placed(id.id)?.clone()))
+        });
+        let placed: Vec<(LogBox, ProcessedLog, Arc<Placed>)> = placed.collect();
+        if placed.is_empty() {
+            // Nobody would collect it, and the window would never rest.
+            if self.objects.shape.is_running() {
+                self.objects.shape = Background::default();
+            }
+            return;
+        }
+        let of = placed.iter().map(|(id, _, at)| (*id, Same(at.clone())));
+        self.objects.shape.ask(of.collect(), &self.jobs, move |_| {
+            let boxes: Vec<(&ProcessedLog, &Target)> = (placed.iter())
+                .map(|(_, log, at)| (log, &at.target))
+                .collect();
+            let ids = placed.iter().map(|(id, ..)| *id).collect();
+            Some((ids, object_shape(&boxes)))
+        });
     }
 
     fn count_passes(&mut self, logs: Vec<LogBoxes>) {

@@ -58,6 +58,7 @@ pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use log_points::LogPoints;
 pub use objects::{
     ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
+    shapes_ply,
 };
 pub use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};

@@ -85,7 +85,7 @@ fn seen_table(from: &ReportData<'_>, progress: &Progress) -> Result<String, Canc
         .as_ref()
         .map_or(&[][..], |objects| objects.seen);
     let mut html = String::from(
-        "<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th class=\"text\">seen</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n",
+        "<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th class=\"text\">seen</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n",
     );
     for (number, object) in (1..).zip(seen).take(MOST_ROWS) {
         progress.check()?;
@@ -117,7 +117,7 @@ fn seen_line(
     } = object;
     let in_logs = plural(*logs, "log", "logs");
     format!(
-        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{sightings} of {passes} passes, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
+        "<tr><td>{number}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{sightings} of {passes} passes, in {in_logs}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td><td>{}</td><td>{}</td><td class=\"text\">{}</td></tr>\n",
         picture(from, surest, LISTED_WIDTH),
         xml(&object.class),
         (surest.score).map_or(String::new(), |score| format!("{score:.2}")),
@@ -126,6 +126,7 @@ fn seen_line(
         of_target(|target| target.length_m),
         of_target(|target| target.width_m),
         decimal(object.height_m, 2),
+        shape(surest),
         of_target(|target| target.depth_m),
         decimal(object.sigma_m, 2),
         xml(surest.note),
@@ -157,7 +158,7 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
         // Writing to a string cannot fail.
         writeln!(
             html,
-            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left.</p>"
+            "{boxes} boxes on {seen}: the sightings of an object in all logs are one, at the mean of their places, with the picture and size of the surest.{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>"
         )
         .ok();
         return Ok(html + &seen_table(from, progress)?);
@@ -186,7 +187,7 @@ pub fn section(from: &ReportData<'_>, progress: &Progress) -> Result<String, Can
     // Writing to a string cannot fail.
     write!(
         html,
-        "{seen}{listed} Objects are numbered as on the maps. In a picture the boat is to the left.</p>\n<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th>box</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n"
+        "{seen}{listed} Objects are numbered as on the maps. In a picture the boat is to the left. {SHAPES}</p>\n<table><tr><th>object</th><th class=\"text\">picture</th><th class=\"text\">kind</th><th>confidence</th><th class=\"text\">state</th><th>box</th><th class=\"text\">position</th><th>length, m</th><th>width, m</th><th>height, m</th><th class=\"text\">shape, m</th><th>depth there, m</th><th>position within, m</th><th class=\"text\">note</th></tr>\n"
     )
     .ok();
     for row in rows.into_iter().take(MOST_ROWS) {
@@ -233,26 +234,38 @@ fn shown_width(width: usize, height: usize, room: usize) -> usize {
     }
 }
 
+/// `block, 0.99 x 0.75 x 0.78`; empty where no shape fits.
+fn shape(row: &ObjectRow<'_>) -> String {
+    row.shape.as_ref().map_or_else(String::new, |shape| {
+        let solid = &shape.posed.solid;
+        let sizes = [solid.length_m, solid.width_m, solid.height_m];
+        let sizes = sizes.map(|size_m| decimal(size_m, 2)).join(" x ");
+        format!("{}, {sizes}", solid.kind.name())
+    })
+}
+
+/// What a table says of its shapes.
+const SHAPES: &str =
+    "A shape is the solid whose echo and shadow lie best over the picture: inferred, not measured.";
+
 fn line(from: &ReportData<'_>, row: &ObjectRow<'_>) -> String {
     let picture = picture(from, row, LISTED_WIDTH);
     let at = row.target.as_ref().map_or_else(
         || {
-            "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td>"
+            "<td class=\"text\">unknown</td><td></td><td></td><td></td><td></td><td></td><td></td>"
                 .to_owned()
         },
         |target| {
-            let sizes = [
-                target.length_m,
-                target.width_m,
-                target.height_m,
-                target.depth_m,
-                target.sigma_m,
-            ];
-            let cells = sizes.map(|size_m| format!("<td>{}</td>", decimal(size_m, 2)));
+            let cells = |sizes: &[f64]| -> String {
+                let cell = |size_m: &f64| format!("<td>{}</td>", decimal(*size_m, 2));
+                sizes.iter().map(cell).collect()
+            };
             format!(
-                "<td class=\"text\">{}</td>{}",
+                "<td class=\"text\">{}</td>{}<td class=\"text\">{}</td>{}",
                 position(target.position),
-                cells.concat()
+                cells(&[target.length_m, target.width_m, target.height_m]),
+                shape(row),
+                cells(&[target.depth_m, target.sigma_m])
             )
         },
     );

@@ -54,7 +54,7 @@ struct LogBoxes<'a> {
 
 /// Writes the boxes of the logs of a survey into `folder`, which is made when it is missing; `reviews` has what was decided about each log,
 /// if anything. `objects.csv` and `objects.geojson` have every box with its state, `objects.kml`, `objects.gpx` and `objects.gpkg` the
-/// accepted and added ones; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
+/// accepted and added ones, `shapes.ply` the solids that those are like; sightings of one object in whatever log have its number. Beside them lie the review itself, and `dataset/` with a picture around
 /// each decided box and its labels as YOLO, COCO and Pascal VOC, in the layout that detectors are trained on
 /// ([`export::DatasetFolder`]); a whole log is one part of it, for its pictures overlap. A picture in which all was rejected has no
 /// label: a hard negative. Undecided boxes are marked as to be neither found nor missed (COCO `iscrowd`, VOC `difficult`).
@@ -97,6 +97,8 @@ pub fn write_boxes(
         all.add_reviewed(one.index, one.log, one.review, progress)?;
     }
     all.group();
+    let shapes = all.find_shapes(logs, progress)?;
+    all.set_shapes(&shapes);
     let names = log_names(logs);
     tables(logs, &names, &all.rows, folder)?;
     let mut written = BoxesWritten {
@@ -147,7 +149,8 @@ fn tables(
     let title = survey_name(names);
     export::objects_kml(&folder.join("objects.kml"), &title, &named, &objects)?;
     export::objects_gpx(&folder.join("objects.gpx"), &named, &objects)?;
-    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &objects)
+    export::objects_gpkg(&folder.join("objects.gpkg"), &named, &objects)?;
+    export::shapes_ply(&folder.join("shapes.ply"), &objects).map(|_| ())
 }
 
 /// A log's name as that of a file: the name of a recording is that of its own file, but for a log out of memory.

@@ -123,6 +123,14 @@ pub fn gpx(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputErro
     content(placed_in(&rows), export::objects_gpx(path, &logs, &rows))
 }
 
+/// Writes `shapes.ply`.
+pub fn shapes(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let rows = found_rows(results)?.unwrap_or_default().rows;
+    let summary = export::shapes_ply(path, &rows)?;
+    let origin = Coordinates::Local(results.survey.track.frame.origin());
+    Ok(FileContent::new(origin, summary))
+}
+
 /// Writes `chips`, a folder with a picture of each box.
 pub fn chips(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let (Some(model), Some(found)) = (results.order.search, results.found()?) else {
@@ -166,5 +174,7 @@ pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>
         all.add_found(index, log, model.names(), found);
     }
     all.group();
+    let shapes = results.found_shapes(&all)?;
+    all.set_shapes(shapes);
     Ok(Some(all))
 }

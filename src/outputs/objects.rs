@@ -1,14 +1,16 @@
 //! The boxes of a survey as rows of tables, and the objects that they are sightings of, over all logs.
 
 use crate::detection::review::{Confidence, Review, State};
-use crate::detection::targets::{GroupSettings, Target};
+use crate::detection::targets::{FittedShape, GroupSettings, Target};
 use crate::detection::{Detection, Mark};
 use crate::export::ObjectRow;
 use crate::geo::LonLat;
 use crate::outputs::OutputError;
-use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects};
+use crate::pipeline::joint::{JointObject, PlacedBox, joint_objects, object_shape};
 use crate::pipeline::{Placing, ProcessedLog, Products};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Boxes of all logs, and the objects that they show.
 #[derive(Default)]
@@ -42,6 +44,7 @@ impl<'a> ObjectRows<'a> {
                 outline: target.as_ref().and_then(|target| outline(of, target)),
                 target,
                 object: None,
+                shape: None,
                 note: "",
                 name: "",
                 confidence: "",
@@ -76,6 +79,7 @@ impl<'a> ObjectRows<'a> {
                 outline: target.as_ref().and_then(|target| outline(of, target)),
                 target,
                 object: None,
+                shape: None,
                 note: &one.note,
                 name: &one.name,
                 confidence: one.confidence.map_or("", Confidence::name),
@@ -113,7 +117,39 @@ impl<'a> ObjectRows<'a> {
         }
         self.objects = objects;
     }
+
+    /// The shapes of the objects, in their order.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn find_shapes(
+        &self,
+        logs: &[ProcessedLog],
+        progress: &Progress,
+    ) -> Result<Shapes, Cancelled> {
+        let shape = |object: &JointObject| {
+            progress.check()?;
+            let members = object.members.iter().map(|member| &self.rows[*member]);
+            let boxes: Vec<(&ProcessedLog, &Target)> = members
+                .filter_map(|row| Some((logs.get(row.log)?, row.target.as_ref()?)))
+                .collect();
+            Ok(object_shape(&boxes).ok().map(Arc::new))
+        };
+        self.objects.par_iter().map(shape).collect()
+    }
+
+    /// Gives every sighting of an object its shape.
+    pub fn set_shapes(&mut self, shapes: &Shapes) {
+        for (object, shape) in self.objects.iter().zip(shapes) {
+            for member in &object.members {
+                self.rows[*member].shape.clone_from(shape);
+            }
+        }
+    }
 }
+
+/// The shape of each object; `None` of one that has none.
+pub type Shapes = Vec<Option<Arc<FittedShape>>>;
 
 /// The footprint in WGS84; `None` where the size is not known.
 fn outline(of: &ProcessedLog, target: &Target) -> Option<[LonLat; 4]> {

@@ -89,6 +89,12 @@ impl<'a> Boxes<'a> {
             return Ok(None);
         }
         all.group();
+        let shapes = match reviews.is_empty() {
+            // The same boxes as in the tables of the search.
+            true => results.found_shapes(&all)?.clone(),
+            false => all.find_shapes(order.logs, results.progress)?,
+        };
+        all.set_shapes(&shapes);
         let seen = all.objects.iter().map(|object| seen(results, &all, object));
         Ok(Some(Self {
             seen: seen.collect(),

@@ -269,7 +269,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 34] = [
+pub const OUTPUT_FILES: [OutputFile; 35] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -509,6 +509,18 @@ pub const OUTPUT_FILES: [OutputFile; 34] = [
         "objects for maps and plotters",
         Writer::Results(detections::gpx),
     ),
+    OutputFile {
+        described: described(
+            "Solids that the detector's objects are like, fitted to echo and shadow: inferred, not measured",
+            "objects",
+            "z_m",
+        ),
+        ..boxes(
+            "objects/shapes.ply",
+            "shapes of objects for 3D programs",
+            Writer::Results(detections::shapes),
+        )
+    },
     OutputFile {
         described: None,
         ..boxes(

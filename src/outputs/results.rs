@@ -2,7 +2,7 @@
 
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
-use super::objects::is_left_out;
+use super::objects::{ObjectRows, Shapes, is_left_out};
 use super::track::Ground;
 use super::write::Order;
 use crate::bathymetry::Surface;
@@ -68,6 +68,7 @@ pub(super) struct Results<'a> {
     agreement: OnceLock<Option<Agreement>>,
     reference_inputs: OnceLock<Vec<Input>>,
     found: OnceLock<Vec<Vec<Detection>>>,
+    found_shapes: OnceLock<Shapes>,
 }
 
 /// What is in the cell, made when it is empty.
@@ -107,6 +108,7 @@ impl<'a> Results<'a> {
             agreement: OnceLock::new(),
             reference_inputs: OnceLock::new(),
             found: OnceLock::new(),
+            found_shapes: OnceLock::new(),
         })
     }
 
@@ -335,6 +337,14 @@ impl<'a> Results<'a> {
         };
         let made = once(&self.found, || self.logs().map(of_log).collect());
         made.map(|found| Some(found.as_slice()))
+    }
+
+    /// The shapes of the objects that a search found, given in its rows.
+    pub fn found_shapes(&self, found: &ObjectRows<'_>) -> Result<&Shapes, OutputError> {
+        once(&self.found_shapes, || {
+            let made = found.find_shapes(self.order.logs, self.progress);
+            made.map_err(OutputError::from)
+        })
     }
 
     /// The logs as tables of boxes name them.

@@ -62,6 +62,11 @@ pub fn missed_colour_on_panel(theme: ThemeChoice) -> Color32 {
     }
 }
 
+/// What is inferred and not measured: the shape of an object.
+pub fn inferred_colour() -> Color32 {
+    Color32::from_rgb(255, 122, 46)
+}
+
 /// Background of waterfall, map and cloud.
 pub fn canvas_colour(options: &ViewOptions) -> Color32 {
     match options.theme {

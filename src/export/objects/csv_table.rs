@@ -1,12 +1,13 @@
 //! `objects.csv`: one line a box.
 
 use super::{ObjectLog, ObjectRow, log_name};
+use crate::detection::targets::FittedShape;
 use crate::export::{ExportError, write_aside};
 use crate::survey::Survey;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-const HEADER: [&str; 24] = [
+const HEADER: [&str; 30] = [
     "id",
     "file",
     "class",
@@ -31,11 +32,17 @@ const HEADER: [&str; 24] = [
     "note",
     "name",
     "confidence",
+    "shape",
+    "shape_length_m",
+    "shape_width_m",
+    "shape_height_m",
+    "shape_heading_deg",
+    "shape_explained",
 ];
 
 /// Writes boxes as a table. `*_to` is the first ping or sample after the box; samples are those of the middle ping. A field
 /// is empty where there is no value; a note that a spreadsheet would take for a formula begins with an apostrophe. A table of several
-/// logs begins with the column `log`.
+/// logs begins with the column `log`. Shapes are those of whole objects: every sighting of one has the same.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -65,7 +72,7 @@ pub fn objects_csv(
     })
 }
 
-fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 24] {
+fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 30] {
     let samples = row.mark.samples(survey);
     let target = row.target.as_ref();
     let number = |value: f64, decimals: usize| match value.is_finite() {
@@ -74,6 +81,10 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 24] {
     };
     let of_target = |value: fn(&super::Target) -> f64, decimals| {
         target.map_or_else(String::new, |target| number(value(target), decimals))
+    };
+    let shape = row.shape.as_deref();
+    let of_shape = |value: fn(&FittedShape) -> f64, decimals| {
+        shape.map_or_else(String::new, |shape| number(value(shape), decimals))
     };
     [
         row.id.to_string(),
@@ -102,6 +113,14 @@ fn record(row: &ObjectRow<'_>, file: &str, survey: &Survey) -> [String; 24] {
         plain(row.note),
         plain(row.name),
         row.confidence.to_owned(),
+        shape.map_or_else(String::new, |shape| {
+            shape.posed.solid.kind.name().to_owned()
+        }),
+        of_shape(|shape| shape.posed.solid.length_m, 2),
+        of_shape(|shape| shape.posed.solid.width_m, 2),
+        of_shape(|shape| shape.posed.solid.height_m, 2),
+        of_shape(|shape| shape.posed.shown_heading_rad().to_degrees(), 0),
+        of_shape(|shape| shape.explained, 2),
     ]
 }
 

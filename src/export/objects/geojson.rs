@@ -30,6 +30,7 @@ pub fn objects_geojson(
 
 fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
     let target = row.target.as_ref()?;
+    let solid = row.shape.as_ref().map(|shape| shape.posed.solid);
     let mut feature = json!({
         "type": "Feature",
         "id": row.id,
@@ -54,6 +55,10 @@ fn feature(row: &ObjectRow<'_>, log: Option<&str>) -> Option<Value> {
             "name": row.name,
             "confidence": row.confidence,
             "note": row.note,
+            "shape": solid.map(|solid| solid.kind.name()),
+            "shape_length_m": solid.and_then(|solid| metres(solid.length_m)),
+            "shape_width_m": solid.and_then(|solid| metres(solid.width_m)),
+            "shape_height_m": solid.and_then(|solid| metres(solid.height_m)),
         },
     });
     if let Some(log) = log {

@@ -5,17 +5,20 @@ mod geojson;
 mod geopackage;
 mod gpx;
 mod kml;
+mod shapes_ply;
 
 pub use csv_table::objects_csv;
 pub use geojson::objects_geojson;
 pub use geopackage::objects_gpkg;
 pub use gpx::objects_gpx;
 pub use kml::objects_kml;
+pub use shapes_ply::shapes_ply;
 
 use crate::detection::Mark;
-use crate::detection::targets::Target;
+use crate::detection::targets::{FittedShape, Target};
 use crate::geo::LonLat;
 use crate::survey::Survey;
+use std::sync::Arc;
 
 /// A log that boxes are of.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +56,8 @@ pub struct ObjectRow<'a> {
     pub outline: Option<[LonLat; 4]>,
     /// Number of the object that it is a sighting of; `None` where it is none.
     pub object: Option<usize>,
+    /// The shape of that object, where one fits.
+    pub shape: Option<Arc<FittedShape>>,
     /// The analyst's remark.
     pub note: &'a str,
     /// What the analyst calls it; empty where it has no name.

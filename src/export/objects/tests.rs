@@ -1,4 +1,5 @@
 use super::*;
+use crate::detection::targets::{PosedSolid, ShapeKind, Solid};
 use crate::geo::LonLat;
 use crate::survey::{Side, Survey};
 use std::fs;
@@ -53,6 +54,7 @@ fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
         target: Some(target(mark)),
         outline: None,
         object: Some(1),
+        shape: None,
         note: "=cmd & \"two\", \u{1}see\nbelow",
         name: "",
         confidence: "",
@@ -62,6 +64,7 @@ fn rows(mark: &Mark) -> Vec<ObjectRow<'_>> {
         score: None,
         target: None,
         object: None,
+        shape: None,
         note: "",
         ..one.clone()
     };
@@ -157,4 +160,93 @@ fn boxes_of_several_logs_say_which() {
     assert_ne!(read["features"][0]["id"], second["id"]);
     let gpx = written(|path| objects_gpx(path, &logs, &rows));
     assert!(gpx.contains("<name>tyre &lt;old&gt; 7, =second</name>"));
+}
+
+/// A block of 2 x 1 x 0.5 m that lies to the north-east, on a bottom 3 m deep.
+fn block() -> FittedShape {
+    FittedShape {
+        posed: PosedSolid {
+            solid: Solid {
+                kind: ShapeKind::Block,
+                length_m: 2.0,
+                width_m: 1.0,
+                height_m: 0.5,
+                list: 0.0,
+            },
+            east_m: 10.0,
+            north_m: 20.0,
+            heading_rad: std::f64::consts::FRAC_PI_4,
+        },
+        bottom_z_m: -3.0,
+        on_pings: Vec::new(),
+        explained: 0.875,
+        rivals: Vec::new(),
+    }
+}
+
+#[test]
+fn sightings_of_an_object_carry_its_shape_and_it_is_one_body() {
+    let (mark, survey) = (mark(), Survey::default());
+    let mut rows = rows(&mark);
+    rows[1].object = Some(1);
+    for row in &mut rows {
+        row.shape = Some(Arc::new(block()));
+    }
+    let text = written(|path| objects_csv(path, &logs(&survey)[..1], &rows));
+    let mut table = csv::Reader::from_reader(text.as_bytes());
+    for line in table.records().map(Result::unwrap) {
+        let shape: Vec<&str> = line.iter().skip(24).collect();
+        assert_eq!(shape, ["block", "2.00", "1.00", "0.50", "45", "0.88"]);
+    }
+    let text = written(|path| objects_geojson(path, &logs(&survey)[..1], &rows));
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(read["features"][0]["properties"]["shape_width_m"], 1.0);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shapes.ply");
+    let summary = shapes_ply(&path, &rows).unwrap();
+    assert_eq!(summary.count, 1);
+    let bytes = fs::read(path).unwrap();
+    let end = b"end_header\n";
+    let at = bytes.windows(end.len()).position(|part| part == end);
+    let (header, body) = bytes.split_at(at.expect("a header") + end.len());
+    let header = String::from_utf8(header.to_vec()).unwrap();
+    assert!(header.contains("comment object 1: block, 2.00 x 1.00 x 0.50 m\n"));
+    let count = |element: &str| -> usize {
+        let line = header.lines().find_map(|line| line.strip_prefix(element));
+        line.expect("an element").trim().parse().expect("a number")
+    };
+    let (corners, squares) = (count("element vertex"), count("element face"));
+    assert_eq!(body.len(), corners * 31 + squares * 17);
+    let corner = |index: usize| {
+        let value = |axis: usize| {
+            let at = index * 31 + axis * 8;
+            f64::from_le_bytes(body[at..at + 8].try_into().expect("eight bytes"))
+        };
+        [value(0), value(1), value(2)]
+    };
+    let highest = (0..corners)
+        .map(|index| corner(index)[2])
+        .fold(f64::MIN, f64::max);
+    assert!((highest + 2.5).abs() < 1e-9, "{highest}");
+    // Of a square with its corners counter-clockwise from above the area is positive; together they cover 2 x 1 m and the room around.
+    let mut area_m2 = 0.0;
+    for square in 0..squares {
+        let at = corners * 31 + square * 17;
+        assert_eq!(body[at], 4);
+        let places: Vec<[f64; 3]> = (0..4)
+            .map(|one| {
+                let at = at + 1 + 4 * one;
+                let index = i32::from_le_bytes(body[at..at + 4].try_into().expect("four bytes"));
+                corner(index as usize)
+            })
+            .collect();
+        let cross = |a: [f64; 3], b: [f64; 3]| 0.5 * (a[0] * b[1] - a[1] * b[0]);
+        let own: f64 = (0..4)
+            .map(|one| cross(places[one], places[(one + 1) % 4]))
+            .sum();
+        assert!(own > 0.0, "clockwise");
+        area_m2 += own;
+    }
+    assert!((2.0..2.1).contains(&area_m2), "{area_m2}");
 }

@@ -3,14 +3,16 @@
 //! Every log is processed by itself, with its own calibration and outliers; all of them lie in the frame of the first
 //! ([`crate::survey::Survey::in_frame`]), so what is joint puts their results together. `crossline` holds logs against each other where
 //! their tracks meet, and finds their height offsets, `comparison` holds them against each
-//! other by their points, `objects` makes one object of what several of them saw, `report` sums them up.
+//! other by their points, `objects` makes one object of what several of them saw, `shapes` fits a solid to it, `report` sums them up.
 
 mod comparison;
 mod crossline;
 mod objects;
 mod report;
+mod shapes;
 
 pub use comparison::compare_logs;
 pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
 pub use objects::{JointObject, PlacedBox, joint_objects};
 pub use report::{LogReport, LogsReport, contradictions, joint_report};
+pub use shapes::object_shape;

@@ -40,7 +40,8 @@ fn objects_of_a_log_become_a_table_and_chips() {
     assert_eq!(
         header(&table),
         "id,file,class,score,state,side,ping_from,ping_to,sample_from,sample_to,lon,lat,east_m,north_m,length_m,width_m,\
-         height_m,depth_m,sigma_m,height_sigma_m,object,note,name,confidence"
+         height_m,depth_m,sigma_m,height_sigma_m,object,note,name,confidence,shape,shape_length_m,shape_width_m,shape_height_m,\
+         shape_heading_deg,shape_explained"
     );
     let rows = rows(&table);
     assert!(!rows.is_empty(), "a net of random weights fires");

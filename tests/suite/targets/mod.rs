@@ -2,6 +2,7 @@
 
 mod heights;
 mod hulls;
+mod shapes;
 mod wreck;
 
 use bathyscope::app::{App, Command, Jobs, LogBox};

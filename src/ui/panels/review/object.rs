@@ -1,8 +1,8 @@
 //! The object that the selected box shows, with the pictures of all boxes that show it side by side.
 
 use super::super::parts::{fact, remark};
-use super::button;
 use super::chip::{self, Chip};
+use super::{button, size};
 use crate::app::{Action, App, Command, LogBox, SurveyObject};
 use crate::pipeline::Background;
 use crate::ui::{ViewContext, place, text, theme};
@@ -150,6 +150,7 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
     };
     let hint = "Boxes that show it, of the passes of the boat that covered its place. What is seen every time is rarely a false alarm.";
     fact(ui, "Seen", hint, seen);
+    shape(ui, context);
     if object.boxes.len() > 1 {
         let hint = "Mean of the places of its boxes, weighted by their certainty, WGS84.";
         let at = RichText::new(place::written(app, object.position)).monospace();
@@ -159,4 +160,34 @@ fn facts(ui: &mut Ui, context: &ViewContext<'_>, object: &SurveyObject) {
         let within = app.options.units.measure(object.joint.sigma_m, 2);
         fact(ui, "Within", hint, format!("{within}, height {height}"));
     }
+}
+
+/// The solid that explains echo and shadow best, or why there is none.
+fn shape(ui: &mut Ui, context: &ViewContext<'_>) {
+    let app = context.app;
+    let Some(found) = app.selected_object_shape() else {
+        return;
+    };
+    let hint = "The solid whose echo and shadow lie best over the picture of all its boxes, with its size. It is inferred: what faces away from the boat was never insonified. In percent what of the picture it explains.";
+    let words = match found {
+        Ok(fitted) => {
+            let solid = &fitted.posed.solid;
+            let units = app.options.units;
+            let size = size([solid.length_m, solid.width_m], units);
+            let height = units.measure(solid.height_m, 2);
+            let rivals = match fitted.rivals.first() {
+                Some(rival) if rival.is_boat() != solid.kind.is_boat() || !rival.is_boat() => {
+                    format!(", or {}", rival.name())
+                }
+                _ => String::new(),
+            };
+            let explained = 100.0 * fitted.explained;
+            format!(
+                "{}{rivals}, {size}, height {height}; explains {explained:.0} %",
+                solid.kind.name()
+            )
+        }
+        Err(why) => why.to_string(),
+    };
+    fact(ui, "Shape", hint, words);
 }

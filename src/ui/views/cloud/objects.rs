@@ -8,6 +8,9 @@ use crate::detection::review::{BoxId, State};
 use crate::ui::theme;
 use egui::{Painter, Pos2, Shape, Stroke};
 
+/// Profiles of a shape along it, and as many across it; points of each.
+const PROFILES: usize = 3;
+const PROFILE_POINTS: usize = 60;
 /// Least half of a footprint on the screen, points: one that is far away stays a mark.
 const LEAST: f32 = 3.0;
 
@@ -19,6 +22,47 @@ pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) 
     for log in app.visible_logs() {
         let selected = app.log.reviewing.selected.filter(|_| log.id == app.log.id);
         boxes(painter, &log.reviewing, selected, scene, axes);
+    }
+    shape(painter, app, scene, axes);
+}
+
+/// Draws the shape of the selected object: its outline on the bottom, and profiles along it and across it.
+fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+    let Some(Ok(fitted)) = app.selected_object_shape() else {
+        return;
+    };
+    let (posed, solid) = (&fitted.posed, &fitted.posed.solid);
+    let limits = shown(axes.options, scene).limits;
+    let at = |place_m: [f64; 2], height_m: f64| {
+        let [east_m, north_m] = posed.place_m(place_m);
+        let place = scene.local(east_m, north_m, fitted.bottom_z_m + height_m);
+        clip::holds(limits, place).then(|| axes.at(place)).flatten()
+    };
+    let share = |index: usize, count: usize| 1.01 * (index as f64 / count as f64 - 0.5);
+    let profile = |along: bool, line: usize| {
+        let places = (0..=PROFILE_POINTS).map(|point| {
+            let shares = [share(point, PROFILE_POINTS), share(line, PROFILES + 1)];
+            let [u, v] = if along {
+                shares
+            } else {
+                [shares[1], shares[0]]
+            };
+            [u * solid.length_m, v * solid.width_m]
+        });
+        places.collect::<Vec<[f64; 2]>>()
+    };
+    let stroke = Stroke::new(1.5, theme::inferred_colour());
+    let outline = solid.outline_m();
+    let outline = outline.iter().filter_map(|place_m| at(*place_m, 0.0));
+    painter.line(outline.collect(), stroke);
+    for along in [true, false] {
+        for line in 1..=PROFILES {
+            let places = profile(along, line);
+            let points = places
+                .into_iter()
+                .filter_map(|place_m| at(place_m, solid.height_at_m(place_m[0], place_m[1])));
+            painter.line(points.collect(), stroke);
+        }
     }
 }
 

@@ -73,6 +73,9 @@ pub(super) fn draw(painter: &Painter, lens: &Lens, shown: &Shown<'_>) {
     for shown_box in shown.boxes {
         shown_box.draw(painter, lens, &shown.app.log.reviewing);
     }
+    if shown.app.options.waterfall.boxes {
+        boxes::shape::draw(painter, lens, shown.app);
+    }
     let mut labels = Labels::new(painter);
     let mut below = lens.rect;
     if let Some(banner) = shown.banner {

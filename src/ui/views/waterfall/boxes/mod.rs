@@ -4,6 +4,7 @@ mod grab;
 mod hit;
 mod missed;
 pub mod outline;
+pub(super) mod shape;
 
 pub(super) use grab::{Boxes, under};
 pub(super) use missed::Missed;

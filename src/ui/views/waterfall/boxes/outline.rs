@@ -11,6 +11,9 @@ const HANDLE: f32 = 3.0;
 /// Radius of the ring of a point, points.
 const POINT: f32 = 6.0;
 
+/// What lies under lines, so that they are seen on any picture.
+pub const RIM: Color32 = Color32::from_black_alpha(120);
+
 /// The kind of line.
 #[derive(Clone, Copy, PartialEq)]
 enum Line {
@@ -60,7 +63,7 @@ impl Style {
 pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
     let width = if is_selected { 2.0 } else { 1.25 };
     let stroke = Stroke::new(width, style.colour);
-    let rim = Stroke::new(width + 2.0, Color32::from_black_alpha(120));
+    let rim = Stroke::new(width + 2.0, RIM);
     if is_selected {
         let halo = Stroke::new(2.0, theme::selection_colour());
         painter.rect_stroke(rect.expand(4.0), 3.0, halo, StrokeKind::Outside);
@@ -104,7 +107,7 @@ pub fn draw(painter: &Painter, rect: Rect, style: Style, is_selected: bool) {
 fn cross(painter: &Painter, rect: Rect, colour: Color32) {
     let [a, b, c, d, _] = outline(rect);
     for diagonal in [[a, c], [b, d]] {
-        painter.line_segment(diagonal, Stroke::new(3.0, Color32::from_black_alpha(120)));
+        painter.line_segment(diagonal, Stroke::new(3.0, RIM));
         painter.line_segment(diagonal, Stroke::new(1.0, colour));
     }
 }
@@ -116,7 +119,7 @@ fn room(rect: Rect) -> egui::Vec2 {
 
 /// A place without size: a ring with a dot, whatever the scale.
 pub fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
-    let rim = Stroke::new(4.0, Color32::from_black_alpha(120));
+    let rim = Stroke::new(4.0, RIM);
     let stroke = Stroke::new(1.5, style.colour);
     for stroke in [rim, stroke] {
         painter.circle_stroke(at, POINT, stroke);
@@ -134,7 +137,7 @@ pub fn point(painter: &Painter, at: Pos2, style: Style, is_selected: bool) {
 
 /// The line between echo and shadow, with a handle in its middle while it can be dragged.
 pub fn border(painter: &Painter, line: [Pos2; 2], colour: Color32, has_handle: bool) {
-    painter.line_segment(line, Stroke::new(3.0, Color32::from_black_alpha(120)));
+    painter.line_segment(line, Stroke::new(3.0, RIM));
     painter.extend(Shape::dashed_line(
         &line,
         Stroke::new(1.5, colour),

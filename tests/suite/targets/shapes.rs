@@ -1,0 +1,252 @@
+//! Shapes fitted to simulated objects of known kind and size.
+
+use super::{edit, level_scene, log_box, opened, see_far, target, written};
+use crate::support::Moments;
+use bathyscope::app::{App, Command};
+use bathyscope::detection::Mark;
+use bathyscope::detection::review::Edit;
+use bathyscope::detection::targets::{FittedShape, ShapeError, ShapeKind};
+use bathyscope::simulation::{ObjectKind, ObjectSettings, Scene, Sighting};
+use std::path::Path;
+
+const OBJECTS: usize = 60;
+const APART_M: f64 = 12.0;
+const DEPTH_M: f64 = 3.0;
+
+/// The five shapes.
+const KINDS: [ObjectKind; 5] = [
+    ObjectKind::Block,
+    ObjectKind::Cylinder,
+    ObjectKind::Tyre,
+    ObjectKind::Rock,
+    ObjectKind::Boat,
+];
+
+/// Whether a shape is that of a kind.
+fn is_of(kind: ObjectKind, shape: ShapeKind) -> bool {
+    match kind {
+        ObjectKind::Block => shape == ShapeKind::Block,
+        ObjectKind::Cylinder => shape == ShapeKind::Cylinder,
+        ObjectKind::Tyre => shape == ShapeKind::Tyre,
+        ObjectKind::Rock => shape == ShapeKind::Boulder,
+        _ => shape.is_boat(),
+    }
+}
+
+/// Length, width and height of an object of a kind.
+fn size_m(kind: ObjectKind, between: &mut impl FnMut(f64, f64) -> f64) -> [f64; 3] {
+    match kind {
+        ObjectKind::Block => {
+            let length_m = between(0.6, 1.5);
+            [length_m, length_m * between(0.5, 1.0), between(0.4, 0.8)]
+        }
+        ObjectKind::Cylinder => {
+            let width_m = between(0.3, 0.6);
+            [between(1.5, 4.0), width_m, width_m]
+        }
+        ObjectKind::Tyre => {
+            let width_m = between(0.6, 1.1);
+            [width_m, width_m, width_m * between(0.27, 0.38)]
+        }
+        ObjectKind::Rock => {
+            let length_m = between(0.6, 1.6);
+            [
+                length_m,
+                length_m * between(0.7, 1.0),
+                length_m * between(0.4, 0.6),
+            ]
+        }
+        _ => {
+            let length_m = between(3.0, 8.0);
+            [length_m, length_m / between(2.5, 3.8), between(0.5, 0.9)]
+        }
+    }
+}
+
+/// Sixty objects along one line, of the five kinds in turn, 3 to 8 m off to either side, in any direction.
+fn scene(seed: u64) -> Scene {
+    let mut moments = Moments(seed);
+    let mut between = |from: f64, to: f64| from + (to - from) * moments.share();
+    let objects = (0..OBJECTS).map(|index| {
+        let kind = KINDS[index % KINDS.len()];
+        let [length_m, width_m, height_m] = size_m(kind, &mut between);
+        let side = if between(0.0, 1.0) < 0.5 { -1.0 } else { 1.0 };
+        ObjectSettings {
+            kind,
+            east_m: (index as f64 + 0.5 - 0.5 * OBJECTS as f64) * APART_M,
+            north_m: side * between(3.0, 8.0),
+            length_m,
+            width_m,
+            height_m,
+            heading_deg: between(0.0, 360.0),
+            buried_m: 0.0,
+            strength_db: None,
+        }
+    });
+    let objects = objects.collect();
+    level_scene(DEPTH_M, OBJECTS as f64 * APART_M + 20.0, objects)
+}
+
+/// A box as an analyst draws it around what the picture shows; `None` where it shows nothing.
+fn drawn(seen: &Sighting) -> Option<Mark> {
+    let shown = seen.shown.as_ref()?;
+    Some(Mark {
+        side: seen.side,
+        pings: shown.first_ping..shown.last_ping + 1,
+        near_m: shown.near_m,
+        far_m: shown.far_m,
+    })
+}
+
+/// Draws boxes, and gives back the shape of their object.
+fn shape_of(app: &mut App, boxes: Vec<Mark>) -> Result<FittedShape, ShapeError> {
+    let mut last = None;
+    for mark in boxes {
+        last = Some(app.log.reviewing.review.next_id());
+        edit(app, Edit::Add { mark, class: 0 });
+    }
+    let id = last.expect("a box");
+    let log_box = log_box(app, id);
+    app.apply(Command::SelectLogBox(log_box));
+    super::settle(app);
+    let shape = app.selected_object_shape().expect("it is selected");
+    shape.clone()
+}
+
+/// What was found of the objects of a survey.
+#[derive(Default)]
+struct Found {
+    right: usize,
+    wrong: usize,
+    without: usize,
+    /// Heights of shapes, and of shadows alone, over true ones less 1, without their sign.
+    heights: Vec<f64>,
+    by_shadow: Vec<f64>,
+}
+
+impl Found {
+    fn of(scene: &Scene, seed: u64, folder: &Path) -> Self {
+        let (log, truth) = written(folder, "shapes.sl2", scene, seed);
+        let mut app = opened(&log);
+        let mut found = Self::default();
+        for object in &truth.objects {
+            let mark = object.sightings.first().and_then(drawn);
+            let Some(mark) = mark else {
+                found.without += 1;
+                continue;
+            };
+            let id = app.log.reviewing.review.next_id();
+            match shape_of(&mut app, vec![mark]) {
+                Err(_) => found.without += 1,
+                Ok(shape) => {
+                    let solid = shape.posed.solid;
+                    match is_of(object.kind, solid.kind) {
+                        true => found.right += 1,
+                        false => found.wrong += 1,
+                    }
+                    let error = |height_m: f64| (height_m / object.height_m - 1.0).abs();
+                    found.heights.push(error(solid.height_m));
+                    found.by_shadow.push(error(target(&app, id).height_m));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The middle one; NaN counts as the largest.
+fn median(errors: &mut [f64]) -> f64 {
+    errors.sort_by(f64::total_cmp);
+    errors[errors.len() / 2]
+}
+
+#[test]
+fn shapes_of_sixty_objects_are_right_in_four_of_five_where_the_ground_is_seen_and_their_heights_within_a_seventh()
+ {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // Seeds that nothing was chosen on.
+    for (name, seed, quiet) in [("usual noise", 31, false), ("far-seeing", 32, true)] {
+        let mut scene = scene(seed);
+        if quiet {
+            see_far(&mut scene, 20.0);
+        }
+        let mut found = Found::of(&scene, seed, folder.path());
+        let [height, by_shadow] =
+            [&mut found.heights, &mut found.by_shadow].map(|errors| median(errors));
+        let Found {
+            right,
+            wrong,
+            without,
+            ..
+        } = found;
+        println!(
+            "{name}: {right} right, {wrong} wrong, {without} without; height off by {:.1} % (median), by the shadow alone {:.1} %",
+            100.0 * height,
+            100.0 * by_shadow
+        );
+        let named = right + wrong;
+        // With the usual noise the ground fades with range, and some shapes with it.
+        assert!(4 * right >= 3 * named, "{right} of {named}");
+        assert!(height < 0.15, "{height}");
+        if quiet {
+            assert!(5 * right >= 4 * OBJECTS, "{right} of {OBJECTS}");
+        }
+    }
+}
+
+#[test]
+fn a_hull_of_twelve_metres_that_two_lines_saw_is_one_object_with_its_length() {
+    const LENGTH_M: f64 = 12.0;
+    let hull = ObjectSettings {
+        kind: ObjectKind::Boat,
+        east_m: 0.0,
+        north_m: 2.0,
+        length_m: LENGTH_M,
+        width_m: 3.6,
+        height_m: 1.4,
+        heading_deg: 70.0,
+        buried_m: 0.0,
+        strength_db: None,
+    };
+    // The seed draws which way up it lies, its list, its thwarts and how much mud is in it.
+    let seeds = 41..47;
+    let count = seeds.clone().count();
+    let mut known = 0;
+    for seed in seeds {
+        let mut scene = level_scene(5.0, 60.0, vec![hull.clone()]);
+        see_far(&mut scene, 30.0);
+        scene.track.lines = 2;
+        scene.track.spacing_m = 26.0;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (log, truth) = written(folder.path(), "hull.sl2", &scene, seed);
+        let mut app = opened(&log);
+        let marks = truth.objects[0].sightings.iter().filter_map(drawn);
+        let mut marks: Vec<Mark> = marks.collect();
+        // The other times the beam swings over it in a turn.
+        marks.sort_by_key(|mark| std::cmp::Reverse(mark.pings.len()));
+        marks.truncate(2);
+        let shape = shape_of(&mut app, marks);
+        assert_eq!(app.objects().len(), 1, "one object");
+        let shape = match shape {
+            Ok(shape) => shape,
+            Err(why) => {
+                println!("{seed}: {why}");
+                continue;
+            }
+        };
+        let solid = shape.posed.solid;
+        println!(
+            "{seed}: {}, {:.2} x {:.2} x {:.2} m, heading {:.0}, explains {:.0} %",
+            solid.kind.name(),
+            solid.length_m,
+            solid.width_m,
+            solid.height_m,
+            shape.posed.heading_rad.to_degrees(),
+            100.0 * shape.explained
+        );
+        assert!(solid.kind.is_boat());
+        assert!((solid.length_m / LENGTH_M - 1.0).abs() < 0.10, "length");
+        known += 1;
+    }
+    assert!(known + 1 >= count, "{known} of {count} have a shape");
+}
