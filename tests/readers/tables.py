@@ -6,6 +6,7 @@ import json
 import gpxpy
 import lxml.html
 import numpy
+import plyfile
 from common import check_count, check_extent, check_values
 
 SOURCES = {"downscan": 0, "port": 1, "starboard": 2}
@@ -66,6 +67,31 @@ def check(folder, report, made):
     return points
 
 
+def check_shapes(path, record, found):
+    """The bodies of the objects against the sizes that the table of their boxes states."""
+    read = plyfile.PlyData.read(path)
+    corners = read["vertex"]
+    places = numpy.array([corners["x"], corners["y"], corners["z"]]).T
+    shapes = {int(row["object"]): row for row in found if row["shape"]}
+    assert set(shapes) == set(corners["object"]), "other objects than the table has"
+    check_count("shapes.ply", record, "objects", len(shapes))
+    if not shapes:
+        return
+    check_extent("shapes.ply", record, places[:, :2].min(axis=0), places[:, :2].max(axis=0), 0.001)
+    check_values("shapes.ply", record, places[:, 2].min(), places[:, 2].max(), 0.001)
+    for number, row in shapes.items():
+        body = places[corners["object"] == number]
+        heading = numpy.radians(float(row["shape_heading_deg"] or 0.0))
+        axes = numpy.array([[numpy.sin(heading), numpy.cos(heading)], [numpy.cos(heading), -numpy.sin(heading)]])
+        along, across = (body[:, :2] @ axes.T).T
+        sizes = [numpy.ptp(along), numpy.ptp(across), numpy.ptp(body[:, 2])]
+        stated = [float(row[f"shape_{name}_m"]) for name in ("length", "width", "height")]
+        # The sides stand in squares of a fortieth, and the heading is whole degrees in the table.
+        for size, said in zip(sizes, stated):
+            assert abs(size - said) <= 0.02 + 0.06 * said + 0.01 * stated[0], f"object {number}: {size}, not {said}"
+    assert max(max(face) for face in read["face"]["vertex_indices"]) < len(places)
+
+
 def check_found(folder, made):
     """The detector's boxes, and the page, where they were made."""
     if (folder / "objects/detections.csv").is_file():
@@ -81,6 +107,7 @@ def check_found(folder, made):
         for (lon, lat), waypoint in zip(places, waypoints):
             assert max(abs(lon - waypoint.longitude), abs(lat - waypoint.latitude)) < 1e-8
         assert len(list((folder / "objects/chips").glob("*.png"))) == len(found), "a box without a chip"
+        check_shapes(folder / "objects/shapes.ply", made["shapes.ply"], found)
     page = folder / "report.html"
     if page.is_file():
         tree = lxml.html.fromstring(page.read_bytes())

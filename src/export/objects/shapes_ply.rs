@@ -106,6 +106,7 @@ pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, Export
         )?;
         for (number, body) in &bodies {
             for [east_m, north_m, z_m] in &body.corners {
+                summary.add([*east_m, *north_m], *z_m);
                 for value in [east_m, north_m, z_m] {
                     out.write_all(&value.to_le_bytes())?;
                 }
@@ -123,11 +124,10 @@ pub fn shapes_ply(path: &Path, rows: &[ObjectRow<'_>]) -> Result<Summary, Export
             }
             first += body.corners.len() as u32;
         }
-        for shape in shapes.values() {
-            let posed = shape.posed;
-            summary.add([posed.east_m, posed.north_m], shape.bottom_z_m);
-        }
         out.flush()?;
-        Ok(summary)
+        Ok(Summary {
+            count: shapes.len(),
+            ..summary
+        })
     })
 }

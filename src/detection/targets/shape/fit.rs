@@ -8,6 +8,7 @@
 use super::levels::BoxLevels;
 use super::predict::{PosedSolid, Predicted, predict};
 use super::solid::{ShapeKind, Solid};
+use crate::detection::targets::Target;
 use std::f64::consts::{PI, TAU};
 
 /// What is known of an object before, from one of its boxes.
@@ -27,6 +28,18 @@ pub(super) struct Start {
 }
 
 impl Start {
+    /// Of a box that is placed, and its look.
+    pub(super) fn of(target: &Target, look: &BoxLevels) -> Self {
+        Self {
+            place_m: [target.east_m, target.north_m],
+            heading_rad: target.heading_rad,
+            along_m: target.length_m,
+            across_m: target.width_m,
+            box_m: look.across_m(),
+            height_m: target.height_m,
+        }
+    }
+
     /// The numbers of a look to begin with.
     fn of_look(&self) -> [f64; OF_LOOK] {
         let [east_m, north_m] = self.place_m;
@@ -37,6 +50,9 @@ impl Start {
 /// A kind as it fits best.
 #[derive(Clone, Debug)]
 pub(super) struct Fit {
+    kind: ShapeKind,
+    /// The numbers of the object.
+    of_object: Numbers,
     /// The solid as each of the looks places it.
     pub(super) posed: Vec<PosedSolid>,
     /// Sum of squares that is left.
@@ -71,7 +87,7 @@ const LEAST_STEP: f64 = 0.01;
 
 /// Fits one kind to looks, of which each has its start: to each of the first two, which are to show the object best, and from there to all.
 pub(super) fn fit(kind: ShapeKind, looks: &[BoxLevels], starts: &[Start]) -> Fit {
-    let problem = Problem { kind, looks };
+    let problem = Problem::new(kind, looks);
     let from = |first: usize| {
         let alone = fit_alone(kind, &looks[first..=first], &starts[first]);
         let (of_object, of_look) = alone.numbers.split_at(OF_OBJECT);
@@ -96,16 +112,32 @@ pub(super) fn fit(kind: ShapeKind, looks: &[BoxLevels], starts: &[Start]) -> Fit
         }
     }
     Fit {
+        kind,
         posed: (0..looks.len())
             .map(|look| problem.posed(&best.numbers, look).with_heading_in_range())
             .collect(),
         cost: best.cost,
+        of_object: best.numbers[..OF_OBJECT].to_vec(),
+    }
+}
+
+impl Fit {
+    /// The solid as a look places it that it was not fitted to.
+    pub(super) fn placed_in(&self, look: &BoxLevels, start: &Start) -> PosedSolid {
+        let problem = Problem {
+            is_object_known: true,
+            ..Problem::new(self.kind, std::slice::from_ref(look))
+        };
+        let numbers = [&self.of_object[..], &start.of_look()].concat();
+        let mut state = State::new(&problem, numbers);
+        search(&problem, &mut state, ROUNDS);
+        problem.posed(&state.numbers, 0).with_heading_in_range()
     }
 }
 
 /// Fits one kind to one look.
 fn fit_alone(kind: ShapeKind, look: &[BoxLevels], start: &Start) -> State {
-    let problem = Problem { kind, looks: look };
+    let problem = Problem::new(kind, look);
     let by_cost = |a: &State, b: &State| a.cost.total_cmp(&b.cost);
     let mut all = Vec::new();
     for beginnings in beginnings(kind, start) {
@@ -166,6 +198,8 @@ fn beginnings(kind: ShapeKind, start: &Start) -> [Vec<Numbers>; 4] {
 struct Problem<'a> {
     kind: ShapeKind,
     looks: &'a [BoxLevels],
+    /// Size and heading are what they are: only the numbers of the looks are sought.
+    is_object_known: bool,
 }
 
 /// Numbers with what they predict.
@@ -210,7 +244,12 @@ impl State {
             Some(of_looks) => FIRST_STEPS[OF_OBJECT + of_looks % OF_LOOK],
         };
         let mut state = Self {
-            steps: (0..numbers.len()).map(first_step).collect(),
+            steps: (0..numbers.len())
+                .map(|number| match problem.is_fixed(number) {
+                    true => 0.0,
+                    false => first_step(number),
+                })
+                .collect(),
             numbers,
             predicted: vec![Predicted::default(); problem.looks.len()],
             costs: vec![0.0; problem.looks.len()],
@@ -228,7 +267,15 @@ impl State {
     }
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    fn new(kind: ShapeKind, looks: &'a [BoxLevels]) -> Self {
+        Self {
+            kind,
+            looks,
+            is_object_known: false,
+        }
+    }
+
     /// The solid as a look places it.
     fn posed(&self, numbers: &[f64], look: usize) -> PosedSolid {
         let length_m = numbers[1].exp();
@@ -296,9 +343,11 @@ impl Problem<'_> {
         sizes.sum::<f64>() + strengths.sum::<f64>() + lighter.sum::<f64>()
     }
 
-    /// Whether a number is none of this kind: what has no heading, or whose width follows from its length or height.
+    /// Whether a number is not sought: one of what is known, or none of this kind, which has no heading, or whose width follows from its
+    /// length or height.
     fn is_fixed(&self, number: usize) -> bool {
         match self.kind {
+            _ if self.is_object_known && number < OF_OBJECT => true,
             ShapeKind::Hull | ShapeKind::UpturnedHull => false,
             _ if number == 4 => true,
             ShapeKind::Tyre => number == 0 || number == 2,

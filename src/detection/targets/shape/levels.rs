@@ -3,6 +3,7 @@
 use super::super::Placer;
 use super::super::profile::{Background, Grid};
 use crate::detection::Mark;
+use crate::statistics::median;
 use crate::survey::Side;
 use std::ops::Range;
 
@@ -50,6 +51,8 @@ const PING_MARGIN: usize = 4;
 const PING_SHARE: usize = 4;
 /// What counts begins where the bottom is seen under an angle, as a share of the altitude: nearer is the first return.
 const BEYOND_NADIR: f64 = 1.02;
+/// Median of the square of what is normally distributed with a standard deviation of 1.
+const MEDIAN_SQUARE: f64 = 0.4549;
 /// Levels in standard deviations of the speckle are held within: glints tell nothing more.
 const LEVELS: [f64; 2] = [-5.0, 8.0];
 
@@ -175,7 +178,8 @@ impl Placer<'_> {
         })
     }
 
-    /// Mean square of the levels of so many pings together beside the box.
+    /// Mean square of the levels of so many pings together beside the box. It is that of most of them: stones and other objects beside it
+    /// are no noise, and would have any shape explain all of a picture.
     fn noise(
         &self,
         grid: &Grid,
@@ -183,19 +187,21 @@ impl Placer<'_> {
         mark: &Mark,
         together: usize,
     ) -> Option<f64> {
-        let [before, behind] = Grid::beside(self.survey(), mark);
-        let (mut sum, mut count) = (0.0, 0);
-        for pings in [before, behind] {
+        let mut squares = Vec::new();
+        for pings in Grid::beside(self.survey(), mark) {
             for first in pings.clone().step_by(together) {
                 let some = first..(first + together).min(pings.end);
                 let levels = grid.profile(self.survey(), some);
                 let levels = levels.and_then(|levels| background.levels_above(&levels));
-                for level in levels.into_iter().flatten() {
-                    (sum, count) = (sum + f64::from(level * level), count + 1);
-                }
+                squares.extend(
+                    levels
+                        .into_iter()
+                        .flatten()
+                        .map(|level| f64::from(level * level)),
+                );
             }
         }
-        (count > 0).then(|| sum / f64::from(count))
+        (!squares.is_empty()).then(|| median(&mut squares) / MEDIAN_SQUARE)
     }
 }
 

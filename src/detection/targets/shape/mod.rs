@@ -23,7 +23,7 @@ pub struct FittedShape {
     pub posed: PosedSolid,
     /// Elevation of the bottom there, metres: the depth of that box, upward.
     pub bottom_z_m: f64,
-    /// Where it lies in the pings of each box, in their order; nothing of a box that it was not fitted to.
+    /// Where it lies in the pings of each box, in their order; nothing of a box without a look.
     pub on_pings: Vec<Vec<ShapeOnPing>>,
     /// Share of what the looks differ from bare bottom, beyond speckle, that it explains; 1 leaves nothing but speckle.
     pub explained: f64,
@@ -77,15 +77,8 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     let Some((_, target, _)) = best.first() else {
         return Err(ShapeError::Faint);
     };
-    let start = |(_, target, look): &(usize, &Target, &BoxLevels)| Start {
-        place_m: [target.east_m, target.north_m],
-        heading_rad: target.heading_rad,
-        along_m: target.length_m,
-        across_m: target.width_m,
-        box_m: look.across_m(),
-        height_m: target.height_m,
-    };
-    let starts: Vec<Start> = best.iter().map(start).collect();
+    let starts = best.iter().map(|(_, target, look)| Start::of(target, look));
+    let starts: Vec<Start> = starts.collect();
     let looks: Vec<BoxLevels> = best.iter().map(|(.., look)| (*look).clone()).collect();
     let mut fits: Vec<(ShapeKind, Fit)> = (ShapeKind::ALL.into_iter())
         .map(|kind| (kind, fit(kind, &looks, &starts)))
@@ -104,14 +97,21 @@ pub fn fit_shape(sightings: &[(&Target, Option<BoxLevels>)]) -> Result<FittedSha
     }
     let is_rival = |(_, other): &&(ShapeKind, Fit)| gained(other) > (1.0 - RIVAL) * gained(fitted);
     let rivals = fits.iter().skip(1).take_while(is_rival);
-    let mut on_pings = vec![Vec::new(); sightings.len()];
-    for ((index, _, look), posed) in best.iter().zip(&fitted.posed) {
-        on_pings[*index] = predict::on_pings(look, posed);
-    }
+    let on_pings = |(index, (target, look)): (usize, &(&Target, Option<BoxLevels>))| {
+        let Some(look) = look else {
+            return Vec::new();
+        };
+        let fitted_to = best.iter().position(|(fitted_to, ..)| *fitted_to == index);
+        let posed = match fitted_to {
+            Some(at) => fitted.posed[at],
+            None => fitted.placed_in(look, &Start::of(target, look)),
+        };
+        predict::on_pings(look, &posed)
+    };
     Ok(FittedShape {
         posed: fitted.posed[0],
         bottom_z_m: -target.depth_m,
-        on_pings,
+        on_pings: sightings.iter().enumerate().map(on_pings).collect(),
         explained: explained.min(1.0),
         rivals: rivals.map(|(kind, _)| *kind).collect(),
     })
