@@ -7,6 +7,7 @@
 //!   ^                 | |                                      ^
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
+//!                     | |--swath: depth between the lines, from the brightness of the echoes
 //!                     | |--planning: where to sail next, from what the soundings leave in doubt
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles, shown with gain and levels by picture
@@ -74,6 +75,7 @@ pub mod render;
 pub mod simulation;
 mod statistics;
 pub mod survey;
+pub mod swath;
 mod system_words;
 #[cfg(feature = "gui")]
 pub mod ui;

@@ -16,6 +16,7 @@ impl Surface {
             source: best(&self.grid, &self.source, &grid, times),
             grid,
             method: self.method,
+            shading: self.shading,
             spread_is: self.spread_is,
         }
     }

@@ -31,6 +31,6 @@ pub use hill_shade::{Light, hill_shade};
 pub use nodes::{Node, merge_repeated};
 pub use smooth::{SigmaByDistance, sigma_by_distance};
 pub use soundings::{DepthPoint, depth_points, depth_range};
-pub use surface::{Spread, Surface, SurfaceMethod, SurfaceSettings, surface};
+pub use surface::{Shading, Spread, Surface, SurfaceMethod, SurfaceSettings, SwathDepth, surface};
 pub use tin::{Between, Tin, TinSampler};
 pub use transect::{Corner, Station, transect};

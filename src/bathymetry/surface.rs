@@ -42,6 +42,29 @@ impl SurfaceMethod {
     }
 }
 
+/// What is made of the brightness of the echoes between the lines ([`crate::swath`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SwathDepth {
+    /// Nothing: depths between the lines are interpolated.
+    #[default]
+    Off,
+    /// Depths between the lines are corrected by shape from shading.
+    Shaded,
+}
+
+/// What shading made of a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shading {
+    /// Nobody asked for it.
+    #[default]
+    Off,
+    /// The brightness of the echoes corrected the depths between those measured.
+    Corrected,
+    /// It could not, for a reason in words; the depths are what they were.
+    Impossible(&'static str),
+}
+
 /// `surface.*` settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -65,6 +88,8 @@ pub struct SurfaceSettings {
     /// They count where most first returns of both sides lie above the recorded depth for longer than this along the track,
     /// metres: a field of boulders, no clump of weed, fish or object.
     pub longest_above_bottom_m: f64,
+    /// Whether the brightness of the echoes corrects the depth between the lines.
+    pub swath: SwathDepth,
     /// Whether echoes and objects are placed on the bottom that the log measured, where it did ([`crate::survey::Relief`]); otherwise on a
     /// level one.
     pub relief: bool,
@@ -83,6 +108,7 @@ impl Default for SurfaceSettings {
             side_scan_weight: 1.0,
             above_bottom: false,
             longest_above_bottom_m: 40.0,
+            swath: SwathDepth::default(),
             relief: true,
         }
     }
@@ -106,6 +132,7 @@ impl SurfaceSettings {
             method: other.method,
             cell_m: other.cell_m,
             max_side: other.max_side,
+            swath: other.swath,
             ..self.clone()
         } == *other
     }
@@ -133,6 +160,8 @@ pub enum Spread {
 pub struct Surface {
     /// How the depth between soundings was found: never [`SurfaceMethod::Auto`].
     pub method: SurfaceMethod,
+    /// Whether the brightness of the echoes corrected its depths ([`crate::swath`]).
+    pub shading: Shading,
     /// What the spreads are.
     pub spread_is: Spread,
     /// Where the cells are.
@@ -152,12 +181,23 @@ impl Surface {
     pub fn of_depths(grid: Grid, depth_m: Vec<f32>) -> Self {
         Self {
             method: SurfaceMethod::Linear,
+            shading: Shading::Off,
             spread_is: Spread::OfSoundings,
             grid,
             spread_m: vec![0.0; depth_m.len()],
             distance_m: vec![0.0; depth_m.len()],
             source: vec![CellSource::Sounding; depth_m.len()],
             depth_m,
+        }
+    }
+
+    /// How its depths were found, and what shading made of them: `linear triangles, corrected by shading`.
+    pub fn method_in_words(&self) -> String {
+        let method = self.method.in_words();
+        match self.shading {
+            Shading::Off => method.to_owned(),
+            Shading::Corrected => format!("{method}, corrected by shading"),
+            Shading::Impossible(why) => format!("{method}, not corrected by shading ({why})"),
         }
     }
 
@@ -310,6 +350,7 @@ impl Field {
                 SurfaceMethod::Auto => SurfaceMethod::Linear,
                 method => method,
             },
+            shading: Shading::Off,
             spread_is: Spread::OfSoundings,
             grid,
             depth_m: unknown(),

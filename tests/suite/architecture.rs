@@ -17,6 +17,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey", "cloud", "presentation"]),
     ("planning", &["bathymetry"]),
+    ("swath", &["survey", "bathymetry"]),
     (
         "mosaic",
         &[
@@ -64,6 +65,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "cloud",
             "bathymetry",
             "planning",
+            "swath",
             "detection",
             "mosaic",
             "picture",
@@ -265,7 +267,7 @@ fn the_pipeline_computes_and_writes_nothing() {
 }
 
 /// What makes results: the window asks the state for them.
-const MAKES_RESULTS: [&str; 8] = [
+const MAKES_RESULTS: [&str; 9] = [
     "bathymetry",
     "calibration",
     "cloud",
@@ -274,6 +276,7 @@ const MAKES_RESULTS: [&str; 8] = [
     "pipeline",
     "planning",
     "statistics",
+    "swath",
 ];
 
 /// The table of settings makes nothing.

@@ -1,0 +1,346 @@
+//! The correction of a surface: rounds of pieces on the surface as corrected so far, each solved a few times while weights and the size of
+//! the correction settle.
+
+use super::echoes::LogEchoes;
+use super::ground::Ground;
+use super::level_scale::level_scale;
+use super::local_sigma::local_sigma;
+use super::nodes::{Blend, Nodes, Tile};
+use super::pieces::{Chunk, Piece, chunks, pieces};
+use super::readings::{gain_steps, readings};
+use super::sparse::{Normal, Pattern};
+use super::system::{Before, Reading, System};
+use super::weed::Weed;
+use super::{Kept, MOST_TILES};
+use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
+use crate::survey::Side;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// From one node to the next, metres.
+pub const NODE_M: f64 = 0.5;
+/// Nodes that are solved for together at most: some 40 000 unknowns.
+const MOST_NODES: usize = 16_000;
+/// Nodes along the side of a tile's core, and around it: 39 m and 12 m, so that a tile has at most [`MOST_NODES`].
+const CORE: usize = 78;
+const HALO: usize = 24;
+/// Rounds, each with the pieces where the correction so far puts them, and solutions in each.
+const ROUNDS: usize = 2;
+const SOLUTIONS: usize = 5;
+/// Draws of what is unknown of a solution.
+const SAMPLES: usize = 24;
+/// Standard deviation of the correction to begin with, metres.
+const FIRST_SIGMA_M: f64 = 0.1;
+/// Residuals beyond so many of their own robust standard deviations count less (Huber); that is at least this many of those stated, lest
+/// the few that say something count for nothing where the others fit exactly.
+const HUBER: f64 = 2.0;
+const LEAST_RESIDUAL: f64 = 0.5;
+/// A correction of so many of its standard deviations is halved at the end: a small one is more likely none.
+const SHRINK: f64 = 0.85;
+/// Pieces in a tile that are solved for at most: of more, the chunks are taken evenly. They take a kilobyte each.
+const MOST_PIECES: usize = 60_000;
+/// Fewer pieces tell nothing.
+const LEAST_PIECES: usize = 500;
+
+/// The correction at the nodes.
+#[derive(Clone, Debug)]
+pub struct Correction {
+    /// Where the nodes are.
+    pub nodes: Nodes,
+    /// What is added to the depth, metres.
+    pub added_m: Vec<f64>,
+    /// Pieces that it was found from, in the last round.
+    pub pieces: usize,
+    /// Their places, east and north, metres.
+    pub places: Vec<[f64; 2]>,
+}
+
+impl Correction {
+    /// What is added to the depth at a place, metres.
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        self.nodes.value_at(&self.added_m, place)
+    }
+}
+
+/// What does not change from round to round.
+struct Given<'a> {
+    logs: &'a [LogEchoes<'a>],
+    ground: &'a Ground,
+    anchors: &'a [[f64; 2]],
+    usual_m: f64,
+    scales: Vec<Option<f64>>,
+    chunks: Vec<Chunk>,
+    weed: Weed,
+    nodes: Nodes,
+}
+
+/// What the rounds find.
+struct State {
+    correction_m: Vec<f64>,
+    sd_m: Vec<f64>,
+    sigma_m: Vec<f64>,
+    /// Of each tile, once it was solved.
+    curves: Vec<Option<AngleCurves>>,
+}
+
+type AngleCurves = BTreeMap<(u32, Side), Vec<f64>>;
+
+/// The solution of a tile.
+struct Solved {
+    correction_m: Vec<f64>,
+    sd_m: Vec<f64>,
+    sigma_m: Vec<f64>,
+    /// `None` of a tile without readings.
+    curves: Option<AngleCurves>,
+}
+
+impl Solved {
+    /// No correction where nothing was read.
+    fn of_nothing(sigma_m: Vec<f64>) -> Self {
+        Self {
+            correction_m: vec![0.0; sigma_m.len()],
+            sd_m: vec![0.0; sigma_m.len()],
+            sigma_m,
+            curves: None,
+        }
+    }
+}
+
+/// The correction of a ground by the echoes of some logs. `anchors` are the places of measured depths, `usual_m` is the size of a correction
+/// that is drawn to where little is known.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn correction(
+    logs: &[LogEchoes<'_>],
+    ground: &Ground,
+    nodes: Nodes,
+    anchors: &[[f64; 2]],
+    usual_m: f64,
+    progress: &Progress,
+) -> Result<Result<Correction, Kept>, Cancelled> {
+    // Before the tiles are made: a surface of coarse cells may be of any size.
+    if nodes.len() > MOST_TILES * CORE * CORE {
+        return Ok(Err(Kept::TooLarge));
+    }
+    let tiles = nodes.tiles(MOST_NODES, CORE, HALO);
+    if tiles.len() > MOST_TILES {
+        return Ok(Err(Kept::TooLarge));
+    }
+    let scales: Result<Vec<Option<f64>>, Cancelled> =
+        logs.iter().map(|log| level_scale(log, progress)).collect();
+    let scales = scales?;
+    if scales.iter().all(Option::is_none) {
+        return Ok(Err(Kept::NoDecibels));
+    }
+    let given = Given {
+        logs,
+        ground,
+        anchors,
+        usual_m,
+        scales,
+        chunks: chunks(logs),
+        weed: Weed::of(logs),
+        nodes,
+    };
+    let mut state = State::new(&nodes, tiles.len());
+    let mut places = Vec::new();
+    progress.start((ROUNDS * SOLUTIONS * tiles.len()) as u64);
+    for round in 0..ROUNDS {
+        let (found, steps) = given.readings(round, &state, progress)?;
+        if found.len() < LEAST_PIECES {
+            return Ok(Err(Kept::TooFewEchoes));
+        }
+        if !state.solve(&given, &tiles, &found, &steps, progress)? {
+            return Ok(Err(Kept::NotSolved));
+        }
+        places = found.iter().map(|reading| reading.piece.place_m).collect();
+    }
+    let shrunk = |(correction_m, sd_m): (&f64, &f64)| {
+        let squared = correction_m * correction_m;
+        correction_m * squared / (squared + (SHRINK * sd_m).powi(2)).max(1e-12)
+    };
+    Ok(Ok(Correction {
+        nodes,
+        added_m: state
+            .correction_m
+            .iter()
+            .zip(&state.sd_m)
+            .map(shrunk)
+            .collect(),
+        pieces: places.len(),
+        places,
+    }))
+}
+
+impl Given<'_> {
+    /// The pieces on the ground as corrected so far, and the chunks before which the gain steps.
+    fn readings(
+        &self,
+        round: usize,
+        state: &State,
+        progress: &Progress,
+    ) -> Result<(Vec<Reading>, BTreeSet<u32>), Cancelled> {
+        let corrected;
+        let ground = match round {
+            0 => self.ground,
+            _ => {
+                corrected = self
+                    .ground
+                    .with(|place| self.nodes.value_at(&state.correction_m, place));
+                &corrected
+            }
+        };
+        let all = pieces(self.logs, &self.chunks, ground, progress)?;
+        // Gains step where they do, whether over weed or not.
+        let steps = gain_steps(&readings(&all, &self.scales));
+        let counts =
+            |piece: &Piece| self.nodes.holds(piece.place_m) && self.weed.is_far_from(piece.place_m);
+        let counted: Vec<Piece> = all.into_iter().filter(counts).collect();
+        Ok((readings(&counted, &self.scales), steps))
+    }
+}
+
+impl State {
+    fn new(nodes: &Nodes, tiles: usize) -> Self {
+        Self {
+            correction_m: vec![0.0; nodes.len()],
+            sd_m: vec![0.0; nodes.len()],
+            sigma_m: vec![FIRST_SIGMA_M; nodes.len()],
+            curves: vec![None; tiles],
+        }
+    }
+
+    /// Solves every tile; false where one has no solution.
+    fn solve(
+        &mut self,
+        given: &Given<'_>,
+        tiles: &[Tile],
+        found: &[Reading],
+        steps: &BTreeSet<u32>,
+        progress: &Progress,
+    ) -> Result<bool, Cancelled> {
+        let solve = |(index, tile): (usize, &Tile)| {
+            let own = within(tile, found);
+            let sigma_m = tile.cut(&given.nodes, &self.sigma_m);
+            if own.is_empty() {
+                progress.advance(SOLUTIONS as u64);
+                return Ok(Some(Solved::of_nothing(sigma_m)));
+            }
+            let curves = self.curves.get(index).and_then(Option::as_ref);
+            let before = curves.map(|curves| Before {
+                correction_m: tile.cut(&given.nodes, &self.correction_m),
+                angle_curves: curves.clone(),
+            });
+            let holds = |place: &&[f64; 2]| tiles.len() == 1 || tile.nodes.holds(**place);
+            let anchors: Vec<[f64; 2]> = given.anchors.iter().filter(holds).copied().collect();
+            let is_break = |chunk: u32| steps.contains(&chunk);
+            let system = System::new(
+                tile.nodes,
+                &own,
+                &anchors,
+                &sigma_m,
+                before.as_ref(),
+                is_break,
+            );
+            solve_tile(system, tile.nodes, sigma_m, given.usual_m, progress)
+        };
+        let solved: Result<Vec<Option<Solved>>, Cancelled> =
+            tiles.par_iter().enumerate().map(solve).collect();
+        let [mut correction_m, mut sd_m, mut sigma_m] = [0; 3].map(|_| Blend::none(&given.nodes));
+        for ((tile, solved), curves) in tiles.iter().zip(solved?).zip(&mut self.curves) {
+            let Some(solved) = solved else {
+                return Ok(false);
+            };
+            correction_m.add(&given.nodes, tile, &solved.correction_m);
+            sd_m.add(&given.nodes, tile, &solved.sd_m);
+            sigma_m.add(&given.nodes, tile, &solved.sigma_m);
+            *curves = solved.curves;
+        }
+        [self.correction_m, self.sd_m, self.sigma_m] =
+            [correction_m, sd_m, sigma_m].map(Blend::values);
+        Ok(true)
+    }
+}
+
+/// The readings within a tile; of every so many chunks alone where they are too many.
+fn within(tile: &Tile, found: &[Reading]) -> Vec<Reading> {
+    let inside = |reading: &&Reading| tile.nodes.holds(reading.piece.place_m);
+    let count = found.iter().filter(inside).count();
+    let every = count.div_ceil(MOST_PIECES).max(1) as u32;
+    let counts = |reading: &&Reading| inside(reading) && reading.piece.chunk.is_multiple_of(every);
+    found.iter().filter(counts).copied().collect()
+}
+
+/// Solves a tile a few times: each solution says which readings do not fit, and how large the correction is where. `None` where it has no
+/// solution.
+fn solve_tile(
+    mut system: System,
+    nodes: Nodes,
+    mut sigma_m: Vec<f64>,
+    usual_m: f64,
+    progress: &Progress,
+) -> Result<Option<Solved>, Cancelled> {
+    let Some(pattern) = Pattern::of(&system.equations, system.unknowns) else {
+        return Ok(None);
+    };
+    let mut found = None;
+    for solution in 0..SOLUTIONS {
+        progress.check()?;
+        let Some(factor) = pattern.factorise(&system.equations) else {
+            return Ok(None);
+        };
+        progress.check()?;
+        let mut normal = Normal::new(solution as u64);
+        let columns = factor.solve(&pattern, &system.equations, SAMPLES, || normal.draw());
+        let Some((values, samples)) = columns.split_first() else {
+            return Ok(None);
+        };
+        if values.iter().any(|value| !value.is_finite()) {
+            return Ok(None);
+        }
+        if solution + 1 < SOLUTIONS {
+            weigh_anew(&mut system, values);
+            let samples: Vec<&[f64]> = samples
+                .iter()
+                .map(|sample| &sample[..nodes.len()])
+                .collect();
+            sigma_m = local_sigma(&nodes, &values[..nodes.len()], &samples, usual_m);
+            system.set_sigma(&sigma_m);
+        } else {
+            let sd = |node: usize| {
+                let squares = samples.iter().map(|sample| sample[node].powi(2));
+                (squares.sum::<f64>() / samples.len().max(1) as f64).sqrt()
+            };
+            found = Some(Solved {
+                correction_m: values[..nodes.len()].to_vec(),
+                sd_m: (0..nodes.len()).map(sd).collect(),
+                sigma_m: sigma_m.clone(),
+                curves: Some(system.angle_curves(values)),
+            });
+        }
+        progress.advance(1);
+    }
+    Ok(found)
+}
+
+/// Gives the readings weights by how well the solution fits them.
+fn weigh_anew(system: &mut System, solution: &[f64]) {
+    let residual = |reading: usize| system.equations.residual(reading, solution).abs();
+    let residuals: Vec<f64> = (0..system.reading_sd.len()).map(residual).collect();
+    let usual = (1.48 * median(&mut residuals.clone())).max(LEAST_RESIDUAL);
+    for (reading, residual) in residuals.into_iter().enumerate() {
+        let times = residual / usual;
+        let robust = if times > HUBER {
+            (HUBER / times).sqrt()
+        } else {
+            1.0
+        };
+        let sd = system.reading_sd[reading] / robust;
+        system.equations.set_sd(reading, sd);
+    }
+}
+
+#[cfg(test)]
+mod tests;

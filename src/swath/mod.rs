@@ -1,0 +1,229 @@
+//! Depth between the lines: the brightness of the side-scan picture says how the bed slopes.
+//!
+//! An echo is brighter where the bed faces the boat and darker where it turns away. From two sides, as from neighbouring lines, slope
+//! changes its sign and the bed's own brightness does not, so the two can be told apart (shape from shading). What is found is a
+//! correction of the surface that the depths gave: none where a depth was measured, and small where the echoes say little. It is
+//! inferred, not measured.
+//!
+//! `echoes` is what is read of a log, `level_scale` turns its levels into logarithms of power, `weed` says where echoes are none of the bed,
+//! `pieces` averages the echoes on a `ground` and `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has
+//! the equations for the unknowns at the `nodes`, `sparse` solves them, `local_sigma` learns how large the correction may be, and
+//! `correction` runs all of it in rounds.
+
+mod correction;
+mod echo_law;
+mod echoes;
+mod ground;
+mod level_scale;
+mod local_sigma;
+mod nodes;
+mod pieces;
+mod readings;
+mod sparse;
+mod system;
+mod weed;
+
+pub use correction::Correction;
+pub use echoes::{LogEchoes, PingPlace, SideEchoes};
+
+use crate::bathymetry::{DepthPoint, Shading, Spread, Surface};
+use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
+use correction::{NODE_M, correction};
+use ground::Ground;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use nodes::Nodes;
+
+/// Tiles of 39 by 39 m that a survey may have: 100 are 15 hectares, and take some minutes.
+const MOST_TILES: usize = 100;
+/// Share of the correction that its own error is taken for.
+const ERROR_SHARE: f64 = 0.3;
+/// Share of the surface's stated error beyond [`BETWEEN_M`] from soundings that a correction usually has, and its bounds, metres.
+const USUAL_SHARE: f64 = 0.7;
+const USUAL_M: [f64; 2] = [0.008, 0.12];
+const BETWEEN_M: f64 = 1.0;
+/// The usual correction where the surface states no error, metres.
+const USUAL_WITHOUT_M: f64 = 0.02;
+/// Cells that the stated error is looked up in.
+const CELLS_ASKED: usize = 50_000;
+
+/// What became of a surface.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// Its depths were corrected.
+    Shaded(Correction),
+    /// It is as it was.
+    Kept(Kept),
+}
+
+/// Why a surface was not corrected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// No log has side-scan echoes with places.
+    NoSideScan,
+    /// No depth was measured.
+    NoDepths,
+    /// The recorded levels are none of decibels, or too few to tell.
+    NoDecibels,
+    /// Fewer than 500 pieces of echoes lie on the surface.
+    TooFewEchoes,
+    /// It has more than 100 tiles of 39 by 39 m.
+    TooLarge,
+    /// The equations have no solution in numbers.
+    NotSolved,
+}
+
+impl Kept {
+    /// The reason in a sentence.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::NoSideScan => "no log has side-scan echoes with places",
+            Self::NoDepths => "no depth was measured",
+            Self::NoDecibels => "the recorded levels are none of decibels",
+            Self::TooFewEchoes => "too few echoes lie on the surface",
+            Self::TooLarge => "the survey is too large",
+            Self::NotSolved => "the equations have no solution",
+        }
+    }
+}
+
+/// Corrects the depths of a surface by the brightness of the echoes of its logs, in the surface's plane: depths become `p + c`, spreads
+/// `hypot(spread, 0.3 |c|)`. `measured` are the depths that the surface was made of. A surface that the echoes cannot support stays as
+/// it is.
+///
+/// A tile of 16 000 nodes takes some 200 MB, and as many tiles are solved at a time as there are threads.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn shade(
+    surface: &mut Surface,
+    logs: &[LogEchoes<'_>],
+    measured: &[DepthPoint],
+    progress: &Progress,
+) -> Result<Outcome, Cancelled> {
+    let has_echoes = |log: &LogEchoes<'_>| log.pings.iter().any(PingPlace::is_placed);
+    if !logs.iter().any(has_echoes) {
+        return Ok(Outcome::Kept(Kept::NoSideScan));
+    }
+    let anchors: Vec<[f64; 2]> = (measured.iter().filter(|point| point.weight > 0.0))
+        .map(|point| [point.east_m, point.north_m])
+        .collect();
+    let ground = Ground::new(surface.grid, &surface.depth_m);
+    let (Some(ground), false) = (ground, anchors.is_empty()) else {
+        return Ok(Outcome::Kept(Kept::NoDepths));
+    };
+    let usual_m = usual_correction_m(surface, measured);
+    let nodes = Nodes::over(&surface.grid, NODE_M);
+    let found = match correction(logs, &ground, nodes, &anchors, usual_m, progress)? {
+        Ok(found) => found,
+        Err(kept) => return Ok(Outcome::Kept(kept)),
+    };
+    let columns = surface.grid.columns.max(1);
+    let cells = surface
+        .depth_m
+        .iter_mut()
+        .zip(&mut surface.spread_m)
+        .enumerate();
+    for (cell, (depth_m, spread_m)) in cells.filter(|(_, (depth_m, _))| !depth_m.is_nan()) {
+        let added_m = found.at(surface.grid.centre(cell / columns, cell % columns));
+        *depth_m = (f64::from(*depth_m) + added_m) as f32;
+        *spread_m = f64::from(*spread_m).hypot(ERROR_SHARE * added_m) as f32;
+    }
+    surface.shading = Shading::Corrected;
+    Ok(Outcome::Shaded(found))
+}
+
+/// The size that a correction usually has: a share of the median stated error between the lines, metres.
+fn usual_correction_m(surface: &Surface, measured: &[DepthPoint]) -> f64 {
+    let soundings: Vec<[f64; 2]> = (measured
+        .iter()
+        .filter(|point| point.is_sounding && point.weight > 0.0))
+    .map(|point| [point.east_m, point.north_m])
+    .collect();
+    let (Spread::OfError, false) = (surface.spread_is, soundings.is_empty()) else {
+        return USUAL_WITHOUT_M;
+    };
+    let Ok(tree) = ImmutableKdTree::<f64, 2>::new_from_slice(&soundings) else {
+        return USUAL_WITHOUT_M;
+    };
+    let columns = surface.grid.columns.max(1);
+    let step = surface.grid.len().div_ceil(CELLS_ASKED).max(1);
+    let spread_between = |cell: usize| {
+        let spread_m = surface
+            .spread_m
+            .get(cell)
+            .filter(|spread_m| spread_m.is_finite())?;
+        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let query = tree.query(&centre);
+        let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
+        (nearest.distance > BETWEEN_M * BETWEEN_M).then_some(f64::from(*spread_m))
+    };
+    let mut spreads_m: Vec<f64> = (0..surface.grid.len())
+        .step_by(step)
+        .filter_map(spread_between)
+        .collect();
+    match spreads_m.is_empty() {
+        true => USUAL_WITHOUT_M,
+        false => (USUAL_SHARE * median(&mut spreads_m)).clamp(USUAL_M[0], USUAL_M[1]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bathymetry::Grid;
+    use crate::survey::Survey;
+
+    #[test]
+    fn a_surface_without_echoes_or_depths_stays_as_it_is() {
+        let grid = Grid {
+            west_m: 0.0,
+            north_m: 10.0,
+            cell_m: 1.0,
+            columns: 10,
+            rows: 10,
+        };
+        let mut surface = Surface::of_depths(grid, vec![2.0; 100]);
+        let before = surface.clone();
+        let survey = Survey::default();
+        let measured = DepthPoint {
+            east_m: 3.0,
+            north_m: 3.0,
+            depth_m: 2.0,
+            weight: 1.0,
+            is_sounding: true,
+        };
+        let side = SideEchoes {
+            near_m: 0.0,
+            step_m: 0.01,
+            first_return: 200.0,
+            above_bottom: false,
+        };
+        let ping = PingPlace {
+            time_s: 0.0,
+            place_m: [3.0, 3.0],
+            starboard: [1.0, 0.0],
+            transducer_m: 0.0,
+            sides: [side; 2],
+        };
+        let of_pings = |pings: Vec<PingPlace>| LogEchoes {
+            survey: &survey,
+            pings,
+        };
+        let logs = [of_pings(Vec::new()), of_pings(vec![ping; 100])];
+        let mut kept = |logs: &[LogEchoes<'_>], measured: &[DepthPoint]| match shade(
+            &mut surface,
+            logs,
+            measured,
+            &Progress::new(),
+        ) {
+            Ok(Outcome::Kept(why)) => why,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(kept(&logs[..1], &[measured]), Kept::NoSideScan);
+        assert_eq!(kept(&logs, &[]), Kept::NoDepths);
+        // Pings without samples.
+        assert_eq!(kept(&logs, &[measured]), Kept::NoDecibels);
+        assert_eq!(surface, before);
+    }
+}

@@ -1,0 +1,246 @@
+//! The places of the unknowns: nodes at even steps, with values bilinear between them.
+
+use crate::bathymetry::Grid;
+
+/// Nodes beside its core over which a tile fades into the next.
+const BLEND: usize = 12;
+
+/// Nodes in rows from south to north, each from west to east.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nodes {
+    /// East and north of the first, metres.
+    pub origin_m: [f64; 2],
+    /// From one to the next, metres.
+    pub step_m: f64,
+    /// How many lie in a row, and how many rows there are; at least two each.
+    pub counts: [usize; 2],
+}
+
+/// What four nodes share in a place: index and share.
+pub type Shares = [(usize, f64); 4];
+
+/// A part of the nodes: those that are solved for together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tile {
+    /// The first node in a row and the first row that are solved for.
+    pub first: [usize; 2],
+    /// Its nodes.
+    pub nodes: Nodes,
+    /// First and beyond the last node in a row, and the same of the rows, that no other tile has in its core, counted in its own nodes.
+    pub core: [[usize; 2]; 2],
+}
+
+/// Values of several tiles brought together: where tiles overlap the mean, weighted towards the nearer core, so that no seam shows.
+#[derive(Clone, Debug)]
+pub struct Blend {
+    sums: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Blend {
+    /// Of nothing yet, at so many nodes.
+    pub fn none(nodes: &Nodes) -> Self {
+        Self {
+            sums: vec![0.0; nodes.len()],
+            weights: vec![0.0; nodes.len()],
+        }
+    }
+
+    /// Adds the values of a tile.
+    pub fn add(&mut self, all: &Nodes, tile: &Tile, values: &[f64]) {
+        for (node, value) in values.iter().enumerate() {
+            let weight = tile.weight(node);
+            let place = tile.index_in(all, node);
+            self.sums[place] += weight * value;
+            self.weights[place] += weight;
+        }
+    }
+
+    /// The values at all nodes; every node lies in the core of a tile.
+    pub fn values(self) -> Vec<f64> {
+        let both = self.sums.into_iter().zip(self.weights);
+        both.map(|(sum, weight)| sum / weight).collect()
+    }
+}
+
+impl Nodes {
+    /// Over the cells of a grid.
+    pub fn over(grid: &Grid, step_m: f64) -> Self {
+        let count = |cells: usize| (cells as f64 * grid.cell_m / step_m).ceil() as usize + 1;
+        let south_m = grid.north_m - grid.rows as f64 * grid.cell_m;
+        Self {
+            origin_m: [grid.west_m, south_m],
+            step_m,
+            counts: [count(grid.columns).max(2), count(grid.rows).max(2)],
+        }
+    }
+
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    /// Whether a place east and north lies between the outermost nodes.
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        (0..2).all(|axis| {
+            let steps = (place[axis] - self.origin_m[axis]) / self.step_m;
+            steps > 0.0 && steps < (self.counts[axis] - 1) as f64
+        })
+    }
+
+    /// The four nodes around a place and their shares, which sum to 1; beyond the outermost nodes as on them.
+    pub fn shares(&self, place: [f64; 2]) -> Shares {
+        let [(column, right), (row, up)] = [0, 1].map(|axis| {
+            let steps = (place[axis] - self.origin_m[axis]) / self.step_m;
+            let most = (self.counts[axis] - 1) as f64 - 1e-3;
+            let steps = steps.clamp(0.0, most);
+            (steps as usize, steps.fract())
+        });
+        let first = row * self.counts[0] + column;
+        let next = first + self.counts[0];
+        [
+            (first, (1.0 - right) * (1.0 - up)),
+            (first + 1, right * (1.0 - up)),
+            (next, (1.0 - right) * up),
+            (next + 1, right * up),
+        ]
+    }
+
+    /// What some values at the nodes are at a place.
+    pub fn value_at(&self, values: &[f64], place: [f64; 2]) -> f64 {
+        sum(values, &self.shares(place))
+    }
+
+    /// The node nearest to a place.
+    pub fn nearest(&self, place: [f64; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
+            let steps = ((place[axis] - self.origin_m[axis]) / self.step_m).round();
+            (steps.max(0.0) as usize).min(self.counts[axis] - 1)
+        });
+        row * self.counts[0] + column
+    }
+
+    /// The nodes west, east, south and north of one; itself where there is none.
+    pub fn neighbours(&self, node: usize) -> [usize; 4] {
+        let [columns, rows] = self.counts;
+        let (row, column) = (node / columns, node % columns);
+        let or = |there: bool, other: usize| if there { other } else { node };
+        [
+            or(column > 0, node.wrapping_sub(1)),
+            or(column + 1 < columns, node + 1),
+            or(row > 0, node.wrapping_sub(columns)),
+            or(row + 1 < rows, node + columns),
+        ]
+    }
+
+    /// Parts with cores of at most `core` nodes a side and a halo of `halo` nodes around each; one part where all nodes are at most
+    /// `most`.
+    pub fn tiles(&self, most: usize, core: usize, halo: usize) -> Vec<Tile> {
+        let spans = |count: usize| -> Vec<[usize; 4]> {
+            let core = if self.len() <= most {
+                count
+            } else {
+                core.max(1)
+            };
+            let from = (0..count).step_by(core);
+            from.map(|from| {
+                let to = (from + core).min(count);
+                [from.saturating_sub(halo), from, to, (to + halo).min(count)]
+            })
+            .collect()
+        };
+        let [across, along] = self.counts.map(spans);
+        let both = along
+            .iter()
+            .flat_map(|rows| across.iter().map(move |columns| [columns, rows]));
+        both.map(|spans| {
+            let first = spans.map(|span| span[0]);
+            let nodes = Self {
+                origin_m: [0, 1].map(|axis| self.origin_m[axis] + first[axis] as f64 * self.step_m),
+                step_m: self.step_m,
+                counts: spans.map(|span| span[3] - span[0]),
+            };
+            Tile {
+                first,
+                nodes,
+                core: spans.map(|span| [span[1] - span[0], span[2] - span[0]]),
+            }
+        })
+        .filter(|tile| tile.nodes.counts.iter().all(|count| *count >= 2))
+        .collect()
+    }
+}
+
+impl Tile {
+    /// The values at its nodes out of those at all nodes.
+    pub fn cut(&self, all: &Nodes, values: &[f64]) -> Vec<f64> {
+        let index = |node| values[self.index_in(all, node)];
+        (0..self.nodes.len()).map(index).collect()
+    }
+
+    /// What a node counts against those of other tiles: 1 in the core, down to 0 at [`BLEND`] nodes beside it.
+    fn weight(&self, node: usize) -> f64 {
+        let columns = self.nodes.counts[0];
+        let along = |at: usize, [from, to]: [usize; 2]| {
+            let beside = from.saturating_sub(at).max((at + 1).saturating_sub(to));
+            (1.0 - beside as f64 / BLEND as f64).max(0.0)
+        };
+        along(node % columns, self.core[0]) * along(node / columns, self.core[1])
+    }
+
+    fn index_in(&self, all: &Nodes, node: usize) -> usize {
+        let columns = self.nodes.counts[0];
+        let (row, column) = (node / columns, node % columns);
+        (row + self.first[1]) * all.counts[0] + column + self.first[0]
+    }
+}
+
+/// The sum of some values by their shares.
+pub fn sum(values: &[f64], shares: &Shares) -> f64 {
+    shares
+        .iter()
+        .map(|&(node, share)| share * values[node])
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NODES: Nodes = Nodes {
+        origin_m: [3.0, -2.0],
+        step_m: 0.5,
+        counts: [41, 23],
+    };
+
+    #[test]
+    fn values_are_bilinear_between_nodes() {
+        let value = |[east, north]: [f64; 2]| 1.0 + 0.3 * east - 0.2 * north;
+        let values: Vec<f64> = (0..NODES.len())
+            .map(|node| {
+                value([
+                    3.0 + 0.5 * (node % 41) as f64,
+                    -2.0 + 0.5 * (node / 41) as f64,
+                ])
+            })
+            .collect();
+        let place = [7.21, 3.37];
+        assert!((NODES.value_at(&values, place) - value(place)).abs() < 1e-12);
+        assert!(NODES.holds(place) && !NODES.holds([2.9, 0.0]));
+    }
+
+    #[test]
+    fn tiles_put_together_are_what_they_were_cut_from() {
+        let values: Vec<f64> = (0..NODES.len()).map(|node| (node as f64).sin()).collect();
+        for most in [100, 10_000] {
+            let mut blend = Blend::none(&NODES);
+            for tile in NODES.tiles(most, 10, 14) {
+                blend.add(&NODES, &tile, &tile.cut(&NODES, &values));
+            }
+            let back = blend.values();
+            let differs = |(one, other): (&f64, &f64)| (one - other).abs() > 1e-12;
+            assert!(!back.iter().zip(&values).any(differs));
+        }
+        assert_eq!(NODES.tiles(10_000, 10, 14).len(), 1);
+    }
+}

@@ -1,0 +1,144 @@
+//! From the levels of pieces to logarithms of power: the share of the signal in each, and where the recorder's gain steps.
+
+use super::pieces::Piece;
+use super::system::Reading;
+use crate::statistics::median;
+use crate::survey::Side;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Bins of the angle that the level over the noise is found in, degrees.
+const ANGLE_BIN_DEG: f64 = 2.0;
+/// Least level over the noise that is believed, and least share of the signal, in natural logarithms of power.
+const LEAST_OVER_NOISE: f64 = 0.05;
+const LEAST_SIGNAL: f64 = 0.1;
+/// A gain steps where the levels of two chunks differ by more than this from those of the two before, natural logarithm of power.
+const STEP: f64 = 0.5;
+
+/// The pieces with their levels in natural logarithms of power; `scales` has what a step of each log's level is.
+///
+/// Noise adds to the echo's power, so that a level near that of the noise says less of the bed: of a level `l` over the noise the bed's
+/// share is `1 - exp(-l)`. The level over the noise is the median at an angle.
+pub fn readings(pieces: &[Piece], scales: &[Option<f64>]) -> Vec<Reading> {
+    let scale = |piece: &Piece| scales.get(piece.log as usize).copied().flatten();
+    let bin = |piece: &Piece| {
+        (
+            piece.log,
+            (piece.phi_rad.to_degrees() / ANGLE_BIN_DEG) as u32,
+        )
+    };
+    let mut over_noise: BTreeMap<(u32, u32), Vec<f64>> = BTreeMap::new();
+    for piece in pieces {
+        if let Some(scale) = scale(piece) {
+            let over = scale * f64::from(piece.level - piece.noise_level);
+            over_noise.entry(bin(piece)).or_default().push(over);
+        }
+    }
+    let medians: BTreeMap<(u32, u32), f64> = over_noise
+        .into_iter()
+        .map(|(bin, mut over)| (bin, median(&mut over)))
+        .collect();
+    let reading = |piece: &Piece| {
+        let over_noise = medians.get(&bin(piece))?.max(LEAST_OVER_NOISE);
+        let ln_level = scale(piece)? * f64::from(piece.level);
+        let numbers = [
+            ln_level,
+            piece.slope,
+            piece.phi_rad,
+            piece.place_m[0],
+            piece.place_m[1],
+        ];
+        numbers
+            .iter()
+            .all(|number| number.is_finite())
+            .then_some(Reading {
+                piece: *piece,
+                ln_level,
+                signal: (1.0 - (-over_noise).exp()).clamp(LEAST_SIGNAL, 1.0),
+            })
+    };
+    pieces.iter().filter_map(reading).collect()
+}
+
+/// The chunks before which the gain steps, and the first of every log.
+pub fn gain_steps(readings: &[Reading]) -> BTreeSet<u32> {
+    let mut of_chunk: BTreeMap<u32, Profile> = BTreeMap::new();
+    for reading in readings {
+        let piece = &reading.piece;
+        let across = (piece.ground_m / super::pieces::PIECE_M) as u32;
+        let profile = of_chunk.entry(piece.chunk).or_default();
+        profile.log = piece.log;
+        profile
+            .levels
+            .insert((piece.side, across), reading.ln_level);
+    }
+    let steps_before = |chunk: u32| {
+        let around = [chunk.checked_sub(2)?, chunk - 1, chunk, chunk + 1];
+        let [second, first, here, next] = around.map(|chunk| of_chunk.get(&chunk));
+        let (second, first, here, next) = (second?, first?, here?, next?);
+        let change = |(place, level): (&(Side, u32), &f64)| {
+            let [second, first, next] =
+                [second, first, next].map(|of| of.levels.get(place).copied());
+            Some(0.5 * (level + next? - first? - second?))
+        };
+        let mut changes: Vec<f64> = here.levels.iter().filter_map(change).collect();
+        (median(&mut changes).abs() > STEP).then_some(chunk)
+    };
+    let mut found: BTreeSet<u32> = of_chunk
+        .keys()
+        .filter_map(|chunk| steps_before(*chunk))
+        .collect();
+    let mut last_log = None;
+    for (chunk, profile) in &of_chunk {
+        if last_log.replace(profile.log) != Some(profile.log) {
+            found.insert(*chunk);
+        }
+    }
+    found
+}
+
+/// Levels across a chunk.
+#[derive(Default)]
+struct Profile {
+    log: u32,
+    levels: BTreeMap<(Side, u32), f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(chunk: u32, across: u32, level: f32) -> Piece {
+        Piece {
+            log: 0,
+            chunk,
+            range_setting: 0,
+            side: Side::Port,
+            samples: 100,
+            level,
+            noise_level: 5.0,
+            ground_m: 1.25 + 0.5 * f64::from(across),
+            phi_rad: 0.8,
+            range_m: 3.0,
+            place_m: [0.0; 2],
+            outward: [1.0, 0.0],
+            slope: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_gain_that_steps_is_found_where_it_does() {
+        let level = |chunk: u32, across: u32| {
+            let step = if chunk >= 7 { 10.0 } else { 0.0 };
+            40.0 + step + (across % 3) as f32
+        };
+        let pieces: Vec<Piece> = (0..14)
+            .flat_map(|chunk| (0..6).map(move |across| piece(chunk, across, level(chunk, across))))
+            .collect();
+        let found = readings(&pieces, &[Some(0.09)]);
+        assert_eq!(found.len(), pieces.len());
+        assert!(found.iter().all(|reading| reading.signal > 0.9));
+        // 10 steps are 0.9 over both chunks; half of it is seen a chunk before and behind.
+        assert_eq!(gain_steps(&found), BTreeSet::from([0, 7]));
+        assert!(readings(&pieces, &[None]).is_empty());
+    }
+}

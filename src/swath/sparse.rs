@@ -1,0 +1,284 @@
+//! Weighted linear equations and their solution by least squares: normal equations, sparse Cholesky.
+
+use faer::Mat;
+use faer::Side as Triangle;
+use faer::prelude::Solve as _;
+use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+
+/// Equations `sum of factor x unknown = goal`, each with a weight: the reciprocal of its standard deviation.
+#[derive(Clone, Debug, Default)]
+pub struct Equations {
+    /// Where the terms of each begin, and the end of the last.
+    starts: Vec<usize>,
+    unknowns: Vec<u32>,
+    factors: Vec<f64>,
+    goals: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// Where the products of all terms go in the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
+/// as only weights, factors and goals change.
+pub struct Pattern {
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+    /// The value of the triangle that each product of two terms of an equation is added to, in the order of equations.
+    slots: Vec<u32>,
+    symbolic: SymbolicLlt<usize>,
+}
+
+/// A factorised normal matrix.
+pub struct Factor(Llt<usize, f64>);
+
+impl Equations {
+    /// Adds one; terms of the same unknown are added up. One whose weight is no positive number is left out.
+    pub fn add(&mut self, terms: impl IntoIterator<Item = (usize, f64)>, goal: f64, sd: f64) {
+        let weight = 1.0 / sd;
+        if !(weight > 0.0 && weight.is_finite() && goal.is_finite()) {
+            return;
+        }
+        if self.starts.is_empty() {
+            self.starts.push(0);
+        }
+        let start = self.unknowns.len();
+        for (unknown, factor) in terms {
+            let unknown = unknown as u32;
+            match self.unknowns[start..]
+                .iter()
+                .position(|other| *other == unknown)
+            {
+                Some(at) => self.factors[start + at] += factor,
+                None => {
+                    self.unknowns.push(unknown);
+                    self.factors.push(factor);
+                }
+            }
+        }
+        self.starts.push(self.unknowns.len());
+        self.goals.push(goal);
+        self.weights.push(weight);
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.goals.len()
+    }
+
+    /// Gives one another standard deviation.
+    pub fn set_sd(&mut self, equation: usize, sd: f64) {
+        self.weights[equation] = 1.0 / sd;
+    }
+
+    fn terms(&self, equation: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
+        let range = self.starts[equation]..self.starts[equation + 1];
+        let unknowns = self.unknowns[range.clone()]
+            .iter()
+            .map(|unknown| *unknown as usize);
+        unknowns.zip(self.factors[range].iter().copied())
+    }
+
+    /// What is left of an equation at some values of the unknowns, in standard deviations.
+    pub fn residual(&self, equation: usize, values: &[f64]) -> f64 {
+        let sum: f64 = self
+            .terms(equation)
+            .map(|(unknown, factor)| factor * values[unknown])
+            .sum();
+        self.weights[equation] * (sum - self.goals[equation])
+    }
+
+    /// Adds to `out` what the equations say of each unknown: the transposed weighted matrix times a vector with an entry for each equation.
+    fn add_transposed(&self, entry: impl Fn(usize) -> f64, out: &mut [f64]) {
+        for equation in 0..self.len() {
+            let value = self.weights[equation] * entry(equation);
+            for (unknown, factor) in self.terms(equation) {
+                out[unknown] += factor * value;
+            }
+        }
+    }
+}
+
+impl Pattern {
+    /// Of some equations of so many unknowns; `None` where their matrix cannot be analysed.
+    pub fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
+        // Column in the upper half of a key, row in the lower: sorted keys are the triangle's order.
+        let mut keys: Vec<u64> = (0..unknowns as u64)
+            .map(|unknown| unknown << 32 | unknown)
+            .collect();
+        let each_product = |equation: usize, take: &mut dyn FnMut(u64)| {
+            for (first, _) in equations.terms(equation) {
+                for (second, _) in equations.terms(equation) {
+                    if first >= second {
+                        take((second as u64) << 32 | first as u64);
+                    }
+                }
+            }
+        };
+        for equation in 0..equations.len() {
+            each_product(equation, &mut |key| keys.push(key));
+            // Sorted now and then, so that repeats take no memory.
+            if equation % 4096 == 4095 {
+                keys.sort_unstable();
+                keys.dedup();
+            }
+        }
+        keys.sort_unstable();
+        keys.dedup();
+        let mut starts = vec![0; unknowns + 1];
+        for key in &keys {
+            starts[(key >> 32) as usize + 1] += 1;
+        }
+        for column in 0..unknowns {
+            starts[column + 1] += starts[column];
+        }
+        let rows: Vec<usize> = keys
+            .iter()
+            .map(|key| (key & 0xffff_ffff) as usize)
+            .collect();
+        let mut slots = Vec::new();
+        for equation in 0..equations.len() {
+            each_product(equation, &mut |key| {
+                let column = (key >> 32) as usize;
+                let within = rows[starts[column]..starts[column + 1]]
+                    .binary_search(&((key & 0xffff_ffff) as usize));
+                slots.push((starts[column] + within.unwrap_or(0)) as u32);
+            });
+        }
+        let triangle =
+            SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
+        let symbolic = SymbolicLlt::try_new(triangle, Triangle::Lower).ok()?;
+        Some(Self {
+            starts,
+            rows,
+            slots,
+            symbolic,
+        })
+    }
+
+    /// Number of unknowns.
+    fn unknowns(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Factorises the normal matrix of the equations; `None` where it is not positive definite.
+    pub fn factorise(&self, equations: &Equations) -> Option<Factor> {
+        let mut values = vec![0.0; self.rows.len()];
+        let mut slots = self.slots.iter();
+        for equation in 0..equations.len() {
+            let weight = equations.weights[equation].powi(2);
+            for (first, one) in equations.terms(equation) {
+                for (second, other) in equations.terms(equation) {
+                    if first >= second
+                        && let Some(slot) = slots.next()
+                    {
+                        values[*slot as usize] += weight * one * other;
+                    }
+                }
+            }
+        }
+        let unknowns = self.unknowns();
+        let triangle = SymbolicSparseColMatRef::new_checked(
+            unknowns,
+            unknowns,
+            &self.starts,
+            None,
+            &self.rows,
+        );
+        let matrix = SparseColMatRef::new(triangle, &values);
+        let factor = Llt::try_new_with_symbolic(self.symbolic.clone(), matrix, Triangle::Lower);
+        factor.ok().map(Factor)
+    }
+}
+
+impl Factor {
+    /// The values of the unknowns, and `samples` draws from what is unknown of them: `A^-1 M^T z` has the covariance `A^-1` where `z` is
+    /// standard normal. `draw` gives such a number.
+    pub fn solve(
+        &self,
+        pattern: &Pattern,
+        equations: &Equations,
+        samples: usize,
+        mut draw: impl FnMut() -> f64,
+    ) -> Vec<Vec<f64>> {
+        let unknowns = pattern.unknowns();
+        let mut columns = vec![vec![0.0; unknowns]; 1 + samples];
+        let goals = |equation: usize| equations.weights[equation] * equations.goals[equation];
+        equations.add_transposed(goals, &mut columns[0]);
+        for column in &mut columns[1..] {
+            let normal: Vec<f64> = (0..equations.len()).map(|_| draw()).collect();
+            equations.add_transposed(|equation| normal[equation], column);
+        }
+        let sides = Mat::from_fn(unknowns, columns.len(), |row, column| columns[column][row]);
+        let solved = self.0.solve(&sides);
+        for (index, column) in columns.iter_mut().enumerate() {
+            for (row, value) in column.iter_mut().enumerate() {
+                *value = solved[(row, index)];
+            }
+        }
+        columns
+    }
+}
+
+/// Standard normal numbers, the same for the same seed: SplitMix64 (Steele et al. 2014) and Box and Muller's transform.
+pub struct Normal {
+    state: u64,
+    spare: Option<f64>,
+}
+
+impl Normal {
+    /// From a seed.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            state: seed,
+            spare: None,
+        }
+    }
+
+    /// The next one.
+    pub fn draw(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        let (sin, cos) = (std::f64::consts::TAU * self.uniform()).sin_cos();
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+
+    /// Above 0 and up to 1.
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut mixed = self.state;
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^= mixed >> 31;
+        ((mixed >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equations_are_solved_and_what_is_unknown_is_drawn() {
+        let mut equations = Equations::default();
+        equations.add([(0, 1.0), (1, 1.0)], 3.0, 0.1);
+        equations.add([(0, 1.0), (1, -1.0)], 1.0, 0.1);
+        equations.add([(2, 0.5), (2, 0.5)], 7.0, 2.0);
+        let pattern = Pattern::of(&equations, 3).unwrap();
+        let factor = pattern.factorise(&equations).unwrap();
+        let mut normal = Normal::new(1);
+        let columns = factor.solve(&pattern, &equations, 4000, || normal.draw());
+        for (value, expected) in columns[0].iter().zip([2.0, 1.0, 7.0]) {
+            assert!((value - expected).abs() < 1e-9);
+        }
+        let sd = (columns[1..]
+            .iter()
+            .map(|column| column[2].powi(2))
+            .sum::<f64>()
+            / 4000.0)
+            .sqrt();
+        assert!((sd - 2.0).abs() < 0.1, "{sd}");
+        assert!(equations.residual(2, &[0.0, 0.0, 9.0]) == 1.0);
+    }
+}

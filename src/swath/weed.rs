@@ -1,0 +1,69 @@
+//! Where first returns lie above the bottom on both sides: weed, whose brightness says nothing of the bed's slope.
+
+use super::echoes::LogEchoes;
+use crate::survey::Side;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+
+/// Pings that are looked at together.
+const PINGS: usize = 15;
+/// Share of them above the bottom from which on they are weed.
+const SHARE: f64 = 0.5;
+/// Echoes nearer than this to such a ping are left out, metres.
+const REACH_M: f64 = 3.5;
+
+/// Places of pings in stretches of weed.
+pub struct Weed(Option<ImmutableKdTree<f64, 2>>);
+
+impl Weed {
+    /// Of some logs. A slope makes the first returns of one side alone nearer than the recorded depth, so both sides are asked for.
+    pub fn of(logs: &[LogEchoes<'_>]) -> Self {
+        let places: Vec<[f64; 2]> = logs.iter().flat_map(places).collect();
+        let tree = ImmutableKdTree::new_from_slice(&places).ok();
+        Self(tree.filter(|_| !places.is_empty()))
+    }
+
+    /// Whether a place east and north is far from all weed.
+    pub fn is_far_from(&self, place: [f64; 2]) -> bool {
+        let Self(Some(tree)) = self else {
+            return true;
+        };
+        let query = tree.query(&place);
+        let nearest = query.nearest_one::<SquaredEuclidean<f64>>().execute();
+        nearest.distance >= REACH_M * REACH_M
+    }
+}
+
+fn places<'a>(log: &'a LogEchoes<'_>) -> impl Iterator<Item = [f64; 2]> + 'a {
+    let [port, starboard] = Side::BOTH.map(|side| {
+        let above = log.pings.iter().map(|ping| ping.side(side).above_bottom);
+        running_share(&above.collect::<Vec<bool>>())
+    });
+    let both = port.into_iter().zip(starboard).zip(&log.pings);
+    both.filter(|((port, starboard), ping)| port.min(*starboard) > SHARE && ping.is_placed())
+        .map(|(_, ping)| ping.place_m)
+}
+
+/// Share of the pings around each; beyond both ends none lies above the bottom.
+fn running_share(above: &[bool]) -> Vec<f64> {
+    let half = PINGS / 2;
+    let around =
+        |ping: usize| &above[ping.saturating_sub(half)..(ping + half + 1).min(above.len())];
+    let count = |ping: usize| around(ping).iter().filter(|above| **above).count();
+    (0..above.len())
+        .map(|ping| count(ping) as f64 / PINGS as f64)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_counts_the_pings_on_both_sides() {
+        let above: Vec<bool> = (0..40).map(|ping| (10..20).contains(&ping)).collect();
+        let shares = running_share(&above);
+        assert_eq!(shares[15], 10.0 / 15.0);
+        assert_eq!(shares[6], 4.0 / 15.0);
+        assert_eq!(shares[39], 0.0);
+    }
+}
