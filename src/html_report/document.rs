@@ -94,7 +94,7 @@ fn depth_caption(from: &ReportData<'_>) -> String {
         "Cells of {:.2} m by {}, {}, graticule in WGS84. No cell is farther than {} m from a depth, none outside \
          their hull. The relief is lit from the north-west, {} times as high as it is. {}",
         depth_map.surface.grid.cell_m,
-        depth_map.surface.method.in_words(),
+        depth_map.surface.method_in_words(),
         xml(&from.map.crs.to_string()),
         settings.surface.max_gap_m,
         depth_map.light.exaggeration,

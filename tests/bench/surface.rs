@@ -8,7 +8,7 @@
 
 use super::missions::{Mission, repeatability};
 use super::truth::MapError;
-use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings};
+use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings, SwathDepth};
 use bathyscope::cloud::Residuals;
 use bathyscope::simulation::{Mound, Scene};
 
@@ -99,7 +99,17 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
                 ..settings(chosen, false)
             },
         ),
+        ("both, shaded".to_owned(), shaded()),
     ]
+}
+
+/// What predicts best, corrected by the brightness of the echoes.
+fn shaded() -> SurfaceSettings {
+    SurfaceSettings {
+        method: SurfaceMethod::Auto,
+        swath: SwathDepth::Shaded,
+        ..settings(SurfaceSettings::default().side_scan_weight, false)
+    }
 }
 
 const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
@@ -150,6 +160,7 @@ fn errors(ponds: &[Mission], settings: &SurfaceSettings) -> Vec<MapError> {
     let soundings_only = SurfaceSettings {
         method: SurfaceMethod::Linear,
         side_scan_weight: 0.0,
+        swath: SwathDepth::Off,
         ..settings.clone()
     };
     let of_pond = |pond: &Mission| {
@@ -160,17 +171,26 @@ fn errors(ponds: &[Mission], settings: &SurfaceSettings) -> Vec<MapError> {
     ponds.iter().flat_map(of_pond).collect()
 }
 
-/// What the default map gains over triangles, and what its stated errors are worth, by the distance to the nearest sounding.
+/// What the default map gains over triangles, what shading gains over that, and what the stated errors are worth, by the distance to the
+/// nearest sounding.
 fn print_by_distance(kind: &str, ponds: &[Mission]) {
-    let chosen = SurfaceSettings::default().side_scan_weight;
-    let triangles = settings(chosen, false);
+    let triangles = settings(SurfaceSettings::default().side_scan_weight, false);
     let auto = SurfaceSettings {
         method: SurfaceMethod::Auto,
         ..triangles.clone()
     };
-    let maps = [&triangles, &auto].map(|settings| errors(ponds, settings));
+    let maps = [triangles, auto, shaded()].map(|settings| errors(ponds, &settings));
+    for (names, maps) in [("triangles", "auto"), ("auto", "shaded")]
+        .into_iter()
+        .zip(maps.windows(2))
+    {
+        print_bands(kind, names, [&maps[0], &maps[1]]);
+    }
+}
+
+fn print_bands(kind: &str, (first, second): (&str, &str), maps: [&[MapError]; 2]) {
     for edges in BANDS_M.windows(2) {
-        let [before, after] = maps.each_ref().map(|errors| {
+        let [before, after] = maps.map(|errors| {
             let band = edges[0]..edges[1];
             let here = errors.iter().filter(|one| band.contains(&one.away_m));
             here.copied().collect::<Vec<MapError>>()
@@ -185,7 +205,7 @@ fn print_by_distance(kind: &str, ponds: &[Mission]) {
         };
         let [before_cm, after_cm] = [&before, &after].map(|errors| rms_cm(errors));
         println!(
-            "{kind:7} {:.1} to {:.1} m from a sounding: {before_cm:5.2} by triangles, {after_cm:5.2} by auto ({:+.0} %), {:.0} % within 1 sigma, {:.0} % within 2, n {}",
+            "{kind:7} {:.1} to {:.1} m from a sounding: {before_cm:5.2} by {first}, {after_cm:5.2} by {second} ({:+.0} %), {:.0} % within 1 sigma, {:.0} % within 2, n {}",
             edges[0],
             edges[1],
             100.0 * (after_cm / before_cm - 1.0),

@@ -1,12 +1,13 @@
 //! Results held against what a simulated survey hides.
 
-use bathyscope::bathymetry::{DepthPoint, Surface, SurfaceSettings, surface};
+use bathyscope::bathymetry::{DepthPoint, Surface, SurfaceSettings, SwathDepth, surface};
 use bathyscope::cloud::{CloudPoint, PointSource};
 use bathyscope::formats;
-use bathyscope::pipeline::Products;
+use bathyscope::pipeline::{Products, log_echoes};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Simulated, simulate};
 use bathyscope::survey::{Side, Survey};
+use bathyscope::swath::shade;
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]
@@ -62,9 +63,15 @@ impl KnownSurvey {
             })
             .filter(|point| point.weight > 0.0)
             .collect();
-        surface(points, settings, &Progress::new())
+        let progress = Progress::new();
+        let mut made = surface(points.clone(), settings, &progress)
             .expect("not cancelled")
-            .expect("a surface")
+            .expect("a surface");
+        if settings.swath == SwathDepth::Shaded {
+            let echoes = log_echoes(&self.survey, products, |place| place);
+            shade(&mut made, &[echoes], &points, &progress).expect("not cancelled");
+        }
+        made
     }
 
     /// The errors of a map at the middle of each cell that `soundings` fills too.

@@ -162,7 +162,7 @@ fn applied(products: &Products, surface: &Surface) -> String {
     format!(
         "{} By {} in cells of {} m, none farther than {} m from a depth.",
         products.correction.statement(),
-        surface.method.in_words(),
+        surface.method_in_words(),
         surface.grid.cell_m,
         settings.surface.max_gap_m
     )

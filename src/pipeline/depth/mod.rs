@@ -7,6 +7,7 @@ mod crosslines;
 mod plane;
 mod residuals;
 mod surface;
+mod swath;
 
 pub use choices::{Choice, choices};
 pub use contours::Contours;
@@ -14,3 +15,4 @@ pub use crosslines::{Crosslines, crosslines};
 pub use plane::{Plane, depth_points};
 pub use residuals::{NamedComparison, comparisons};
 pub use surface::joint_depth_surface;
+pub use swath::log_echoes;

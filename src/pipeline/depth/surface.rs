@@ -1,14 +1,17 @@
 //! The surface of the depths of a survey.
 
 use super::plane::Plane;
-use crate::bathymetry::{Surface, surface};
+use super::swath::log_echoes;
+use crate::bathymetry::{Shading, Surface, SwathDepth, surface};
 use crate::geo::MapPlane;
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
+use crate::swath::{LogEchoes, Outcome, shade};
 
 /// The surface of the kept points of all logs of a survey in the plane of a map, by the `surface.*` settings of the first. Each log's
 /// points weigh what its own settings give them; where logs meet in a cell the weighted median stands, so that a log with many points
-/// there counts more. `None` where the depths span no surface.
+/// there counts more. The brightness of the echoes of all logs corrects it where `surface.swath` says so. `None` where the depths span
+/// no surface.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -20,11 +23,29 @@ pub fn joint_depth_surface(
     let Some(first) = logs.first() else {
         return Ok(None);
     };
+    let settings = &first.products.settings.surface;
     let mut points = Vec::new();
     for log in logs {
         progress.check()?;
         let plane = Plane::new(&log.survey, &log.products, map.clone());
         points.append(&mut plane.depth_points(&log.products));
     }
-    surface(points, &first.products.settings.surface, progress)
+    if settings.swath == SwathDepth::Off {
+        return surface(points, settings, progress);
+    }
+    let Some(mut made) = surface(points.clone(), settings, progress)? else {
+        return Ok(None);
+    };
+    let echoes: Vec<LogEchoes<'_>> = logs.iter().map(|log| echoes_of(log, map)).collect();
+    if let Outcome::Kept(why) = shade(&mut made, &echoes, &points, progress)? {
+        made.shading = Shading::Impossible(why.in_words());
+    }
+    Ok(Some(made))
+}
+
+fn echoes_of<'a>(log: &'a ProcessedLog, map: &MapPlane) -> LogEchoes<'a> {
+    let (track, navigation) = (&log.survey.track, &log.products.navigation);
+    log_echoes(&log.survey, &log.products, |[east_m, north_m]| {
+        map.place(navigation.to_lon_lat(track, east_m, north_m))
+    })
 }

@@ -1,11 +1,12 @@
 //! Depth maps of simulated ponds against their beds; `cargo bench -- surface` prints the figures over many.
 
 use crate::missions::{Mission, repeatability};
+use crate::truth::MapError;
 use bathyscope::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings};
+use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings, SwathDepth};
 use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::progress::Progress;
-use bathyscope::simulation::Scene;
+use bathyscope::simulation::{Mound, Scene};
 
 /// Four lines 8 m apart and two across, on a bed of its own seed.
 fn pond() -> Scene {
@@ -88,6 +89,51 @@ fn between_lines_a_plate_is_nearer_to_the_bed_than_triangles_and_knows_how_near(
             "{seed}: {one} {two}"
         );
     }
+}
+
+#[test]
+fn shading_finds_mounds_that_lie_between_the_lines() {
+    let mut scene = Scene::gentle();
+    scene.track.lines = 4;
+    scene.track.spacing_m = 8.0;
+    let mound = |east_m, north_m, height_m| Mound {
+        east_m,
+        north_m,
+        radius_m: 1.4,
+        height_m,
+    };
+    scene.bed.mounds = vec![
+        mound(-9.0, 0.4, 0.4),
+        mound(1.0, -0.3, -0.4),
+        mound(8.0, 7.8, 0.4),
+        mound(-4.0, -8.2, -0.4),
+    ];
+    let pond = Mission::new(&scene, 51);
+    let map = |swath| {
+        let settings = SurfaceSettings {
+            cell_m: Some(0.4),
+            swath,
+            ..SurfaceSettings::default()
+        };
+        pond.known.map(&pond.products, &settings)
+    };
+    let [plain, shaded] = [SwathDepth::Off, SwathDepth::Shaded].map(map);
+    let errors = |map| {
+        let errors = pond.known.map_errors(map, &plain).into_iter();
+        errors
+            .filter(|one| one.away_m > 1.0)
+            .collect::<Vec<MapError>>()
+    };
+    let rms_m = |map| {
+        let mut errors: Vec<f64> = errors(map).iter().map(|one| one.error_m).collect();
+        Residuals::of(&mut errors).expect("cells").rms_m
+    };
+    let left = rms_m(&shaded) / rms_m(&plain);
+    assert!(left < 0.8, "{left}");
+    let stated = errors(&shaded).into_iter();
+    let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
+    let within = ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
+    assert!(within > 0.8, "{within}");
 }
 
 #[test]
