@@ -50,10 +50,6 @@ pub struct Correction {
     pub nodes: Nodes,
     /// What is added to the depth, metres.
     pub added_m: Vec<f64>,
-    /// Pieces that it was found from, in the last round.
-    pub pieces: usize,
-    /// Their places, east and north, metres.
-    pub places: Vec<[f64; 2]>,
 }
 
 impl Correction {
@@ -145,7 +141,6 @@ pub fn correction(
         nodes,
     };
     let mut state = State::new(&nodes, tiles.len());
-    let mut places = Vec::new();
     progress.start((ROUNDS * SOLUTIONS * tiles.len()) as u64);
     for round in 0..ROUNDS {
         let (found, steps) = given.readings(round, &state, progress)?;
@@ -155,7 +150,6 @@ pub fn correction(
         if !state.solve(&given, &tiles, &found, &steps, progress)? {
             return Ok(Err(Kept::NotSolved));
         }
-        places = found.iter().map(|reading| reading.piece.place_m).collect();
     }
     let shrunk = |(correction_m, sd_m): (&f64, &f64)| {
         let squared = correction_m * correction_m;
@@ -169,8 +163,6 @@ pub fn correction(
             .zip(&state.sd_m)
             .map(shrunk)
             .collect(),
-        pieces: places.len(),
-        places,
     }))
 }
 
