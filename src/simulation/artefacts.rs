@@ -43,6 +43,8 @@ pub struct Fish {
 
 /// Length of the stretch with a gain drop, metres.
 const GAIN_DROP_M: f64 = 10.0;
+/// Time over which the fixes wander, seconds.
+const DRIFT_S: f64 = 30.0;
 /// Longest row of pings that a dropout takes.
 const LONGEST_DROPOUT: u64 = 5;
 /// Longest row of pings that show a fish. In the real river recording, echoes in the water column are up to a dozen
@@ -65,6 +67,7 @@ pub struct Plan<'a> {
     seed: u64,
     wander: Field,
     swing: Field,
+    drift: Field,
     /// Metres along the way at which the gain drop starts.
     gain_drop_m: f64,
     /// Shares of the way between which the range is changed.
@@ -83,10 +86,20 @@ impl<'a> Plan<'a> {
             seed,
             wander: Field::new(seed, Purpose::Wander, 12.0),
             swing: Field::new(seed, Purpose::Roll, 6.0),
+            drift: Field::new(seed, Purpose::Position, DRIFT_S),
             gain_drop_m: random.between(0.1, 0.9) * length_m,
             range_change: [change, change + 0.2],
             length_m,
         }
+    }
+
+    /// How far a fix is off at a time, metres east and north.
+    pub fn position_error_m(&self, time_s: f64) -> [f64; 2] {
+        // Two rows of the field that have nothing in common.
+        [0.0, 100.0 * DRIFT_S].map(|row| {
+            let since_first = self.drift.at(time_s, row) - self.drift.at(0.0, row);
+            self.scene.artefacts.position_m * since_first
+        })
     }
 
     /// What is wrong with a ping at a time and a place along the way.

@@ -75,6 +75,8 @@ pub struct Bed {
     patches: Field,
     /// Spread of the patches' natural logarithm.
     patch_spread: f64,
+    /// Power of the cosine that the ground scatters by.
+    pub scatter_power: f64,
     terrace: Option<Terrace>,
     /// Half extents and rise over run of the bank.
     bank: Option<[f64; 3]>,
@@ -129,7 +131,8 @@ impl Bed {
             // A log-normal texture with the variance 1 / shape of the gamma distribution of mean 1.
             texture_spread: super::arithmetic::ln(1.0 + 1.0 / character.texture_shape).sqrt(),
             patches: Field::new(seed, Purpose::Patches, PATCHES.0),
-            patch_spread: PATCHES.1,
+            patch_spread: settings.patch_factor * PATCHES.1,
+            scatter_power: settings.scatter_power,
             terrace: settings.terrace.clone(),
             bank: settings.bank.as_ref().map(Bank::shape),
         }
@@ -146,6 +149,7 @@ impl Bed {
             mounds: Vec::new(),
             texture_spread: 0.0,
             patch_spread: 0.0,
+            scatter_power: settings.scatter_power,
             ..Self::new(settings, 0)
         }
     }

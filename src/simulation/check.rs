@@ -54,6 +54,8 @@ impl Scene {
                 360.0,
             )?;
         }
+        within("bed.scatter_power", bed.scatter_power, 0.0, 20.0)?;
+        within("bed.patch_factor", bed.patch_factor, 0.0, 10.0)?;
         few("mounds", bed.mounds.len())?;
         for mound in &bed.mounds {
             all_within(&[
@@ -159,6 +161,12 @@ impl Scene {
             ("recorder.bottom_byte", recorder.bottom_byte, 1.0, 255.0),
             ("recorder.bytes_per_db", recorder.bytes_per_db, 0.1, 50.0),
             (
+                "recorder.smoothing_samples",
+                recorder.smoothing_samples,
+                0.0,
+                20.0,
+            ),
+            (
                 "recorder.sonar_samples",
                 recorder.sonar_samples.into(),
                 16.0,
@@ -202,6 +210,7 @@ impl Scene {
                 -10.0,
                 10.0,
             ),
+            ("artefacts.position_m", artefacts.position_m, 0.0, 100.0),
             ("artefacts.dropouts", artefacts.dropouts, 0.0, 0.5),
             ("artefacts.range_change", artefacts.range_change, 0.25, 4.0),
             ("artefacts.surface_m", artefacts.surface_m, 0.0, 100.0),

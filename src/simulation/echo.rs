@@ -154,7 +154,10 @@ impl Listener<'_> {
             // The slope's normal is (-across, -along, 1) / stretch; its product with the direction is cos th.
             let stretch = (1.0 + across * across + along * along).sqrt();
             let facing = (d - y * across).max(0.0) / stretch;
-            let sigma = backscatter(facing * facing / (y * y + d * d));
+            let sigma = backscatter(
+                facing * facing / (y * y + d * d),
+                self.world.bed.scatter_power,
+            );
             let gain = 0.5 * (ground.gain[j - 1] + ground.gain[j]);
             let amount = sigma * ground.strength[j] * gain * weight * step * stretch * visible;
             let range = |y: f64, d: f64| (y * y + d * d).sqrt();

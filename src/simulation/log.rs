@@ -19,7 +19,10 @@ impl Run<'_> {
     fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
         let rate = self.scene.track.fix_rate_hz;
         let number = (time_s * rate + 1e-6).floor();
-        let pose = self.pose_at(number / rate);
+        let mut pose = self.pose_at(number / rate);
+        let [off_east_m, off_north_m] = self.plan.position_error_m(number / rate);
+        pose.east_m += off_east_m;
+        pose.north_m += off_north_m;
         let mut random = Random::new(self.seed, Purpose::Fix, number as u64);
         let [course_noise, compass_noise] = random.normal_pair();
         let speed_noise = random.normal();

@@ -31,6 +31,7 @@ pub enum Purpose {
     Ripples,
     Shoal,
     Training,
+    Position,
 }
 
 /// SplitMix64 (Steele, Lea and Flood 2014): small, fast, and good enough for pictures.

@@ -187,6 +187,8 @@ impl<'a> Receiver<'a> {
         let deviation = match self.scene.recorder.curve {
             Curve::Decibel => 5.57 * self.scene.recorder.bytes_per_db,
             Curve::Amplitude => 0.463 * level,
+            // Of the root of a Rayleigh amplitude.
+            Curve::Root => 0.254 * level,
         };
         deviation.max(1.0)
     }
@@ -208,7 +210,7 @@ impl<'a> Receiver<'a> {
             self.add_glints(&mut power, random);
         }
         let speckle = self.speckle(random);
-        let mut bytes: Vec<u8> = (0..self.samples)
+        let levels: Vec<f64> = (0..self.samples)
             .map(|i| {
                 let echo = (power[i] + self.noise[i]) * speckle[i];
                 // The transducer rings much alike from ping to ping: a quarter of it fades.
@@ -217,13 +219,32 @@ impl<'a> Receiver<'a> {
                 let limited = self
                     .byte(total)
                     .min(f64::from(self.scene.recorder.echo_ceiling));
-                limited.max(self.byte(ringing)).clamp(0.0, 255.0) as u8
+                limited.max(self.byte(ringing)).clamp(0.0, 255.0)
             })
+            .collect();
+        let mut bytes: Vec<u8> = (self.smoothed(levels).into_iter())
+            .map(|level| level as u8)
             .collect();
         if trouble.interference {
             self.interfere(&mut bytes, random);
         }
         bytes
+    }
+
+    /// Levels as a recorder writes them that smooths them.
+    fn smoothed(&self, levels: Vec<f64>) -> Vec<f64> {
+        let deviation = self.scene.recorder.smoothing_samples;
+        if deviation == 0.0 {
+            return levels;
+        }
+        let window = pulse(deviation);
+        let half = window.len() / 2;
+        let at = |i: usize| {
+            let taps = window.iter().enumerate();
+            taps.map(|(k, tap)| tap * levels[(i + k).saturating_sub(half).min(levels.len() - 1)])
+                .sum()
+        };
+        (0..levels.len()).map(at).collect()
     }
 
     /// The second echo of the bottom, after another way to the surface and back: later and weaker. Only the ground under the boat
@@ -307,6 +328,7 @@ impl<'a> Receiver<'a> {
                 recorder.bottom_byte + recorder.bytes_per_db * to_db(power / self.reference)
             }
             Curve::Amplitude => recorder.bottom_byte * (power / self.reference).sqrt(),
+            Curve::Root => recorder.bottom_byte * (power / self.reference).sqrt().sqrt(),
         }
     }
 }

@@ -74,6 +74,10 @@ pub struct BedSettings {
     pub pits: Vec<Pit>,
     /// Mounds and hollows.
     pub mounds: Vec<Mound>,
+    /// Power of the cosine that the ground scatters by, of the angle from its normal: 2 is Lambert's law.
+    pub scatter_power: f64,
+    /// Factor on how much patches of finer and coarser sediment differ: 1 as a rule (2 dB), 0 for ground of one kind.
+    pub patch_factor: f64,
 }
 
 /// How a recorder turns power into bytes.
@@ -85,6 +89,8 @@ pub enum Curve {
     Decibel,
     /// In proportion to the amplitude: dark ground, glaring echoes.
     Amplitude,
+    /// In proportion to the root of the amplitude: between the two.
+    Root,
 }
 
 /// A level rectangle in the ground.
@@ -181,6 +187,8 @@ pub struct RecorderSettings {
     pub bytes_per_db: f64,
     /// How power becomes bytes; `bytes_per_db` counts for decibels only.
     pub curve: Curve,
+    /// Standard deviation of the window that levels are smoothed with along the ping before they are written, samples; 0 for none.
+    pub smoothing_samples: f64,
     /// Largest byte that an echo gets; ring-down may exceed it. The published recordings stay below 127.
     pub echo_ceiling: u8,
     /// Samples in a frame of the primary and the down-scan channel.
@@ -220,6 +228,8 @@ pub struct Artefacts {
     pub depth_scale: f64,
     /// Added to the recorded depth, metres: a draft or keel offset that the log does not state.
     pub depth_offset_m: f64,
+    /// Slow wander of the fixes, metres east and north (standard deviation each): what satellites leave. It is counted from the first fix.
+    pub position_m: f64,
     /// Share of pings that are missing in the log.
     pub dropouts: f64,
     /// Factor on the recorded range along a fifth of the track; 1 for none.
@@ -295,6 +305,8 @@ impl Default for BedSettings {
             ripples: None,
             pits: Vec::new(),
             mounds: Vec::new(),
+            scatter_power: 2.0,
+            patch_factor: 1.0,
         }
     }
 }
@@ -335,6 +347,7 @@ impl Default for RecorderSettings {
             bottom_byte: 105.0,
             bytes_per_db: 2.6,
             curve: Curve::Decibel,
+            smoothing_samples: 0.0,
             echo_ceiling: 120,
             sonar_samples: 400,
             sonar_every: 2,
@@ -358,6 +371,7 @@ impl Default for Artefacts {
             depth_noise_m: 0.03,
             depth_scale: 1.0,
             depth_offset_m: 0.0,
+            position_m: 0.0,
             dropouts: 0.005,
             range_change: 1.25,
             surface_m: 0.0,
@@ -382,6 +396,7 @@ impl Artefacts {
             depth_noise_m: 0.0,
             depth_scale: 1.0,
             depth_offset_m: 0.0,
+            position_m: 0.0,
             dropouts: 0.0,
             range_change: 1.0,
             surface_m: 0.0,

@@ -99,6 +99,13 @@ impl Simulated {
         let [east, north] = self.scene_frame.to_enu(position);
         self.world.depth_m(east, north)
     }
+
+    /// True factor on how strongly the ground scatters at a place in the survey's frame, about 1; without objects.
+    pub fn bed_strength(&self, east_m: f64, north_m: f64) -> f64 {
+        let position = self.frame.to_lon_lat(east_m, north_m);
+        let [east, north] = self.scene_frame.to_enu(position);
+        self.world.bed.strength(east, north)
+    }
 }
 
 /// Everything that pings share.
@@ -106,7 +113,7 @@ pub struct Run<'a> {
     pub scene: &'a Scene,
     pub seed: u64,
     path: Path,
-    plan: Plan<'a>,
+    pub plan: Plan<'a>,
     pub world: World,
     shoals: Vec<Fishes>,
     pub scene_frame: LocalFrame,

@@ -1,6 +1,6 @@
 //! The ground with all that lies and grows on it.
 
-use super::arithmetic::exp;
+use super::arithmetic::{exp, ln};
 use super::bed::Bed;
 use super::objects::Placed;
 use super::path::Pose;
@@ -51,9 +51,9 @@ impl World {
 }
 
 /// Scattering per unit of area at an angle of incidence `th` given by the square of its cosine: Lambert's law with
-/// Mackenzie's -27 dB, and near-normal facets that slope by 7 degrees,
-/// `10^-2.7 cos^2 th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
-pub fn backscatter(cos_squared: f64) -> f64 {
+/// Mackenzie's -27 dB where `power` is 2, and near-normal facets that slope by 7 degrees,
+/// `10^-2.7 cos^power th + 10^-1.2 exp(-tan^2 th / (2 tan^2 7 deg))`.
+pub fn backscatter(cos_squared: f64, power: f64) -> f64 {
     const LAMBERT: f64 = 1.995_262_3e-3;
     const NORMAL: f64 = 6.309_573_4e-2;
     /// 2 tan^2(7 degrees).
@@ -68,5 +68,10 @@ pub fn backscatter(cos_squared: f64) -> f64 {
     } else {
         0.0
     };
-    LAMBERT * cos_squared + normal
+    let facing = if power == 2.0 {
+        cos_squared
+    } else {
+        exp(0.5 * power * ln(cos_squared))
+    };
+    LAMBERT * facing + normal
 }

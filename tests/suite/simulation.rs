@@ -412,3 +412,77 @@ fn cancelled_simulation_stops() {
         Err(Cancelled)
     ));
 }
+
+/// Mean and standard deviation of the starboard bytes of the even ground between two slant ranges.
+fn spread_of_bytes(scene: &Scene, span_m: [f64; 2]) -> [f64; 2] {
+    let survey = open(&run(scene, 1));
+    let mut bytes = Vec::new();
+    for ping in 0..survey.side_scan.len() {
+        let scale = survey.side_scan[ping]
+            .side(Side::Starboard)
+            .expect("a side");
+        let samples = survey.samples(ping, Side::Starboard).expect("samples");
+        let [first, last] = span_m.map(|range_m| scale.sample_at(range_m) as usize);
+        bytes.extend((first..last).map(|index| f64::from(samples.get(index))));
+    }
+    let mean = bytes.iter().sum::<f64>() / bytes.len() as f64;
+    let squares: f64 = bytes.iter().map(|byte| (byte - mean).powi(2)).sum();
+    [mean, (squares / bytes.len() as f64).sqrt()]
+}
+
+#[test]
+fn a_recorder_that_smooths_shows_less_speckle_and_the_same_mean() {
+    let mut scene = level_scene();
+    scene.recorder.echo_ceiling = 255;
+    let [mean, sd] = spread_of_bytes(&scene, [3.5, 5.0]);
+    scene.recorder.smoothing_samples = 3.0;
+    let [smooth_mean, smooth_sd] = spread_of_bytes(&scene, [3.5, 5.0]);
+    assert!((mean - smooth_mean).abs() < 0.5, "{mean} {smooth_mean}");
+    // Grains of 2.5 samples under a window of some ten.
+    assert!((0.3..0.7).contains(&(smooth_sd / sd)), "{sd} {smooth_sd}");
+}
+
+#[test]
+fn a_bed_that_scatters_by_a_higher_power_is_darker_where_it_is_seen_flatly() {
+    let level_db = |power: f64, span_m: [f64; 2]| {
+        let mut scene = level_scene();
+        scene.recorder.echo_ceiling = 255;
+        scene.artefacts.ring_down = 0.0;
+        scene.recorder.electronic_noise = 0.0;
+        scene.recorder.volume_noise = 0.0;
+        scene.bed.scatter_power = power;
+        spread_of_bytes(&scene, span_m)[0] / scene.recorder.bytes_per_db
+    };
+    // At 3.54 and 5 m the cosines are 0.71 and 0.5: cos^2 more takes 3 dB from the first and 6 from the second.
+    let [near_db, far_db] =
+        [[3.49, 3.59], [4.9, 5.1]].map(|span_m| level_db(2.0, span_m) - level_db(4.0, span_m));
+    assert!((far_db - near_db - 3.0).abs() < 0.5, "{near_db} {far_db}");
+}
+
+#[test]
+fn fixes_wander_from_the_first_on() {
+    let mut scene = Scene::gentle();
+    scene.artefacts = Artefacts {
+        position_m: 2.0,
+        ..Artefacts::none()
+    };
+    let simulated = run(&scene, 1);
+    let survey = open(&simulated);
+    let boat_at = |time_s: f64| {
+        let ping = simulated.pings.partition_point(|ping| ping.time_s < time_s);
+        simulated.pings.get(ping)
+    };
+    let off_m: Vec<f64> = survey
+        .track
+        .fixes
+        .iter()
+        .filter_map(|fix| {
+            let [east_m, north_m] = survey.track.frame.to_enu(fix.position);
+            let truth = boat_at(fix.time_s)?;
+            Some((east_m - truth.east_m).hypot(north_m - truth.north_m))
+        })
+        .collect();
+    let usual_m = off_m.iter().sum::<f64>() / off_m.len() as f64;
+    assert!(off_m[0] < 1.0, "{}", off_m[0]);
+    assert!((1.0..6.0).contains(&usual_m), "{usual_m}");
+}

@@ -39,6 +39,7 @@ pub fn bed(random: &mut Random, depth_m: f64, range_m: f64) -> BedSettings {
         ripples,
         pits: Vec::new(),
         mounds: Vec::new(),
+        ..BedSettings::default()
     }
 }
 
@@ -111,7 +112,10 @@ fn faint_echo(recorder: &RecorderSettings, range_m: f64, depth_m: f64) -> f64 {
     let gain = beam.two_way_gain(atan(across_m / depth_m));
     let sample_m = recorder.range_m / f64::from(recorder.samples_per_side);
     let spread = beam.azimuth_rad * sample_m / (range_m * range_m * range_m);
-    backscatter(sine * sine) * gain * spread * absorption(recorder.absorption_db_per_km, range_m)
+    backscatter(sine * sine, 2.0)
+        * gain
+        * spread
+        * absorption(recorder.absorption_db_per_km, range_m)
 }
 
 /// What goes wrong, each in some of the surveys.
