@@ -90,7 +90,7 @@ actions! {
     SideView, "3D: from the south", Some("8"), "Looks at the cloud from the side.";
     NextCloudColour, "3D: next colours", Some("Shift+C"), "Colours the points by side, depth, echo level, slant range, and by log where there are several.";
     Bottom3d, "3D: bottom on or off", Some("Shift+V"), "Shows or hides the depth map as a lit body in 3D.";
-    NextBottomColour, "3D: next colours of the bottom", Some("Shift+M"), "Colours the bottom in 3D by depth, by the mosaic, by uncertainty, and by the distance to the nearest depth.";
+    NextBottomColour, "3D: next colours of the bottom", Some("Shift+M"), "Colours the bottom in 3D by depth, by the mosaic, by uncertainty, by the distance to the nearest depth, by what depths rest on, and by hardness.";
     BottomIsobaths, "3D: isobaths on or off", None, "Shows or hides lines of equal depth on the bottom in 3D.";
     TurnLight, "3D: turn the light", Some("Shift+L"), "Lets the light on the bottom come from an eighth of a turn farther clockwise.";
     Points3d, "3D: points on or off", Some("Shift+P"), "Shows or hides the points in 3D.";

@@ -11,21 +11,29 @@ pub enum CellSource {
     None = 0,
     /// No depth was measured in it: it lies between depths that were.
     Interpolated = 1,
+    /// None was measured in it, but the brightness of its echoes told how it slopes: inferred, not measured.
+    Shaded = 2,
     /// A first return of the side-scan lies in it, and no sounding.
-    FirstReturn = 2,
+    FirstReturn = 3,
     /// A sounding of the recorder, or of a reference, lies in it.
-    Sounding = 3,
+    Sounding = 4,
 }
 
 impl CellSource {
     /// Those that a depth can have.
-    pub const KNOWN: [Self; 3] = [Self::Sounding, Self::FirstReturn, Self::Interpolated];
+    pub const KNOWN: [Self; 4] = [
+        Self::Sounding,
+        Self::FirstReturn,
+        Self::Shaded,
+        Self::Interpolated,
+    ];
 
     /// A word or two for legends and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "unknown",
             Self::Interpolated => "interpolated",
+            Self::Shaded => "shaded",
             Self::FirstReturn => "first return",
             Self::Sounding => "sounding",
         }

@@ -14,6 +14,7 @@ impl Surface {
             spread_m: means(&self.spread_m),
             distance_m: means(&self.distance_m),
             source: best(&self.grid, &self.source, &grid, times),
+            hardness_db: self.hardness_db.as_deref().map(means),
             grid,
             method: self.method,
             shading: self.shading,

@@ -174,6 +174,9 @@ pub struct Surface {
     pub distance_m: Vec<f32>,
     /// What the depth of each cell rests on.
     pub source: Vec<CellSource>,
+    /// How much brighter the bed of each cell is than that of the median cell, decibels of power, once slope, angle, range and the
+    /// recorder's gain are taken out: hard ground is bright; NaN where no echo says. `None` without shading.
+    pub hardness_db: Option<Vec<f32>>,
 }
 
 impl Surface {
@@ -187,6 +190,7 @@ impl Surface {
             spread_m: vec![0.0; depth_m.len()],
             distance_m: vec![0.0; depth_m.len()],
             source: vec![CellSource::Sounding; depth_m.len()],
+            hardness_db: None,
             depth_m,
         }
     }
@@ -219,8 +223,8 @@ impl Surface {
             .then(|| [0.5, 0.9].map(|share| quantile(&sigmas_m, share)))
     }
 
-    /// The shares of the known cells that hold a sounding, that hold a first return alone, and that are interpolated.
-    pub fn source_shares(&self) -> [f64; 3] {
+    /// The shares of the known cells of each source, in the order of [`CellSource::KNOWN`].
+    pub fn source_shares(&self) -> [f64; 4] {
         let of = |source| self.source.iter().filter(|one| **one == source).count() as f64;
         let counts = CellSource::KNOWN.map(of);
         let all: f64 = counts.iter().sum();
@@ -357,6 +361,7 @@ impl Field {
             spread_m: unknown(),
             distance_m: unknown(),
             source: Vec::new(),
+            hardness_db: None,
         };
         progress.start(grid.rows as u64);
         let columns = grid.columns.max(1);

@@ -104,6 +104,8 @@ enum ShownBottom {
     Distance,
     /// What the depth rests on: a sounding, a first return, or depths around
     Source,
+    /// How bright the bed is by itself (with surface.swath)
+    Hardness,
     /// No bottom: the points alone
     None,
 }
@@ -116,6 +118,7 @@ impl ShownBottom {
             Self::Uncertainty => Some(BottomColour::Uncertainty),
             Self::Distance => Some(BottomColour::Distance),
             Self::Source => Some(BottomColour::Source),
+            Self::Hardness => Some(BottomColour::Hardness),
             Self::None => None,
         }
     }

@@ -186,16 +186,11 @@ fn figures(from: &ReportData<'_>) -> Vec<(String, &'static str)> {
             (area(cell_m2 * known.len() as f64), "mapped"),
             (volume(cell_m2 * sum_m), "water above the mapped bottom"),
         ]);
-        let [sounding, first_return, interpolated] = surface.source_shares();
-        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        let shares = surface.source_shares();
+        let shares = shares.map(|share| format!("{:.0} %", 100.0 * share));
         figures.push((
-            format!(
-                "{}, {}, {}",
-                percent(sounding),
-                percent(first_return),
-                percent(interpolated)
-            ),
-            "of the mapped bottom in cells with a sounding, in cells with a first return alone, and interpolated between them",
+            shares.join(", "),
+            "of the mapped bottom in cells with a sounding, in cells with a first return alone, corrected by shading between them, and interpolated",
         ));
         if let Some([half_m, most_m]) = surface.usual_error_m() {
             figures.push((

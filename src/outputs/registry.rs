@@ -269,7 +269,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 35] = [
+pub const OUTPUT_FILES: [OutputFile; 36] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -377,11 +377,22 @@ pub const OUTPUT_FILES: [OutputFile; 35] = [
     raster(
         "depth/source.tif",
         &["depth/source.qml"],
-        "What the depth of a cell rests on: 3 a sounding, 2 a first return, 1 interpolated",
+        "What the depth of a cell rests on: 4 a sounding, 3 a first return, 2 shaded, 1 interpolated",
         "class",
         "what the depth of a cell rests on",
         Writer::Results(depth::rasters::source),
     ),
+    OutputFile {
+        needs: &[Need::Surface, Need::Hardness],
+        ..raster(
+            "depth/hardness.tif",
+            &["depth/hardness.qml"],
+            "How much brighter the bed is than the median of the map, decibels of power, without slope, angle, range and gain",
+            "hardness_db",
+            "how hard the bed is, decibels (with surface.swath)",
+            Writer::Results(depth::rasters::hardness),
+        )
+    },
     OutputFile {
         when: When::Chosen(Product::Xyz),
         ..raster(

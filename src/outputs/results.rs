@@ -33,6 +33,8 @@ pub enum Need {
     Footprint,
     /// Depths that span a surface.
     Surface,
+    /// Depths corrected by shading, which tells how bright the bed is.
+    Hardness,
     /// Levels for isobaths that are not too many.
     Levels,
     /// A line of equal depth.
@@ -137,6 +139,7 @@ impl<'a> Results<'a> {
             Need::Surface if self.surface()?.is_none() => told(
                 "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
             ),
+            Need::Hardness if !self.surface()?.is_some_and(|s| s.hardness_db.is_some()) => silent(),
             Need::Levels => match self.contours()? {
                 Err(why) => told(why),
                 Ok(_) => None,
@@ -160,6 +163,7 @@ impl<'a> Results<'a> {
             | Need::Track
             | Need::Footprint
             | Need::Surface
+            | Need::Hardness
             | Need::Agreement
             | Need::SideScan
             | Need::Reference => None,

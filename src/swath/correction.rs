@@ -18,20 +18,24 @@ use crate::survey::Side;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// From one node to the next, metres.
-pub const NODE_M: f64 = 0.5;
-/// Nodes that are solved for together at most: some 40 000 unknowns.
-const MOST_NODES: usize = 16_000;
-/// Nodes along the side of a tile's core, and around it: 39 m and 12 m, so that a tile has at most [`MOST_NODES`].
-const CORE: usize = 78;
-const HALO: usize = 24;
+/// From one node to the next, metres. On simulated ponds 0.5 m find nothing more, in four times the time.
+pub const NODE_M: f64 = 0.8;
+/// Nodes that are solved for together at most: some 20 000 unknowns.
+const MOST_NODES: usize = 8_000;
+/// Nodes along the side of a tile's core, and around it: 58 m and 6.4 m, so that a tile has at most [`MOST_NODES`]. Wider halos change
+/// nothing: the correction hangs together over two metres.
+const CORE: usize = 72;
+const HALO: usize = 8;
 /// Rounds, each with the pieces where the correction so far puts them, and solutions in each.
 const ROUNDS: usize = 2;
-const SOLUTIONS: usize = 5;
-/// Draws of what is unknown of a solution.
-const SAMPLES: usize = 24;
-/// Standard deviation of the correction to begin with, metres.
-const FIRST_SIGMA_M: f64 = 0.1;
+const SOLUTIONS: usize = 2;
+/// Draws of what is unknown of a solution: where the size of the correction is learnt, which averages them over a window, and at the end,
+/// for what is stated of each node.
+const SAMPLES: usize = 8;
+const LAST_SAMPLES: usize = 16;
+/// Standard deviation of the correction to begin with, in usual ones, and at most, metres.
+const FIRST_TIMES: f64 = 4.0;
+const MOST_FIRST_M: f64 = 0.1;
 /// Residuals beyond so many of their own robust standard deviations count less (Huber); that is at least this many of those stated, lest
 /// the few that say something count for nothing where the others fit exactly.
 const HUBER: f64 = 2.0;
@@ -50,12 +54,21 @@ pub struct Correction {
     pub nodes: Nodes,
     /// What is added to the depth, metres.
     pub added_m: Vec<f64>,
+    /// Natural logarithm of the bed's own brightness at the nodes, over an unknown one.
+    pub ln_brightness: Vec<f64>,
+    /// Where a piece of echoes lies next to the node.
+    pub is_seen: Vec<bool>,
 }
 
 impl Correction {
     /// What is added to the depth at a place, metres.
     pub fn at(&self, place: [f64; 2]) -> f64 {
         self.nodes.value_at(&self.added_m, place)
+    }
+
+    /// Whether echoes say something of a place.
+    pub fn sees(&self, place: [f64; 2]) -> bool {
+        self.is_seen[self.nodes.nearest(place)]
     }
 }
 
@@ -76,6 +89,7 @@ struct State {
     correction_m: Vec<f64>,
     sd_m: Vec<f64>,
     sigma_m: Vec<f64>,
+    ln_brightness: Vec<f64>,
     /// Of each tile, once it was solved.
     curves: Vec<Option<AngleCurves>>,
 }
@@ -87,6 +101,7 @@ struct Solved {
     correction_m: Vec<f64>,
     sd_m: Vec<f64>,
     sigma_m: Vec<f64>,
+    ln_brightness: Vec<f64>,
     /// `None` of a tile without readings.
     curves: Option<AngleCurves>,
 }
@@ -97,6 +112,7 @@ impl Solved {
         Self {
             correction_m: vec![0.0; sigma_m.len()],
             sd_m: vec![0.0; sigma_m.len()],
+            ln_brightness: vec![0.0; sigma_m.len()],
             sigma_m,
             curves: None,
         }
@@ -140,15 +156,21 @@ pub fn correction(
         weed: Weed::of(logs),
         nodes,
     };
-    let mut state = State::new(&nodes, tiles.len());
+    let mut state = State::new(&nodes, tiles.len(), usual_m);
     progress.start((ROUNDS * SOLUTIONS * tiles.len()) as u64);
+    let mut is_seen = vec![false; nodes.len()];
     for round in 0..ROUNDS {
         let (found, steps) = given.readings(round, &state, progress)?;
+        let last_samples = if round + 1 == ROUNDS { LAST_SAMPLES } else { 0 };
         if found.len() < LEAST_PIECES {
             return Ok(Err(Kept::TooFewEchoes));
         }
-        if !state.solve(&given, &tiles, &found, &steps, progress)? {
+        if !state.solve(&given, &tiles, &found, &steps, last_samples, progress)? {
             return Ok(Err(Kept::NotSolved));
+        }
+        is_seen.fill(false);
+        for reading in &found {
+            is_seen[nodes.nearest(reading.piece.place_m)] = true;
         }
     }
     let shrunk = |(correction_m, sd_m): (&f64, &f64)| {
@@ -163,6 +185,8 @@ pub fn correction(
             .zip(&state.sd_m)
             .map(shrunk)
             .collect(),
+        ln_brightness: state.ln_brightness,
+        is_seen,
     }))
 }
 
@@ -195,11 +219,12 @@ impl Given<'_> {
 }
 
 impl State {
-    fn new(nodes: &Nodes, tiles: usize) -> Self {
+    fn new(nodes: &Nodes, tiles: usize, usual_m: f64) -> Self {
         Self {
             correction_m: vec![0.0; nodes.len()],
             sd_m: vec![0.0; nodes.len()],
-            sigma_m: vec![FIRST_SIGMA_M; nodes.len()],
+            ln_brightness: vec![0.0; nodes.len()],
+            sigma_m: vec![(FIRST_TIMES * usual_m).min(MOST_FIRST_M); nodes.len()],
             curves: vec![None; tiles],
         }
     }
@@ -211,6 +236,7 @@ impl State {
         tiles: &[Tile],
         found: &[Reading],
         steps: &BTreeSet<u32>,
+        last_samples: usize,
         progress: &Progress,
     ) -> Result<bool, Cancelled> {
         let solve = |(index, tile): (usize, &Tile)| {
@@ -236,11 +262,19 @@ impl State {
                 before.as_ref(),
                 is_break,
             );
-            solve_tile(system, tile.nodes, sigma_m, given.usual_m, progress)
+            solve_tile(
+                system,
+                tile.nodes,
+                sigma_m,
+                given.usual_m,
+                last_samples,
+                progress,
+            )
         };
         let solved: Result<Vec<Option<Solved>>, Cancelled> =
             tiles.par_iter().enumerate().map(solve).collect();
-        let [mut correction_m, mut sd_m, mut sigma_m] = [0; 3].map(|_| Blend::none(&given.nodes));
+        let [mut correction_m, mut sd_m, mut sigma_m, mut brightness] =
+            [0; 4].map(|_| Blend::none(&given.nodes));
         for ((tile, solved), curves) in tiles.iter().zip(solved?).zip(&mut self.curves) {
             let Some(solved) = solved else {
                 return Ok(false);
@@ -248,10 +282,18 @@ impl State {
             correction_m.add(&given.nodes, tile, &solved.correction_m);
             sd_m.add(&given.nodes, tile, &solved.sd_m);
             sigma_m.add(&given.nodes, tile, &solved.sigma_m);
+            // Gain and brightness are known but for a constant, which each tile finds for itself.
+            if solved.curves.is_some() {
+                brightness.add_level(&given.nodes, tile, &solved.ln_brightness);
+            }
             *curves = solved.curves;
         }
-        [self.correction_m, self.sd_m, self.sigma_m] =
-            [correction_m, sd_m, sigma_m].map(Blend::values);
+        [
+            self.correction_m,
+            self.sd_m,
+            self.sigma_m,
+            self.ln_brightness,
+        ] = [correction_m, sd_m, sigma_m, brightness].map(Blend::values);
         Ok(true)
     }
 }
@@ -265,13 +307,14 @@ fn within(tile: &Tile, found: &[Reading]) -> Vec<Reading> {
     found.iter().filter(counts).copied().collect()
 }
 
-/// Solves a tile a few times: each solution says which readings do not fit, and how large the correction is where. `None` where it has no
-/// solution.
+/// Solves a tile a few times: each solution says which readings do not fit, and how large the correction is where. What is unknown of the
+/// last is told from `last_samples` draws. `None` where it has no solution.
 fn solve_tile(
     mut system: System,
     nodes: Nodes,
     mut sigma_m: Vec<f64>,
     usual_m: f64,
+    last_samples: usize,
     progress: &Progress,
 ) -> Result<Option<Solved>, Cancelled> {
     let Some(pattern) = Pattern::of(&system.equations, system.unknowns) else {
@@ -285,14 +328,17 @@ fn solve_tile(
         };
         progress.check()?;
         let mut normal = Normal::new(solution as u64);
-        let columns = factor.solve(&pattern, &system.equations, SAMPLES, || normal.draw());
+        let is_last = solution + 1 == SOLUTIONS;
+        let samples = if is_last { last_samples } else { SAMPLES };
+        let columns = factor.solve(&pattern, &system.equations, samples, || normal.draw());
         let Some((values, samples)) = columns.split_first() else {
             return Ok(None);
         };
         if values.iter().any(|value| !value.is_finite()) {
             return Ok(None);
         }
-        if solution + 1 < SOLUTIONS {
+        if !is_last {
+            system.doubt_edges(values);
             weigh_anew(&mut system, values);
             let samples: Vec<&[f64]> = samples
                 .iter()
@@ -309,6 +355,7 @@ fn solve_tile(
                 correction_m: values[..nodes.len()].to_vec(),
                 sd_m: (0..nodes.len()).map(sd).collect(),
                 sigma_m: sigma_m.clone(),
+                ln_brightness: system.ln_brightness(values).to_vec(),
                 curves: Some(system.angle_curves(values)),
             });
         }

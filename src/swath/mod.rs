@@ -26,7 +26,7 @@ mod weed;
 pub use correction::Correction;
 pub use echoes::{LogEchoes, PingPlace, SideEchoes};
 
-use crate::bathymetry::{DepthPoint, Shading, Spread, Surface};
+use crate::bathymetry::{CellSource, DepthPoint, Shading, Spread, Surface};
 use crate::progress::{Cancelled, Progress};
 use crate::statistics::median;
 use correction::{NODE_M, correction};
@@ -34,8 +34,8 @@ use ground::Ground;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nodes::Nodes;
 
-/// Tiles of 39 by 39 m that a survey may have: 100 are 15 hectares, and take some minutes.
-const MOST_TILES: usize = 100;
+/// Tiles of 58 by 58 m that a survey may have: 300 are a square kilometre.
+const MOST_TILES: usize = 300;
 /// Share of the correction that its own error is taken for.
 const ERROR_SHARE: f64 = 0.3;
 /// Share of the surface's stated error beyond [`BETWEEN_M`] from soundings that a correction usually has, and its bounds, metres.
@@ -67,7 +67,7 @@ pub enum Kept {
     NoDecibels,
     /// Fewer than 500 pieces of echoes lie on the surface.
     TooFewEchoes,
-    /// It has more than 100 tiles of 39 by 39 m.
+    /// It has more than 300 tiles of 58 by 58 m.
     TooLarge,
     /// The equations have no solution in numbers.
     NotSolved,
@@ -91,7 +91,7 @@ impl Kept {
 /// `hypot(spread, 0.3 |c|)`. `measured` are the depths that the surface was made of. A surface that the echoes cannot support stays as
 /// it is.
 ///
-/// A tile of 16 000 nodes takes some 200 MB, and as many tiles are solved at a time as there are threads.
+/// A tile of 8000 nodes takes some 100 MB, and as many tiles are solved at a time as there are threads.
 ///
 /// # Errors
 /// When the work was cancelled.
@@ -118,19 +118,49 @@ pub fn shade(
         Ok(found) => found,
         Err(kept) => return Ok(Outcome::Kept(kept)),
     };
-    let columns = surface.grid.columns.max(1);
-    let cells = surface
-        .depth_m
-        .iter_mut()
-        .zip(&mut surface.spread_m)
-        .enumerate();
-    for (cell, (depth_m, spread_m)) in cells.filter(|(_, (depth_m, _))| !depth_m.is_nan()) {
-        let added_m = found.at(surface.grid.centre(cell / columns, cell % columns));
-        *depth_m = (f64::from(*depth_m) + added_m) as f32;
-        *spread_m = f64::from(*spread_m).hypot(ERROR_SHARE * added_m) as f32;
-    }
+    add(&found, surface);
+    surface.hardness_db = Some(hardness_db(&found, surface));
     surface.shading = Shading::Corrected;
     Ok(Outcome::Shaded(found))
+}
+
+/// Adds a correction to the depths of a surface, and says which of them rest on it.
+fn add(found: &Correction, surface: &mut Surface) {
+    let columns = surface.grid.columns.max(1);
+    let depths = surface.depth_m.iter_mut().zip(&mut surface.spread_m);
+    let cells = depths.zip(&mut surface.source).enumerate();
+    for (cell, ((depth_m, spread_m), source)) in cells {
+        if depth_m.is_nan() {
+            continue;
+        }
+        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let added_m = found.at(centre);
+        *depth_m = (f64::from(*depth_m) + added_m) as f32;
+        *spread_m = f64::from(*spread_m).hypot(ERROR_SHARE * added_m) as f32;
+        if *source == CellSource::Interpolated && found.sees(centre) {
+            *source = CellSource::Shaded;
+        }
+    }
+}
+
+/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median.
+fn hardness_db(found: &Correction, surface: &Surface) -> Vec<f32> {
+    let columns = surface.grid.columns.max(1);
+    let of_cell = |(cell, depth_m): (usize, &f32)| {
+        let centre = surface.grid.centre(cell / columns, cell % columns);
+        let is_known = !depth_m.is_nan() && found.sees(centre);
+        let ln = is_known.then(|| found.nodes.value_at(&found.ln_brightness, centre));
+        ln.map_or(f64::NAN, |ln| 10.0 * ln / std::f64::consts::LN_10)
+    };
+    let cells_db: Vec<f64> = surface.depth_m.iter().enumerate().map(of_cell).collect();
+    let known = cells_db.iter().copied().filter(|value| !value.is_nan());
+    let mut known: Vec<f64> = known.collect();
+    if known.is_empty() {
+        return vec![f32::NAN; cells_db.len()];
+    }
+    let usual_db = median(&mut known);
+    let over = |value: f64| (value - usual_db) as f32;
+    cells_db.into_iter().map(over).collect()
 }
 
 /// The size that a correction usually has: a share of the median stated error between the lines, metres.

@@ -3,7 +3,7 @@
 use crate::bathymetry::Grid;
 
 /// Nodes beside its core over which a tile fades into the next.
-const BLEND: usize = 12;
+const BLEND: usize = 6;
 
 /// Nodes in rows from south to north, each from west to east.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,10 +56,27 @@ impl Blend {
         }
     }
 
-    /// The values at all nodes; every node lies in the core of a tile.
+    /// Adds the values of a tile that are known but for a constant: of the mean of what other tiles say where they overlap.
+    pub fn add_level(&mut self, all: &Nodes, tile: &Tile, values: &[f64]) {
+        let (mut apart, mut weights) = (0.0, 0.0);
+        for (node, value) in values.iter().enumerate() {
+            let place = tile.index_in(all, node);
+            let weight = tile.weight(node) * self.weights[place];
+            if weight > 0.0 {
+                apart += weight * (self.sums[place] / self.weights[place] - value);
+                weights += weight;
+            }
+        }
+        let constant = if weights > 0.0 { apart / weights } else { 0.0 };
+        let level: Vec<f64> = values.iter().map(|value| value + constant).collect();
+        self.add(all, tile, &level);
+    }
+
+    /// The values at all nodes; 0 where no tile was added.
     pub fn values(self) -> Vec<f64> {
         let both = self.sums.into_iter().zip(self.weights);
-        both.map(|(sum, weight)| sum / weight).collect()
+        let value = |(sum, weight)| if weight > 0.0 { sum / weight } else { 0.0 };
+        both.map(value).collect()
     }
 }
 

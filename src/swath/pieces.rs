@@ -1,4 +1,4 @@
-//! The echoes in pieces of a few pings by half a metre of ground: the median level of each, and where on the ground it lies.
+//! The echoes in pieces of a few pings by three quarters of a metre of ground: the median level of each, and where on the ground it lies.
 
 use super::echoes::{LogEchoes, PingPlace};
 use super::ground::Ground;
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Ground range of a piece, metres.
-pub const PIECE_M: f64 = 0.5;
+pub const PIECE_M: f64 = 0.75;
 /// Pings of a piece.
 const PIECE_PINGS: usize = 4;
 /// Ranges that differ by less than this share count as one setting of the recorder.
@@ -38,7 +38,7 @@ const BINS: usize = (REACH_M[1] / PIECE_M) as usize;
 /// Least altitude over the ground that a slant range is turned into an angle by, metres.
 const LEAST_ALTITUDE_M: f64 = 0.1;
 
-/// The median level of a few pings over half a metre of ground on one side.
+/// The median level of a few pings over three quarters of a metre of ground on one side.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     /// Which log it is of.
@@ -300,23 +300,34 @@ struct OnGround {
 
 /// Slant range of the ground across the track, at even steps of ground range: never falling, for of two places at one range the nearer
 /// one comes first.
-struct Ray(Vec<f64>);
+struct Ray(Vec<Step>);
+
+/// Where a ray is at a step: slant range, metres, and angle from straight down, radians.
+#[derive(Clone, Copy)]
+struct Step {
+    range_m: f64,
+    phi_rad: f64,
+}
 
 impl Ray {
     fn new(place: &PingPlace, outward: [f64; 2], ground: &Ground) -> Self {
         let mut most_m: f64 = 0.0;
         let steps = (REACH_M[1] / RAY_STEP_M).round() as usize;
         let flattest = FLATTEST_DEG.to_radians().tan();
-        let ranges_m = (0..=steps).map_while(|step| {
+        let along = (0..=steps).map_while(|step| {
             let ground_m = step as f64 * RAY_STEP_M;
             let at = [0, 1].map(|axis| place.place_m[axis] + ground_m * outward[axis]);
             let altitude_m = ground.depth_at(at) - place.transducer_m;
             most_m = most_m.max(ground_m.hypot(altitude_m));
             // Strictly growing, so that each range has one place.
             let range_m = most_m + 1e-9 * step as f64;
-            (altitude_m > LEAST_ALTITUDE_M && ground_m < flattest * altitude_m).then_some(range_m)
+            let goes_on = altitude_m > LEAST_ALTITUDE_M && ground_m < flattest * altitude_m;
+            goes_on.then(|| Step {
+                range_m,
+                phi_rad: (ground_m / range_m).asin(),
+            })
         });
-        Self(ranges_m.collect())
+        Self(along.collect())
     }
 
     /// The samples between the ends of the reach, nearest first.
@@ -326,21 +337,18 @@ impl Ray {
         let mut step = 0;
         for index in 0..count {
             let range_m = near_m + (index as f64 + 0.5) * step_m;
-            while step + 1 < self.0.len() && self.0[step + 1] < range_m {
+            while step + 1 < self.0.len() && self.0[step + 1].range_m < range_m {
                 step += 1;
             }
-            let Some(&[from_m, to_m]) = self.0.get(step..step + 2) else {
+            let Some(&[from, to]) = self.0.get(step..step + 2) else {
                 break;
             };
-            let share = (range_m - from_m) / (to_m - from_m);
+            let share = (range_m - from.range_m) / (to.range_m - from.range_m);
             let ground_m = (step as f64 + share) * RAY_STEP_M;
             if share < 0.0 || ground_m <= REACH_M[0] {
                 continue;
             }
-            let altitude_m = (range_m * range_m - ground_m * ground_m)
-                .max(LEAST_ALTITUDE_M.powi(2))
-                .sqrt();
-            let phi_rad = ground_m.atan2(altitude_m);
+            let phi_rad = from.phi_rad + share * (to.phi_rad - from.phi_rad);
             if phi_rad < beyond_rad {
                 found.push(OnGround {
                     index,

@@ -1,4 +1,4 @@
-//! From the levels of pieces to logarithms of power: the share of the signal in each, and where the recorder's gain steps.
+//! From the levels of pieces to logarithms of power without the noise in them, and where the recorder's gain steps.
 
 use super::pieces::Piece;
 use super::system::Reading;
@@ -6,40 +6,22 @@ use crate::statistics::median;
 use crate::survey::Side;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Bins of the angle that the level over the noise is found in, degrees.
-const ANGLE_BIN_DEG: f64 = 2.0;
-/// Least level over the noise that is believed, and least share of the signal, in natural logarithms of power.
-const LEAST_OVER_NOISE: f64 = 0.05;
-const LEAST_SIGNAL: f64 = 0.1;
+/// Least level over the noise that is believed, natural logarithm of power.
+const LEAST_OVER_NOISE: f64 = 0.1;
 /// A gain steps where the levels of two chunks differ by more than this from those of the two before, natural logarithm of power.
 const STEP: f64 = 0.5;
 
-/// The pieces with their levels in natural logarithms of power; `scales` has what a step of each log's level is.
+/// The pieces with the bed's levels in natural logarithms of power; `scales` has what a step of each log's level is.
 ///
-/// Noise adds to the echo's power, so that a level near that of the noise says less of the bed: of a level `l` over the noise the bed's
-/// share is `1 - exp(-l)`. The level over the noise is the median at an angle.
+/// Noise adds to the echo's power: of a level `l` over that of the noise the bed's share is `1 - exp(-l)`. It is taken off piece by
+/// piece, for a dark patch has a smaller share than the bright bed beside it; what is left is as much less certain.
 pub fn readings(pieces: &[Piece], scales: &[Option<f64>]) -> Vec<Reading> {
-    let scale = |piece: &Piece| scales.get(piece.log as usize).copied().flatten();
-    let bin = |piece: &Piece| {
-        (
-            piece.log,
-            (piece.phi_rad.to_degrees() / ANGLE_BIN_DEG) as u32,
-        )
-    };
-    let mut over_noise: BTreeMap<(u32, u32), Vec<f64>> = BTreeMap::new();
-    for piece in pieces {
-        if let Some(scale) = scale(piece) {
-            let over = scale * f64::from(piece.level - piece.noise_level);
-            over_noise.entry(bin(piece)).or_default().push(over);
-        }
-    }
-    let medians: BTreeMap<(u32, u32), f64> = over_noise
-        .into_iter()
-        .map(|(bin, mut over)| (bin, median(&mut over)))
-        .collect();
     let reading = |piece: &Piece| {
-        let over_noise = medians.get(&bin(piece))?.max(LEAST_OVER_NOISE);
-        let ln_level = scale(piece)? * f64::from(piece.level);
+        let scale = scales.get(piece.log as usize).copied().flatten()?;
+        let over_noise = scale * f64::from(piece.level - piece.noise_level);
+        let over_noise = over_noise.max(LEAST_OVER_NOISE);
+        let share = 1.0 - (-over_noise).exp();
+        let ln_level = scale * f64::from(piece.noise_level) + over_noise + share.ln();
         let numbers = [
             ln_level,
             piece.slope,
@@ -53,7 +35,7 @@ pub fn readings(pieces: &[Piece], scales: &[Option<f64>]) -> Vec<Reading> {
             .then_some(Reading {
                 piece: *piece,
                 ln_level,
-                signal: (1.0 - (-over_noise).exp()).clamp(LEAST_SIGNAL, 1.0),
+                share,
             })
     };
     pieces.iter().filter_map(reading).collect()
@@ -136,7 +118,7 @@ mod tests {
             .collect();
         let found = readings(&pieces, &[Some(0.09)]);
         assert_eq!(found.len(), pieces.len());
-        assert!(found.iter().all(|reading| reading.signal > 0.9));
+        assert!(found.iter().all(|reading| reading.share > 0.9));
         // 10 steps are 0.9 over both chunks; half of it is seen a chunk before and behind.
         assert_eq!(gain_steps(&found), BTreeSet::from([0, 7]));
         assert!(readings(&pieces, &[None]).is_empty());

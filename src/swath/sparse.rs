@@ -17,14 +17,55 @@ pub struct Equations {
     weights: Vec<f64>,
 }
 
-/// Where the products of all terms go in the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
+/// Where the terms of every unknown lie, the lower triangle of the normal matrix, and the order in which it is factorised: the same as long
 /// as only weights, factors and goals change.
 pub struct Pattern {
     starts: Vec<usize>,
     rows: Vec<usize>,
-    /// The value of the triangle that each product of two terms of an equation is added to, in the order of equations.
-    slots: Vec<u32>,
+    of_unknown: Occurrences,
     symbolic: SymbolicLlt<usize>,
+}
+
+/// The terms of each unknown: the equation of each, and its place among all terms.
+struct Occurrences {
+    starts: Vec<usize>,
+    equations: Vec<u32>,
+    terms: Vec<u32>,
+}
+
+impl Occurrences {
+    fn new(equations: &Equations, unknowns: usize) -> Self {
+        let mut starts = vec![0; unknowns + 1];
+        for unknown in &equations.unknowns {
+            starts[*unknown as usize + 1] += 1;
+        }
+        for unknown in 0..unknowns {
+            starts[unknown + 1] += starts[unknown];
+        }
+        let mut ends = starts.clone();
+        let mut of = vec![0; equations.unknowns.len()];
+        let mut terms = of.clone();
+        for equation in 0..equations.len() {
+            for term in equations.starts[equation]..equations.starts[equation + 1] {
+                let end = &mut ends[equations.unknowns[term] as usize];
+                of[*end] = equation as u32;
+                terms[*end] = term as u32;
+                *end += 1;
+            }
+        }
+        Self {
+            starts,
+            equations: of,
+            terms,
+        }
+    }
+
+    /// Equation and term of each time that an unknown occurs.
+    fn of(&self, unknown: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let range = self.starts[unknown]..self.starts[unknown + 1];
+        let both = self.equations[range.clone()].iter().zip(&self.terms[range]);
+        both.map(|(equation, term)| (*equation as usize, *term as usize))
+    }
 }
 
 /// A factorised normal matrix.
@@ -69,6 +110,10 @@ impl Equations {
         self.weights[equation] = 1.0 / sd;
     }
 
+    fn unknowns_of(&self, equation: usize) -> &[u32] {
+        &self.unknowns[self.starts[equation]..self.starts[equation + 1]]
+    }
+
     fn terms(&self, equation: usize) -> impl Iterator<Item = (usize, f64)> + Clone {
         let range = self.starts[equation]..self.starts[equation + 1];
         let unknowns = self.unknowns[range.clone()]
@@ -100,48 +145,26 @@ impl Equations {
 impl Pattern {
     /// Of some equations of so many unknowns; `None` where their matrix cannot be analysed.
     pub fn of(equations: &Equations, unknowns: usize) -> Option<Self> {
-        // Column in the upper half of a key, row in the lower: sorted keys are the triangle's order.
-        let mut keys: Vec<u64> = (0..unknowns as u64)
-            .map(|unknown| unknown << 32 | unknown)
-            .collect();
-        let each_product = |equation: usize, take: &mut dyn FnMut(u64)| {
-            for (first, _) in equations.terms(equation) {
-                for (second, _) in equations.terms(equation) {
-                    if first >= second {
-                        take((second as u64) << 32 | first as u64);
+        let of_unknown = Occurrences::new(equations, unknowns);
+        let mut starts = vec![0];
+        let mut rows: Vec<usize> = Vec::new();
+        // The last column that a row was found for.
+        let mut seen = vec![usize::MAX; unknowns];
+        for column in 0..unknowns {
+            let first = rows.len();
+            rows.push(column);
+            seen[column] = column;
+            for (equation, _) in of_unknown.of(column) {
+                for row in equations.unknowns_of(equation) {
+                    let row = *row as usize;
+                    if row > column && seen[row] != column {
+                        seen[row] = column;
+                        rows.push(row);
                     }
                 }
             }
-        };
-        for equation in 0..equations.len() {
-            each_product(equation, &mut |key| keys.push(key));
-            // Sorted now and then, so that repeats take no memory.
-            if equation % 4096 == 4095 {
-                keys.sort_unstable();
-                keys.dedup();
-            }
-        }
-        keys.sort_unstable();
-        keys.dedup();
-        let mut starts = vec![0; unknowns + 1];
-        for key in &keys {
-            starts[(key >> 32) as usize + 1] += 1;
-        }
-        for column in 0..unknowns {
-            starts[column + 1] += starts[column];
-        }
-        let rows: Vec<usize> = keys
-            .iter()
-            .map(|key| (key & 0xffff_ffff) as usize)
-            .collect();
-        let mut slots = Vec::new();
-        for equation in 0..equations.len() {
-            each_product(equation, &mut |key| {
-                let column = (key >> 32) as usize;
-                let within = rows[starts[column]..starts[column + 1]]
-                    .binary_search(&((key & 0xffff_ffff) as usize));
-                slots.push((starts[column] + within.unwrap_or(0)) as u32);
-            });
+            rows[first..].sort_unstable();
+            starts.push(rows.len());
         }
         let triangle =
             SymbolicSparseColMatRef::new_checked(unknowns, unknowns, &starts, None, &rows);
@@ -149,7 +172,7 @@ impl Pattern {
         Some(Self {
             starts,
             rows,
-            slots,
+            of_unknown,
             symbolic,
         })
     }
@@ -162,16 +185,21 @@ impl Pattern {
     /// Factorises the normal matrix of the equations; `None` where it is not positive definite.
     pub fn factorise(&self, equations: &Equations) -> Option<Factor> {
         let mut values = vec![0.0; self.rows.len()];
-        let mut slots = self.slots.iter();
-        for equation in 0..equations.len() {
-            let weight = equations.weights[equation].powi(2);
-            for (first, one) in equations.terms(equation) {
-                for (second, other) in equations.terms(equation) {
-                    if first >= second
-                        && let Some(slot) = slots.next()
-                    {
-                        values[*slot as usize] += weight * one * other;
-                    }
+        let mut sums = vec![0.0; self.unknowns()];
+        for column in 0..self.unknowns() {
+            for (equation, term) in self.of_unknown.of(column) {
+                let factor = equations.factors[term] * equations.weights[equation].powi(2);
+                for (row, other) in equations.terms(equation) {
+                    sums[row] += factor * other;
+                }
+            }
+            // Rows above the diagonal were summed, too: a test of each would take longer.
+            for place in self.starts[column]..self.starts[column + 1] {
+                values[place] = sums[self.rows[place]];
+            }
+            for (equation, _) in self.of_unknown.of(column) {
+                for row in equations.unknowns_of(equation) {
+                    sums[*row as usize] = 0.0;
                 }
             }
         }

@@ -5,9 +5,9 @@
 //! range setting and side. A piece at `x` that looks outward along `o` gives, with the level `m` in natural logarithms of power,
 //! `d = (c(x + u o) - c(x - u o)) / 2u` and `F` and `S` of [`AtSlope`] on the surface with the correction `c'` of the round before,
 //!
-//! `-S d + q a(x) + gain + roll s (phi - 45 deg) / 15 deg + g(phi) + h(r) + k c(x) = m - F - S d' + k c'(x)`
+//! `-S d + a(x) + gain + roll s (phi - 45 deg) / 15 deg + g(phi) + h(r) + k c(x) = m - F - S d' + k c'(x)`
 //!
-//! where `q` is the share of the signal in the level, `s` is -1 to port and 1 to starboard, and `k` what the level changes because the
+//! where `s` is -1 to port and 1 to starboard, and `k` what the level changes because the
 //! angle under which a deeper bed is seen is smaller: `k = -g'(phi) / (r sin phi)`.
 
 use super::echo_law::AtSlope;
@@ -20,6 +20,9 @@ use std::collections::BTreeMap;
 
 /// Standard deviation of what the model lacks, natural logarithm of power.
 const SD_MODEL: f64 = 0.35;
+/// How far a piece may lie beside where it is thought to be, metres. Positions are better than that, but what they are off by hangs
+/// together over many pieces.
+const BESIDE_M: f64 = 0.8;
 /// Standard deviation of the correction at a depth that was measured, metres; of several at one node that of their mean.
 const SD_ANCHOR_M: f64 = 0.03;
 /// Standard deviation of the brightness from one node to the next, and of itself: a tight one would forbid patches of several metres.
@@ -52,8 +55,8 @@ pub struct Reading {
     pub piece: Piece,
     /// Its level in natural logarithms of power.
     pub ln_level: f64,
-    /// Share of the signal in it, 0.1 to 1.
-    pub signal: f64,
+    /// The bed's share of the recorded power, 0.1 to 1.
+    pub share: f64,
 }
 
 /// What a round takes over from the one before.
@@ -73,6 +76,8 @@ pub struct System {
     pub unknowns: usize,
     /// Standard deviation of every reading.
     pub reading_sd: Vec<f64>,
+    /// Where every reading lies, east and north, metres.
+    places_m: Vec<[f64; 2]>,
     nodes: Nodes,
     /// The first of the equations that hold the correction together, one a node.
     prior_at: usize,
@@ -148,7 +153,7 @@ impl System {
         let mut equations = Equations::default();
         let reading_sd: Vec<f64> = readings
             .iter()
-            .map(|reading| sd_of(&reading.piece))
+            .map(|reading| sd_of(&reading.piece) / reading.share)
             .collect();
         for (reading, sd) in readings.iter().zip(&reading_sd) {
             add_reading(&mut equations, &nodes, &numbering, reading, before, *sd);
@@ -174,6 +179,7 @@ impl System {
             equations,
             unknowns: numbering.count,
             reading_sd,
+            places_m: readings.iter().map(|one| one.piece.place_m).collect(),
             nodes,
             prior_at,
             angle_curves: numbering.angle_curves,
@@ -186,6 +192,32 @@ impl System {
             let sd = innovation_sd(&self.nodes, *sigma_m);
             self.equations.set_sd(self.prior_at + node, sd);
         }
+    }
+
+    /// Trusts readings less where the brightness of a solution changes fast: a piece that lies a little beside where it is thought to be
+    /// has another brightness there, which must not count as a slope.
+    pub fn doubt_edges(&mut self, solution: &[f64]) {
+        let ln_brightness = self.ln_brightness(solution);
+        let nodes = &self.nodes;
+        let steepness = |place_m: [f64; 2]| {
+            let along = [0, 1].map(|axis| {
+                let at = |steps: f64| {
+                    let mut beside = place_m;
+                    beside[axis] += steps * nodes.step_m;
+                    nodes.value_at(ln_brightness, beside)
+                };
+                (at(1.0) - at(-1.0)) / (2.0 * nodes.step_m)
+            });
+            along[0].hypot(along[1])
+        };
+        for (sd, place_m) in self.reading_sd.iter_mut().zip(&self.places_m) {
+            *sd = sd.hypot(BESIDE_M * steepness(*place_m));
+        }
+    }
+
+    /// The brightness at the nodes out of a solution, natural logarithms.
+    pub fn ln_brightness<'a>(&self, solution: &'a [f64]) -> &'a [f64] {
+        &solution[self.nodes.len()..2 * self.nodes.len()]
     }
 
     /// The curves over the angle out of a solution.
@@ -212,15 +244,17 @@ fn add_reading(
     before: Option<&Before>,
     sd: f64,
 ) {
-    let Reading { piece, signal, .. } = reading;
-    let law = AtSlope::new(piece.phi_rad, piece.slope);
-    let [level_over, per_slope] = [law.ln_over_level, law.per_slope].map(|part| signal * part);
+    let piece = &reading.piece;
+    let AtSlope {
+        ln_over_level,
+        per_slope,
+    } = AtSlope::new(piece.phi_rad, piece.slope);
     let half_m = 0.5 * PIECE_M;
     let at = |metres: f64| -> Shares {
         nodes.shares([0, 1].map(|axis| piece.place_m[axis] + metres * piece.outward[axis]))
     };
     let [inner, here, outer] = [-half_m, 0.0, half_m].map(at);
-    let mut goal = reading.ln_level - level_over;
+    let mut goal = reading.ln_level - ln_over_level;
     let mut per_depth = 0.0;
     if let Some(Before {
         correction_m,
@@ -258,7 +292,7 @@ fn add_reading(
     };
     let terms = times(outer, -slope, 0)
         .chain(times(inner, slope, 0))
-        .chain(times(here, *signal, numbering.brightness))
+        .chain(times(here, 1.0, numbering.brightness))
         .chain([
             (numbering.gain + chunk, 1.0),
             (numbering.roll + chunk, roll),

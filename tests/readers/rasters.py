@@ -82,17 +82,17 @@ def check_source(folder, record, points):
         assert raster.dtypes == ("uint8",) and raster.descriptions == ("what the depth rests on",)
         known = depths.read(1) != -9999
         classes, mask = raster.read(1), raster.dataset_mask()
-        assert ((mask > 0) == known).all() and set(numpy.unique(classes[known])) <= {1, 2, 3}
+        assert ((mask > 0) == known).all() and set(numpy.unique(classes[known])) <= {1, 2, 3, 4}
         check_statistics("source.tif", raster, classes[known])
         places = into(record, points.lon, points.lat)
         found = numpy.array([value[0] for value in raster.sample(places)])
     on_map = found > 0
-    assert (found[on_map & (points.source == 0)] == 3).mean() > 0.95, "soundings in cells without"
+    assert (found[on_map & (points.source == 0)] == 4).mean() > 0.95, "soundings in cells without"
     beside = found[on_map & (points.source > 0)]
-    assert beside.size == 0 or (beside >= 2).mean() > 0.5, "first returns in cells without"
+    assert beside.size == 0 or (beside >= 3).mean() > 0.5, "first returns in cells without"
     check_count("source.tif", record, "cells", known.sum())
     entries = lxml.etree.parse(path.with_suffix(".qml")).findall(".//paletteEntry")
-    assert [entry.get("value") for entry in entries] == ["3", "2", "1"], entries
+    assert [entry.get("value") for entry in entries] == ["4", "3", "2", "1"], entries
 
 
 def check_style(path, values):

@@ -9,7 +9,9 @@ use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::raster;
 use crate::outputs::results::Results;
 use crate::pipeline::{Plane, Products};
-use crate::presentation::colours::{SOURCES, depth_colour, distance_colour, uncertainty_colour};
+use crate::presentation::colours::{
+    SOURCES, depth_colour, distance_colour, share_colour, uncertainty_colour,
+};
 use std::path::Path;
 
 /// A raster to write.
@@ -71,6 +73,20 @@ pub fn distance(results: &Results<'_>, path: &Path) -> Result<FileContent, Outpu
     write(&layer, results, path)
 }
 
+/// Writes `hardness.tif`.
+pub fn hardness(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let layer = Layer {
+        band: Band {
+            unit: "decibel",
+            ..band("brightness of the bed over the median", false)
+        },
+        what: "How much brighter the bed is than the median of the map, decibels of power, as shading tells it: without slope, angle, range and gain",
+        values: |surface| surface.hardness_db.as_deref().unwrap_or_default(),
+        colour: share_colour,
+    };
+    write(&layer, results, path)
+}
+
 /// Writes `source.tif`.
 pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let surface = results.surface()?.ok_or(super::NO_SURFACE)?;
@@ -128,7 +144,10 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
     let tiles = tiles(grid, &surface.depth_m);
     let draw = |tile| {
         draw(grid, tile, |cell| {
-            let value = cell.map_or(f32::NAN, |cell| values[cell]);
+            let value = cell
+                .and_then(|cell| values.get(cell))
+                .copied()
+                .unwrap_or(f32::NAN);
             let stored = if value.is_nan() { NODATA } else { value };
             stored.to_le_bytes()
         })

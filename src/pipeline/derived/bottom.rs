@@ -5,7 +5,7 @@ use crate::bathymetry::{CellSource, Surface};
 use crate::mosaic::Colours;
 use crate::pipeline::{ProcessedLog, Same};
 use crate::presentation::colours::{
-    Rgb, SOURCES, depth_colour, depth_share, distance_colour, uncertainty_colour,
+    Rgb, SOURCES, depth_colour, depth_share, distance_colour, share_colour, uncertainty_colour,
 };
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -32,16 +32,19 @@ pub enum BottomColour {
     Distance,
     /// What the depth rests on.
     Source,
+    /// How bright the bed is by itself, as shading tells it: `depth/hardness.tif`. Without shading nothing is known.
+    Hardness,
 }
 
 impl BottomColour {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Depth,
         Self::Mosaic,
         Self::Uncertainty,
         Self::Distance,
         Self::Source,
+        Self::Hardness,
     ];
 
     /// Name in the menu.
@@ -52,6 +55,7 @@ impl BottomColour {
             Self::Uncertainty => "uncertainty",
             Self::Distance => "distance",
             Self::Source => "source",
+            Self::Hardness => "hardness",
         }
     }
 
@@ -102,8 +106,9 @@ pub struct Bottom {
     pub colour: BottomColour,
     /// Colour of each corner.
     pub rgb: Vec<Rgb>,
-    /// Values at the ends of the colours, metres; none of the mosaic's and of what depths rest on.
-    pub ends_m: Option<[f32; 2]>,
+    /// Values at the ends of the colours, metres, of hardness decibels; none of the mosaic's and of what depths rest on, and where nothing is
+    /// known.
+    pub ends: Option<[f32; 2]>,
 }
 
 /// A corner of the bottom.
@@ -136,7 +141,7 @@ impl Bottom {
         let coarse = (times > 1).then(|| depth_map.surface.coarser(times));
         let surface = coarse.as_ref().unwrap_or(&depth_map.surface);
         progress.check()?;
-        let (rgb, ends_m) = match colour {
+        let (rgb, ends) = match colour {
             BottomColour::Depth => {
                 let ends_m = depth_map.colour_range_m;
                 let colour = |depth_m| depth_colour(depth_share(depth_m, ends_m));
@@ -145,6 +150,10 @@ impl Bottom {
             BottomColour::Uncertainty => scaled(&surface.spread_m, uncertainty_colour),
             BottomColour::Distance => scaled(&surface.distance_m, distance_colour),
             BottomColour::Source => (surface.source.iter().map(source_colour).collect(), None),
+            BottomColour::Hardness => match &surface.hardness_db {
+                Some(hardness_db) => hardness(hardness_db),
+                None => (vec![UNSEEN; surface.grid.len()], None),
+            },
             BottomColour::Mosaic => {
                 let plane = MosaicPlane::Map(depth_map.map.clone());
                 let rgb = match derived.mosaic(logs, plane, progress)? {
@@ -164,7 +173,7 @@ impl Bottom {
             depth_map: depth_map.clone(),
             colour,
             rgb,
-            ends_m,
+            ends,
             coarse,
         })
     }
@@ -243,6 +252,17 @@ fn source_colour(source: &CellSource) -> Rgb {
 
 fn of_values(values: &[f32], colour: impl Fn(f32) -> Rgb + Sync) -> Vec<Rgb> {
     values.par_iter().map(|value| colour(*value)).collect()
+}
+
+/// Colours of decibels about 0, as many below as above, and the ends of their scale.
+fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
+    let away: Vec<f32> = values_db.iter().map(|value| value.abs()).collect();
+    let ends = scaled(&away, share_colour).1.map(|[_, most]| [-most, most]);
+    let colour = |value: f32| match ends {
+        Some([low, high]) if value.is_finite() => share_colour((value - low) / (high - low)),
+        _ => UNSEEN,
+    };
+    (of_values(values_db, colour), ends)
 }
 
 /// Colours of a scale that begins at 0, and its ends.

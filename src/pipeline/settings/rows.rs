@@ -353,7 +353,7 @@ rows! {
     LONGEST_ABOVE_BOTTOM: "surface.longest_above_bottom_m", "Longest", "longest above-bottom stretch",
         "Side-scan points above the recorded depth count where most first returns of both sides lie above it for longer than this along the track.",
         number!(surface.longest_above_bottom_m, "m", [0.0, 100_000.0], 1.0, 0, LogSlider);
-    SWATH: "surface.swath", "Swath", "depth by shading",
+    SWATH: "surface.swath", "Shading", "depth by shading",
         "Whether the brightness of the echoes corrects the depth between the lines: a bed that faces the boat is brighter.",
         choice!(surface.swath, [
             "off", "off", "Depths between the lines are interpolated alone.";

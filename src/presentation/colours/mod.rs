@@ -40,7 +40,12 @@ pub fn distance_colour(share: f32) -> Rgb {
 }
 
 /// Colours of what a depth can rest on: a sounding, a first return, nothing but its neighbours.
-pub const SOURCES: [Rgb; 3] = [[0, 90, 160], [230, 130, 0], [205, 205, 200]];
+pub const SOURCES: [Rgb; 4] = [
+    [0, 90, 160],
+    [230, 130, 0],
+    [170, 130, 200],
+    [205, 205, 200],
+];
 
 /// Colour of a share of a scale of anything that a point has, 0 (lowest) to 1 (highest): perceptually even.
 pub fn share_colour(share: f32) -> Rgb {

@@ -68,7 +68,7 @@ fn reading(
             slope: slope_of(&depth_m, ground_m),
         },
         ln_level: of_bed + beam,
-        signal: 1.0,
+        share: 1.0,
     }
 }
 
@@ -95,48 +95,62 @@ fn readings(nodes: &Nodes, state: &State) -> Vec<Reading> {
     found
 }
 
-#[test]
-fn a_mound_between_two_lines_is_found_and_measured_depths_stay() {
-    let grid = Grid {
-        west_m: 0.0,
-        north_m: 16.0,
-        cell_m: 0.25,
-        columns: 96,
-        rows: 64,
-    };
-    let depth_m: Vec<f32> = (0..grid.len())
-        .map(|cell| plain_m(grid.centre(cell / 96, cell % 96)) as f32)
-        .collect();
-    let ground = Ground::new(grid, &depth_m).unwrap();
-    let nodes = Nodes::over(&grid, NODE_M);
-    let anchors: Vec<[f64; 2]> = (0..96)
+const GRID: Grid = Grid {
+    west_m: 0.0,
+    north_m: 16.0,
+    cell_m: 0.25,
+    columns: 96,
+    rows: 64,
+};
+
+/// Both lines' depths.
+fn anchors() -> Vec<[f64; 2]> {
+    (0..96)
         .flat_map(|step| LINES_M.map(|north_m| [0.25 * f64::from(step) + 0.125, north_m]))
+        .collect()
+}
+
+/// All rounds over the mound, with at most `most` nodes solved for together and cores of `core` a side.
+fn solved(nodes: Nodes, anchors: &[[f64; 2]], most: usize, core: usize) -> State {
+    let depth_m: Vec<f32> = (0..GRID.len())
+        .map(|cell| plain_m(GRID.centre(cell / 96, cell % 96)) as f32)
         .collect();
+    let ground = Ground::new(GRID, &depth_m).unwrap();
     let given = Given {
         logs: &[],
         ground: &ground,
-        anchors: &anchors,
+        anchors,
         usual_m: 0.05,
         scales: Vec::new(),
         chunks: Vec::new(),
         weed: Weed::of(&[]),
         nodes,
     };
-    let tiles = nodes.tiles(MOST_NODES, CORE, HALO);
-    let mut state = State::new(&nodes, tiles.len());
+    let tiles = nodes.tiles(most, core, HALO);
+    let mut state = State::new(&nodes, tiles.len(), given.usual_m);
     let steps = BTreeSet::from([0, 96]);
     for _ in 0..ROUNDS {
         let found = readings(&nodes, &state);
-        assert!(
-            state
-                .solve(&given, &tiles, &found, &steps, &Progress::new())
-                .unwrap()
-        );
+        let solved = state.solve(&given, &tiles, &found, &steps, SAMPLES, &Progress::new());
+        assert!(solved.unwrap());
     }
+    let progress = Progress::new();
+    progress.cancel();
+    let found = readings(&nodes, &state);
+    let cancelled = state.solve(&given, &tiles, &found, &steps, SAMPLES, &progress);
+    assert!(cancelled.is_err());
+    state
+}
+
+#[test]
+fn a_mound_between_two_lines_is_found_and_measured_depths_stay() {
+    let nodes = Nodes::over(&GRID, NODE_M);
+    let anchors = anchors();
+    let state = solved(nodes, &anchors, MOST_NODES, CORE);
     let at = |place: [f64; 2]| nodes.value_at(&state.correction_m, place);
     let (mut before, mut after) = (0.0, 0.0);
-    for cell in 0..grid.len() {
-        let place = grid.centre(cell / 96, cell % 96);
+    for cell in 0..GRID.len() {
+        let place = GRID.centre(cell / 96, cell % 96);
         before += mound_m(place).powi(2);
         after += (at(place) - mound_m(place)).powi(2);
     }
@@ -150,12 +164,21 @@ fn a_mound_between_two_lines_is_found_and_measured_depths_stay() {
         .map(|place| at(*place).abs())
         .fold(0.0, f64::max);
     assert!(moved_m < 0.03, "{moved_m}");
-    let progress = Progress::new();
-    progress.cancel();
-    let found = readings(&nodes, &state);
-    assert!(
-        state
-            .solve(&given, &tiles, &found, &steps, &progress)
-            .is_err()
-    );
+}
+
+#[test]
+fn tiles_find_what_one_solution_of_all_finds() {
+    let nodes = Nodes::over(&GRID, NODE_M);
+    let anchors = anchors();
+    let [whole, tiled] = [(MOST_NODES, CORE), (1, 12)].map(|(most, core)| {
+        assert!((nodes.tiles(most, core, HALO).len() == 1) == (core == CORE));
+        solved(nodes, &anchors, most, core).correction_m
+    });
+    let apart_m = whole
+        .iter()
+        .zip(&tiled)
+        .map(|(one, other)| (one - other).abs());
+    let most_m = apart_m.fold(0.0, f64::max);
+    // Cores of a sixth of the usual side, so that the mound lies across their edges; each tile draws its own samples.
+    assert!(most_m < 0.015, "{most_m}");
 }

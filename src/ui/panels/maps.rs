@@ -34,6 +34,7 @@ fn layer_button(ui: &mut Ui, context: &mut ViewContext<'_>, layer: MapLayer, act
 fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
     for row in [
         &rows::SURFACE_METHOD,
+        &rows::SWATH,
         &rows::SURFACE_CELL,
         &rows::MAX_GAP,
         &rows::SIDE_SCAN_WEIGHT,

@@ -125,6 +125,16 @@ impl Scale {
         }
     }
 
+    /// How hard the bed is against the median of the map, decibels, the hardest on top.
+    pub fn of_hardness([low_db, high_db]: [f32; 2]) -> Self {
+        Self {
+            title: "hardness, dB".to_owned(),
+            ends: [high_db, low_db].map(f64::from),
+            colour: |share| share_colour(1.0 - share),
+            signed: true,
+        }
+    }
+
     /// Residuals up to `reach_m` to either side of zero, the higher on top.
     pub fn of_residuals(reach_m: f64, units: Units) -> Self {
         let reach = units.from_m(reach_m);

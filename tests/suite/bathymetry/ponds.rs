@@ -3,7 +3,7 @@
 use crate::missions::{Mission, repeatability};
 use crate::truth::MapError;
 use bathyscope::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
-use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings, SwathDepth};
+use bathyscope::bathymetry::{CellSource, Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
 use bathyscope::cloud::{PointSource, Residuals};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Mound, Scene};
@@ -134,6 +134,57 @@ fn shading_finds_mounds_that_lie_between_the_lines() {
     let ratios: Vec<f64> = stated.map(|one| one.error_m.abs() / one.spread_m).collect();
     let within = ratios.iter().filter(|ratio| **ratio < 2.0).count() as f64 / ratios.len() as f64;
     assert!(within > 0.8, "{within}");
+    check_sources(&plain, &shaded);
+    check_hardness(&pond, &shaded);
+}
+
+/// What was interpolated is shaded where echoes reach, and what was measured stays measured.
+fn check_sources(plain: &Surface, shaded: &Surface) {
+    let share = |map: &Surface, source: CellSource| {
+        map.source.iter().filter(|one| **one == source).count() as f64 / map.source.len() as f64
+    };
+    for source in [CellSource::Sounding, CellSource::FirstReturn] {
+        assert_eq!(share(plain, source), share(shaded, source));
+    }
+    let [before, left] = [plain, shaded].map(|map| share(map, CellSource::Interpolated));
+    assert_eq!(share(plain, CellSource::Shaded), 0.0);
+    assert!(left < 0.5 * before && left > 0.0, "{before} {left}");
+}
+
+/// The brightness that shading leaves to the bed is that of its patches, decibel for decibel.
+fn check_hardness(pond: &Mission, shaded: &Surface) {
+    let hardness_db = shaded.hardness_db.as_ref().expect("shaded");
+    let steps = [-0.3, 0.0, 0.3];
+    let true_db = |[east_m, north_m]: [f64; 2]| {
+        let around = steps.iter().flat_map(|e| steps.iter().map(move |n| [e, n]));
+        let sum: f64 = around
+            .map(|[e, n]| pond.known.truth.bed_strength(east_m + e, north_m + n))
+            .sum();
+        10.0 * (sum / 9.0).log10()
+    };
+    let columns = shaded.grid.columns;
+    let cells = hardness_db
+        .iter()
+        .enumerate()
+        .filter(|(_, found)| !found.is_nan());
+    let pairs: Vec<[f64; 2]> = cells
+        .map(|(cell, found)| {
+            [
+                f64::from(*found),
+                true_db(shaded.grid.centre(cell / columns, cell % columns)),
+            ]
+        })
+        .collect();
+    let mean =
+        |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+    let means = [mean(&|pair| pair[0]), mean(&|pair| pair[1])];
+    let moment = |one: usize, other: usize| {
+        mean(&|pair| (pair[one] - means[one]) * (pair[other] - means[other]))
+    };
+    let correlation = moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt();
+    let per_db = moment(0, 1) / moment(1, 1);
+    assert!(correlation > 0.8, "{correlation}");
+    assert!((0.7..1.2).contains(&per_db), "{per_db}");
 }
 
 #[test]

@@ -160,6 +160,10 @@ pub fn paint_legend(
             )
         }));
     }
+    if bottom.is_some_and(|one| one.colour == BottomColour::Hardness && one.ends.is_none()) {
+        let text = "bottom: no hardness without shading (`Shading` of the depth map)";
+        lines.push((text.to_owned(), theme::outlier_colour()));
+    }
     for (text, colour) in lines {
         let plate = legend::plate(
             painter,
@@ -197,12 +201,13 @@ pub fn paint_legend(
 
 /// The scale of what the colour of the bottom says, where that is a number.
 fn bottom_scale(bottom: &Bottom, reference: DepthReference, units: Units) -> Option<Scale> {
-    let ends_m = bottom.ends_m?;
+    let ends = bottom.ends?;
     Some(match bottom.colour {
         BottomColour::Mosaic | BottomColour::Source => return None,
-        BottomColour::Depth => Scale::of_depth(ends_m, reference, units),
-        BottomColour::Uncertainty => Scale::of_uncertainty(ends_m, units),
-        BottomColour::Distance => Scale::of_distance(ends_m, units),
+        BottomColour::Depth => Scale::of_depth(ends, reference, units),
+        BottomColour::Uncertainty => Scale::of_uncertainty(ends, units),
+        BottomColour::Distance => Scale::of_distance(ends, units),
+        BottomColour::Hardness => Scale::of_hardness(ends),
     })
 }
 
