@@ -17,6 +17,7 @@ mod info;
 mod manual;
 mod many;
 mod output;
+mod parallel;
 mod plan;
 mod process;
 mod quiet_driver;
@@ -35,6 +36,7 @@ mod sonogram;
 mod start;
 mod status_line;
 mod survey_logs;
+mod who;
 mod window;
 
 pub use dataset::known_objects;
@@ -82,6 +84,8 @@ enum Command {
     Process(process::ProcessArgs),
     /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
     Plan(plan::PlanArgs),
+    /// Say which log, ping, side and sample of a lake saw a place
+    Who(who::WhoArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
@@ -155,6 +159,10 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Plan(args)),
             ..
         } => plan::run(args),
+        Cli {
+            command: Some(Command::Who(args)),
+            ..
+        } => who::run(&args),
         Cli {
             command: Some(Command::Detect(args)),
             ..

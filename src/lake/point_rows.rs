@@ -1,0 +1,89 @@
+//! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
+
+use super::add::LogRows;
+use super::spread::Row;
+use crate::cloud::{CloudPoint, PointSource};
+use crate::formats::parquet_table::{Column, Values};
+
+/// The subfolder of the rows.
+pub(super) const POINTS: &str = "points";
+
+/// Columns of the rows of points in a tile.
+pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
+    let points: Vec<(&CloudPoint, bool)> = rows.iter().map(|row| log.point(row.index)).collect();
+    let of = |value: fn(&CloudPoint) -> f64| {
+        Values::Double(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    let times_s: Vec<f64> = points.iter().map(|(point, _)| log.time_of(point)).collect();
+    let side = |point: &CloudPoint| match point.source {
+        PointSource::DownScan => "",
+        side => side.name(),
+    };
+    let ping = |point: &CloudPoint| {
+        let is_known = (point.ping as usize) < log.survey.side_scan.len();
+        is_known.then(|| i32::try_from(point.ping).ok()).flatten()
+    };
+    let sounding =
+        |point: &CloudPoint| point.sounding.and_then(|one| i32::try_from(one.get()).ok());
+    let each = points.iter();
+    let whole = |value: &dyn Fn(&CloudPoint) -> Option<i32>| {
+        Values::Whole(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    let texts = |value: &dyn Fn(&CloudPoint) -> &'static str| {
+        Values::Text(points.iter().map(|(point, _)| value(point)).collect())
+    };
+    vec![
+        Column::new(
+            "geometry",
+            Values::Points(rows.iter().map(|row| row.at).collect()),
+        ),
+        Column::new(
+            "x",
+            Values::Double(rows.iter().map(|row| row.place[0]).collect()),
+        ),
+        Column::new(
+            "y",
+            Values::Double(rows.iter().map(|row| row.place[1]).collect()),
+        ),
+        Column::new("depth_m", of(|point| -point.z_m)),
+        Column::new("source", texts(&|point| point.source.name())),
+        Column::new("side", texts(&side)),
+        Column::new("ping", whole(&ping)),
+        Column::new("sounding", whole(&sounding)),
+        Column::new(
+            "sample",
+            Values::Float(each.clone().map(|(point, _)| point.sample).collect()),
+        ),
+        Column::new(
+            "confidence",
+            Values::Float(each.clone().map(|(point, _)| point.confidence).collect()),
+        ),
+        Column::new(
+            "weight",
+            Values::Double(
+                each.clone()
+                    .map(|(point, kept)| log.weight(point, *kept))
+                    .collect(),
+            ),
+        ),
+        Column::new(
+            "kept",
+            Values::Flag(each.clone().map(|(_, kept)| *kept).collect()),
+        ),
+        Column::new(
+            "above_bottom",
+            Values::Flag(each.map(|(point, _)| point.above_bottom).collect()),
+        ),
+        Column::new(
+            "halo",
+            Values::Flag(rows.iter().map(|row| !row.is_core).collect()),
+        ),
+        Column::new(
+            "time",
+            Values::Time(times_s.iter().map(|time_s| log.unix_us(*time_s)).collect()),
+        ),
+        Column::new("time_s", Values::Double(times_s)),
+        Column::new("log", Values::Same(log.sha256.to_owned(), rows.len())),
+        Column::new("name", Values::Same(log.survey.name(), rows.len())),
+    ]
+}
