@@ -5,7 +5,7 @@ use super::log_record::{LOGS, LogRecord, TileRows};
 use super::ping_rows::{self, PINGS};
 use super::point_rows::{self, POINTS};
 use super::record::{Lake, names_in, write_json};
-use super::spread;
+use super::spread::{self, Row};
 use super::tile::TileId;
 use crate::cloud::CloudPoint;
 use crate::export::write_aside;
@@ -73,6 +73,31 @@ impl LogRows<'_> {
     pub fn unix_us(&self, time_s: f64) -> Option<i64> {
         let unix_us = 1e6 * (self.survey.start_unix_s? + time_s);
         unix_us.is_finite().then_some(unix_us.round() as i64)
+    }
+
+    /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
+    fn span_unix_s(&self, points: Option<&Vec<Row>>, pings: Option<&Vec<Row>>) -> Vec<f64> {
+        let Some(start_unix_s) = self.survey.start_unix_s else {
+            return Vec::new();
+        };
+        let of_points = points
+            .into_iter()
+            .flatten()
+            .map(|row| self.time_of(self.point(row.index).0));
+        let of_pings = pings
+            .into_iter()
+            .flatten()
+            .map(|row| self.survey.side_scan[row.index].time_s);
+        let span = of_points
+            .chain(of_pings)
+            .filter(|time_s| time_s.is_finite())
+            .fold(None, |span, time_s| {
+                let [from_s, to_s]: [f64; 2] = span.unwrap_or([time_s; 2]);
+                Some([from_s.min(time_s), to_s.max(time_s)])
+            });
+        span.map_or(Vec::new(), |span| {
+            span.map(|time_s| start_unix_s + time_s).to_vec()
+        })
     }
 
     /// Where a place of the log's plane lies.
@@ -161,6 +186,7 @@ fn write_rows(
             core_points: 0,
             pings: 0,
             seen_m: Vec::new(),
+            unix_s: Vec::new(),
             files: Vec::new(),
         };
         let mut write = |kind: &str, columns: Vec<Column>| {
@@ -172,6 +198,11 @@ fn write_rows(
         if let Some(points) = of_tile {
             write(POINTS, point_rows::columns(log, points))?;
         }
+        let soundings = of_tile.into_iter().flatten().filter(|row| {
+            let (point, kept) = log.point(row.index);
+            row.is_core && point.sounding.is_some() && log.weight(point, kept) > 0.0
+        });
+        record.soundings += soundings.count();
         let seen = pings.rows.get(&tile).zip(pings.footprints.get(&tile));
         if let Some((pings, footprints)) = seen {
             write(PINGS, ping_rows::columns(log, pings, footprints))?;
@@ -188,6 +219,7 @@ fn write_rows(
             [w.min(west), s.min(south), e.max(east), n.max(north)]
         });
         rows.seen_m = around.map_or(Vec::new(), Vec::from);
+        rows.unix_s = log.span_unix_s(of_tile, seen.map(|(pings, _)| pings));
         record.points += rows.core_points;
         record.tiles.push(rows);
     }

@@ -29,6 +29,8 @@ pub struct LogRecord {
     pub start_unix_s: Option<f64>,
     /// Its points, those in halos not counted again.
     pub points: usize,
+    /// Those of them that are soundings of its recorder and count for maps: crossings compare these.
+    pub soundings: usize,
     /// Its side-scan pings that have a place.
     pub pings: usize,
     /// Its rows by tile, in order.
@@ -65,6 +67,8 @@ pub struct TileRows {
     pub pings: usize,
     /// West, south, east and north of the ground that they saw, metres of the zone; empty without pings.
     pub seen_m: Vec<f64>,
+    /// Unix seconds of the first and the last row; empty where the recorder did not know the time.
+    pub unix_s: Vec<f64>,
     /// The files of its rows.
     pub files: Vec<Fingerprint>,
 }
@@ -108,6 +112,7 @@ impl LogRecord {
             },
             start_unix_s: survey.start_unix_s,
             points: 0,
+            soundings: 0,
             pings: 0,
             tiles: Vec::new(),
         }

@@ -1,9 +1,12 @@
 //! The points of a log, a row each: `points/tile=.../SHA256.parquet`.
 
 use super::add::LogRows;
+use super::error::LakeError;
 use super::spread::Row;
+use crate::bathymetry::DepthPoint;
 use crate::cloud::{CloudPoint, PointSource};
-use crate::formats::parquet_table::{Column, Values};
+use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
+use std::path::Path;
 
 /// The subfolder of the rows.
 pub(super) const POINTS: &str = "points";
@@ -86,4 +89,65 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
         Column::new("log", Values::Same(log.sha256.to_owned(), rows.len())),
         Column::new("name", Values::Same(log.survey.name(), rows.len())),
     ]
+}
+
+/// A point as maps and crossings need it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PointRow {
+    /// Place in the zone, depth as the log has it, weight 0 where it does not count.
+    pub depth: DepthPoint,
+    /// Seconds after the log's time zero.
+    pub time_s: f64,
+}
+
+/// The rows of a file that count for the depth map, in the order of the log.
+///
+/// # Errors
+/// When the file cannot be read.
+pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
+    const NAMES: [&str; 6] = ["x", "y", "depth_m", "weight", "sounding", "time_s"];
+    let read = read_parquet(path, &NAMES)?;
+    let damaged = || ParquetError {
+        what: "its columns are not those of points of a lake".to_owned(),
+        path: path.to_owned(),
+    };
+    let Ok(
+        [
+            Values::Double(x),
+            Values::Double(y),
+            Values::Double(depth_m),
+            Values::Double(weight),
+            Values::Whole(sounding),
+            Values::Double(time_s),
+        ],
+    ) = <[Values; 6]>::try_from(read)
+    else {
+        return Err(damaged().into());
+    };
+    let lengths = [
+        x.len(),
+        y.len(),
+        depth_m.len(),
+        weight.len(),
+        sounding.len(),
+        time_s.len(),
+    ];
+    if lengths.iter().any(|length| *length != x.len()) {
+        return Err(damaged().into());
+    }
+    let row = |index: usize| PointRow {
+        depth: DepthPoint {
+            east_m: x[index],
+            north_m: y[index],
+            depth_m: depth_m[index],
+            weight: weight[index],
+            is_sounding: sounding[index].is_some(),
+        },
+        time_s: time_s[index],
+    };
+    let rows = (0..x.len()).map(row).filter(|row| {
+        let depth = &row.depth;
+        depth.weight > 0.0 && (depth.east_m + depth.north_m + depth.depth_m).is_finite()
+    });
+    Ok(rows.collect())
 }

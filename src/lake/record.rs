@@ -2,6 +2,8 @@
 
 use super::error::LakeError;
 use super::log_record::{LOGS, LogRecord};
+use super::ping_rows::PINGS;
+use super::point_rows::POINTS;
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::{LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::export::write_aside;
@@ -205,6 +207,35 @@ impl Lake {
         format!("{kind}/tile={tile}/{log}.parquet")
     }
 
+    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs_in(
+        &self,
+        tiles: impl Iterator<Item = TileId>,
+    ) -> Result<Vec<LogRecord>, LakeError> {
+        let mut logs = BTreeSet::new();
+        for tile in tiles {
+            for kind in [POINTS, PINGS] {
+                let names = names_in(&self.folder.join(format!("{kind}/tile={tile}")))?;
+                logs.extend(
+                    names
+                        .iter()
+                        .filter_map(|name| Some(name.strip_suffix(".parquet")?.to_owned())),
+                );
+            }
+        }
+        let paths = logs
+            .iter()
+            .map(|log| self.folder.join(LOGS).join(format!("{log}.json")));
+        paths
+            .filter(|path| path.is_file())
+            .map(|path| LogRecord::read(&path))
+            .collect()
+    }
+
     /// The records of all logs, by their hashes. A log that is being written, or was when the program ended, has none.
     ///
     /// # Errors
@@ -232,10 +263,11 @@ pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, LakeError> {
     names.collect()
 }
 
-/// A folder of a run, or of anything else, is not mixed with a lake.
+/// A folder of a run, or of anything else, is not mixed with a lake; another job may have made the lake at this moment.
 fn refuse_other_content(folder: &Path) -> Result<(), LakeError> {
     let names = names_in(folder)?;
-    match names.iter().find(|name| !name.starts_with('.')) {
+    let other = names.iter().find(|name| !name.starts_with('.'));
+    match other.filter(|_| !names.iter().any(|name| name == RECORD)) {
         None => Ok(()),
         Some(name) => Err(LakeError::Refused(format!(
             "the folder holds {name} and no lake; choose an empty or a new one: {}",

@@ -50,24 +50,30 @@ pub fn who(
     radius_m: f64,
     progress: &Progress,
 ) -> Result<Vec<Sighting>, LakeError> {
-    let logs = lake.logs()?;
+    let zones = UtmZone::near(at, radius_m).into_iter().map(|zone| {
+        let [x, y] = zone.to_metres(at);
+        (
+            zone,
+            [x, y],
+            [x - radius_m, y - radius_m, x + radius_m, y + radius_m],
+        )
+    });
+    let zones: Vec<_> = zones.collect();
+    let tiles = zones
+        .iter()
+        .flat_map(|(zone, _, around)| TileId::touched(*zone, *around));
+    let logs = lake.logs_in(tiles)?;
     let mut searches = Vec::new();
-    for zone in UtmZone::near(at, radius_m) {
-        let place = zone.to_metres(at);
-        let [x, y] = place;
-        let around = [x - radius_m, y - radius_m, x + radius_m, y + radius_m];
-        for log in &logs {
-            let tiles = log.tiles.iter().filter(|rows| {
-                let [west, south, east, north] = rows.tile.bounds_m();
-                let is_near = rows.tile.zone == zone && touch(around, [west, south, east, north]);
+    for (zone, place, around) in zones {
+        for tile in TileId::touched(zone, around) {
+            let rows = logs
+                .iter()
+                .filter_map(|log| Some((log, log.rows_in(tile)?)));
+            let seen = rows.filter(|(_, rows)| {
                 let saw = <[f64; 4]>::try_from(rows.seen_m.as_slice());
-                is_near && rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))
+                rows.pings > 0 && saw.is_ok_and(|saw| touch(around, saw))
             });
-            searches.extend(tiles.map(|rows| Search {
-                log,
-                tile: rows.tile,
-                place,
-            }));
+            searches.extend(seen.map(|(log, _)| Search { log, tile, place }));
         }
     }
     progress.start(searches.len() as u64);

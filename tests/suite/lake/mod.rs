@@ -1,5 +1,8 @@
 //! Many logs over one water, in the tiles of a lake.
 
+mod killed;
+mod maps;
+mod offsets;
 mod rows;
 mod who;
 
@@ -47,6 +50,27 @@ pub fn scene(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
         },
         scattered_objects: 0,
         ..Scene::default()
+    }
+}
+
+/// The same ground, sailed to and fro about a place and once across: a track that crosses those of logs beside it.
+pub fn zigzag(log: u32, [east_m, north_m]: [f64; 2], higher_m: f64) -> Scene {
+    let ways = [
+        [-16.0, -10.0],
+        [16.0, -8.0],
+        [15.0, 2.0],
+        [-15.0, 0.0],
+        [-16.0, 10.0],
+        [4.0, 12.0],
+        [0.0, -14.0],
+    ];
+    let scene = scene(log, [3.0, -4.0], higher_m);
+    Scene {
+        track: TrackSettings {
+            corners_m: ways.map(|[x, y]| [east_m + x, north_m + y]).to_vec(),
+            ..scene.track
+        },
+        ..scene
     }
 }
 

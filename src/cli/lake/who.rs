@@ -1,7 +1,7 @@
 //! `bathyscope who`: which recording saw this place.
 
-use super::output;
 use crate::calendar;
+use crate::cli::output;
 use crate::geo::LonLat;
 use crate::lake::{Lake, Sighting, who};
 use crate::presentation::text;
