@@ -11,7 +11,7 @@
 //!                     | |--planning: where to sail next, from what the soundings leave in doubt
 //!                     | '--detection: objects on the bottom
 //!                     '--waterfall: picture tiles, shown with gain and levels by picture
-//! pipeline runs the stages, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
+//! pipeline runs the stages, lake keeps what many logs measured in tiles, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
 //! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file, system_words and versions (lists that grow) serve them all.
 //! ```
@@ -59,6 +59,7 @@ pub mod first_return;
 pub mod formats;
 pub mod geo;
 pub mod html_report;
+pub mod lake;
 pub mod manual;
 pub mod mosaic;
 pub mod outputs;

@@ -26,6 +26,26 @@ const LEAST_FOR_SPREAD: usize = 3;
 ///
 /// Recorders repeat a fix for most pings, and a triangulation takes one depth a place.
 pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
+    let mut nodes = merge_cells(points, cell_m);
+    let known = nodes.iter().map(|node| node.spread_m);
+    let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
+    let typical_m = match known.is_empty() {
+        true => 0.0,
+        false => median(&mut known),
+    };
+    fill_spreads(&mut nodes, typical_m);
+    nodes
+}
+
+/// The same, where the spread of fewer than three depths is `typical_m`: no node depends on points of other squares.
+pub fn merge_repeated_with(points: &[DepthPoint], cell_m: f64, typical_m: f64) -> Vec<Node> {
+    let mut nodes = merge_cells(points, cell_m);
+    fill_spreads(&mut nodes, typical_m);
+    nodes
+}
+
+/// The spread is NaN where it is unknown.
+fn merge_cells(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
     let key = |value: f64| {
         if cell_m > 0.0 {
             (value / cell_m).floor() as i64
@@ -46,7 +66,6 @@ pub fn merge_repeated(points: &[DepthPoint], cell_m: f64) -> Vec<Node> {
         let same = same.iter().map(|index| points[*index]);
         nodes.extend(merge(same, &mut depths));
     }
-    fill_spreads(&mut nodes);
     nodes
 }
 
@@ -80,14 +99,7 @@ fn merge(
     })
 }
 
-fn fill_spreads(nodes: &mut [Node]) {
-    let known = nodes.iter().map(|node| node.spread_m);
-    let mut known: Vec<f64> = known.filter(|spread| spread.is_finite()).collect();
-    let typical_m = if known.is_empty() {
-        0.0
-    } else {
-        median(&mut known)
-    };
+fn fill_spreads(nodes: &mut [Node], typical_m: f64) {
     for node in nodes.iter_mut().filter(|node| node.spread_m.is_nan()) {
         node.spread_m = typical_m;
     }

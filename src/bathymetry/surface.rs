@@ -195,6 +195,40 @@ impl Surface {
         }
     }
 
+    /// A grid of which nothing is known yet, its sources least of all.
+    pub(super) fn unknown(grid: Grid, method: SurfaceMethod) -> Self {
+        let unknown = || vec![f32::NAN; grid.len()];
+        Self {
+            method,
+            shading: Shading::Off,
+            spread_is: Spread::OfSoundings,
+            grid,
+            depth_m: unknown(),
+            spread_m: unknown(),
+            distance_m: unknown(),
+            source: Vec::new(),
+            hardness_db: None,
+        }
+    }
+
+    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track spans hardly a triangle, and its map
+    /// is the cells that were measured.
+    pub(super) fn fill_measured(&mut self, nodes: impl Iterator<Item = Node>) {
+        for node in nodes {
+            let Some(index) = self.grid.index_at(node.east_m, node.north_m) else {
+                continue;
+            };
+            if self.depth_m.get(index).is_some_and(|depth| depth.is_nan()) {
+                let columns = self.grid.columns;
+                let [east_m, north_m] = self.grid.centre(index / columns, index % columns);
+                let distance_m = (node.east_m - east_m).hypot(node.north_m - north_m);
+                self.depth_m[index] = node.depth_m as f32;
+                self.spread_m[index] = node.spread_m as f32;
+                self.distance_m[index] = distance_m as f32;
+            }
+        }
+    }
+
     /// How its depths were found, and what shading made of them: `linear triangles, corrected by shading`.
     pub fn method_in_words(&self) -> String {
         let method = self.method.in_words();
@@ -310,7 +344,7 @@ impl Cell {
 }
 
 /// The nodes, ready to be asked.
-struct Field {
+pub(super) struct Field {
     method: SurfaceMethod,
     gap_m: f64,
     tin: Tin,
@@ -346,23 +380,26 @@ impl Field {
         })
     }
 
+    /// On triangles alone of which none depends on what lies far away ([`Tin::with_local_triangles`]).
+    pub(super) fn local(nodes: Vec<Node>, gap_m: f64) -> Option<Self> {
+        let tin = Tin::new(nodes)?.with_max_gap(gap_m);
+        Some(Self {
+            method: SurfaceMethod::Linear,
+            gap_m,
+            tin: tin.with_local_triangles(),
+            near: None,
+        })
+    }
+
     /// Asks for every cell, rows in parallel.
-    fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
-        let unknown = || vec![f32::NAN; grid.len()];
-        let mut made = Surface {
-            method: match self.method {
+    pub(super) fn fill(&self, grid: Grid, progress: &Progress) -> Result<Surface, Cancelled> {
+        let mut made = Surface::unknown(
+            grid,
+            match self.method {
                 SurfaceMethod::Auto => SurfaceMethod::Linear,
                 method => method,
             },
-            shading: Shading::Off,
-            spread_is: Spread::OfSoundings,
-            grid,
-            depth_m: unknown(),
-            spread_m: unknown(),
-            distance_m: unknown(),
-            source: Vec::new(),
-            hardness_db: None,
-        };
+        );
         progress.start(grid.rows as u64);
         let columns = grid.columns.max(1);
         made.depth_m
@@ -383,26 +420,8 @@ impl Field {
                 progress.advance(1);
                 Ok(())
             })?;
-        self.fill_measured(&mut made);
+        made.fill_measured(self.tin.nodes());
         Ok(made)
-    }
-
-    /// Gives a cell that holds a node and lies in no triangle the node's depth: a single track spans hardly a triangle, and its map
-    /// is the cells that were measured.
-    fn fill_measured(&self, made: &mut Surface) {
-        for node in self.tin.nodes() {
-            let Some(index) = made.grid.index_at(node.east_m, node.north_m) else {
-                continue;
-            };
-            if made.depth_m.get(index).is_some_and(|depth| depth.is_nan()) {
-                let columns = made.grid.columns;
-                let [east_m, north_m] = made.grid.centre(index / columns, index % columns);
-                let distance_m = (node.east_m - east_m).hypot(node.north_m - north_m);
-                made.depth_m[index] = node.depth_m as f32;
-                made.spread_m[index] = node.spread_m as f32;
-                made.distance_m[index] = distance_m as f32;
-            }
-        }
     }
 
     fn sampler(&self) -> Sampler<'_> {

@@ -22,11 +22,17 @@ type Triangulation = DelaunayTriangulation<Node, (), (), (), LastUsedVertexHintG
 pub struct Tin {
     triangles: Triangulation,
     max_gap_m: f64,
+    max_radius_m: f64,
 }
 
 /// Triangles with no edge longer than this share of the gap are always kept: along a single track they lie in a row, nearly
 /// flat, and their area across the track is negligible.
 const SHORT_EDGES: f64 = 0.25;
+
+/// Radius of the circle around a triangle of three edges of two gaps, metres.
+pub fn largest_radius_m(max_gap_m: f64) -> f64 {
+    2.0 * max_gap_m / 3f64.sqrt()
+}
 
 /// How the depth between the corners is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +74,7 @@ impl Tin {
         Some(Self {
             triangles,
             max_gap_m: f64::INFINITY,
+            max_radius_m: f64::INFINITY,
         })
     }
 
@@ -79,16 +86,28 @@ impl Tin {
         Self { max_gap_m, ..self }
     }
 
+    /// Leaves out every triangle whose circumscribed circle is larger than that of the largest that [`Tin::with_max_gap`] keeps, the nearly
+    /// flat ones of short edges too: no triangle that is left depends on a node farther from it than twice [`largest_radius_m`].
+    pub fn with_local_triangles(self) -> Self {
+        Self {
+            max_radius_m: largest_radius_m(self.max_gap_m),
+            ..self
+        }
+    }
+
     /// Whether a triangle is one that [`Tin::with_max_gap`] keeps.
-    fn is_known(&self, corners: [Point2<f64>; 3]) -> bool {
+    fn is_known(&self, mut corners: [Point2<f64>; 3]) -> bool {
+        // In one order, so that the same triangle of another triangulation is rounded alike.
+        corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         let [a, b, c] = corners;
         let edges_m = [a.distance_2(b), b.distance_2(c), c.distance_2(a)].map(f64::sqrt);
         let longest_m = edges_m.into_iter().fold(0.0, f64::max);
         let area_m2 = 0.5 * ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)).abs();
         let radius_m = edges_m.iter().product::<f64>() / (4.0 * area_m2);
-        let most_m = 2.0 * self.max_gap_m / 3f64.sqrt();
-        longest_m <= SHORT_EDGES * self.max_gap_m
-            || longest_m <= 2.0 * self.max_gap_m && radius_m <= most_m
+        let most_m = largest_radius_m(self.max_gap_m);
+        let is_kept = longest_m <= SHORT_EDGES * self.max_gap_m
+            || longest_m <= 2.0 * self.max_gap_m && radius_m <= most_m;
+        is_kept && radius_m <= self.max_radius_m
     }
 
     /// The nodes, one a place, in no order.
@@ -130,10 +149,42 @@ impl TinSampler<'_> {
         if !self.is_known() {
             return None;
         }
-        if let Some(natural) = self.natural.as_ref().filter(|_| self.weights.len() > 2) {
-            natural.get_weights(place, &mut self.weights);
+        match &self.natural {
+            Some(natural) if self.weights.len() > 2 => {
+                natural.get_weights(place, &mut self.weights)
+            }
+            _ => self.weigh_in_order(place),
         }
         Some(self.nodes())
+    }
+
+    /// Weighs the corners anew in the order of their places: how a triangle is stored depends on all nodes that were ever inserted, and
+    /// with it the last bit of a weight, which would differ between maps that share the triangle.
+    fn weigh_in_order(&mut self, place: Point2<f64>) {
+        let triangles = &self.tin.triangles;
+        let position = |corner: &(FixedVertexHandle, f64)| triangles.vertex(corner.0).position();
+        self.weights.sort_by(|a, b| {
+            let (a, b) = (position(a), position(b));
+            a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+        });
+        let way = |from: Point2<f64>, to: Point2<f64>| [to.x - from.x, to.y - from.y];
+        let cross = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| ax * by - ay * bx;
+        match self.weights.as_mut_slice() {
+            [first, second] => {
+                let (a, b) = (position(first), position(second));
+                let ([x, y], [along_x, along_y]) = (way(a, b), way(a, place));
+                second.1 = (x * along_x + y * along_y) / (x * x + y * y);
+                first.1 = 1.0 - second.1;
+            }
+            [first, second, third] => {
+                let [a, b, c] = [&*first, &*second, &*third].map(position);
+                let area = cross(way(a, b), way(a, c));
+                second.1 = cross(way(a, place), way(a, c)) / area;
+                third.1 = cross(way(a, b), way(a, place)) / area;
+                first.1 = 1.0 - second.1 - third.1;
+            }
+            _ => {}
+        }
     }
 
     /// The nodes that carry the place that was asked for last, with their weights.

@@ -14,9 +14,11 @@ mod filter;
 mod folders;
 mod found;
 mod info;
+mod lake;
 mod manual;
 mod many;
 mod output;
+mod parallel;
 mod plan;
 mod process;
 mod quiet_driver;
@@ -82,6 +84,16 @@ enum Command {
     Process(process::ProcessArgs),
     /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
     Plan(plan::PlanArgs),
+    /// Bring a lake of many logs up to date: height offsets, maps of its tiles, index
+    Lake(lake::LakeArgs),
+    /// List the tiles of a lake, what is in them, and whose map is stale
+    Tiles(lake::TilesArgs),
+    /// Make the map of tiles of a lake
+    Tile(lake::TileArgs),
+    /// Find the height offsets between the logs of a lake from where they cross
+    Adjust(lake::AdjustArgs),
+    /// Say which log, ping, side and sample of a lake saw a place
+    Who(lake::WhoArgs),
     /// Find objects on the bottom, in logs or pictures, with a YOLO model
     Detect(detect::DetectArgs),
     /// Write what was decided about a log's boxes: places for maps, pictures with labels for training
@@ -155,6 +167,26 @@ fn run(cli: Cli) -> Result<(), String> {
             command: Some(Command::Plan(args)),
             ..
         } => plan::run(args),
+        Cli {
+            command: Some(Command::Lake(args)),
+            ..
+        } => lake::run_lake(&args),
+        Cli {
+            command: Some(Command::Tiles(args)),
+            ..
+        } => lake::run_tiles(&args),
+        Cli {
+            command: Some(Command::Tile(args)),
+            ..
+        } => lake::run_tile(&args),
+        Cli {
+            command: Some(Command::Adjust(args)),
+            ..
+        } => lake::run_adjust(&args),
+        Cli {
+            command: Some(Command::Who(args)),
+            ..
+        } => lake::run_who(&args),
         Cli {
             command: Some(Command::Detect(args)),
             ..

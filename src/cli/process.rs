@@ -1,6 +1,8 @@
 //! `bathyscope process`: the whole pipeline without a window.
 
+mod requested;
 mod survey;
+mod tiles;
 
 use super::default_folder::{DefaultFolders, name_of};
 use super::folders::Folders;
@@ -8,6 +10,7 @@ use super::settings::SettingsArgs;
 use super::survey_logs::{self, LogInput, OpenedLog, all_or, is_of, open_all, take_reviews};
 use super::{detect, output};
 use crate::outputs::Product;
+use requested::Requested;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 pub use survey::{How, all_processed};
@@ -41,9 +44,9 @@ pub struct ProcessArgs {
     /// Leave out the search for objects, which takes the longest
     #[arg(long)]
     no_objects: bool,
-    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and manifest.json; all when not given
+    /// What to write besides points/first_returns.csv, points/cloud.csv, report.json and manifest.json; all but tiles when not given
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PRODUCT,...")]
-    products: Vec<Product>,
+    products: Vec<Requested>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -51,18 +54,18 @@ pub struct ProcessArgs {
 /// Processes every log. Of several, one that cannot be used does not keep the others from being processed.
 pub fn run(args: ProcessArgs) -> Result<(), String> {
     let inputs = survey_logs::inputs(&args.surveys, &args.settings, args.track.clone())?;
+    let products = args.products()?;
+    if products.is_empty() {
+        return tiles::run(&inputs, &args);
+    }
     // Before the work: a model that cannot be used should not cost minutes first.
     let model = match (inputs.first(), args.no_objects) {
         (Some(first), false) => Some(detect::load(first.logs.settings.detector.model.as_deref())?),
         _ => None,
     };
-    let requested = match args.products.as_slice() {
-        [] => &Product::ALL,
-        named => named,
-    };
     let how = How {
         model: model.as_ref(),
-        requested,
+        requested: &products,
         reference: args.reference.as_deref(),
         adjust: args.adjust,
     };
@@ -80,6 +83,26 @@ pub fn run(args: ProcessArgs) -> Result<(), String> {
                 how.process_into(&logs, &folder_of_all(&args, &logs)?)?;
             }
             all_or(failed, inputs.len())
+        }
+    }
+}
+
+impl ProcessArgs {
+    /// The groups of files that are asked for; none of them for tiles.
+    fn products(&self) -> Result<Vec<Product>, String> {
+        let files = self.products.iter().filter_map(|one| match one {
+            Requested::Files(product) => Some(*product),
+            Requested::Tiles => None,
+        });
+        let files: Vec<Product> = files.collect();
+        let tiles = self.products.contains(&Requested::Tiles);
+        match (tiles, files.is_empty()) {
+            (true, false) => Err(
+                "tiles go into the folder of a lake, other products into one of their own; ask for --products tiles alone"
+                    .to_owned(),
+            ),
+            (false, true) => Ok(Product::ALL.to_vec()),
+            _ => Ok(files),
         }
     }
 }

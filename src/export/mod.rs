@@ -1,6 +1,6 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `qgis_style` its colours, `vector` lines and areas,
+//! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
@@ -23,6 +23,7 @@ mod geojson;
 mod geotiff;
 mod glb;
 mod gps_time;
+mod grid_raster;
 mod isobaths;
 mod log_points;
 mod objects;
@@ -54,6 +55,7 @@ pub use first_returns::first_returns_csv;
 pub use footprint::footprint_geojson;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
+pub use grid_raster::{grid_raster, metres_raster};
 pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
 pub use log_points::LogPoints;
 pub use objects::{

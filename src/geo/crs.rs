@@ -236,7 +236,11 @@ impl Crs {
 
     /// The UTM zone of a position.
     pub fn utm(position: LonLat) -> Self {
-        let zone = UtmZone::of(position);
+        Self::of_zone(UtmZone::of(position))
+    }
+
+    /// A UTM zone.
+    pub fn of_zone(zone: UtmZone) -> Self {
         let epsg = zone.epsg() as u16;
         let known = crs_definitions::from_code(epsg);
         Self {

@@ -1,12 +1,12 @@
 //! Universal Transverse Mercator on WGS84: the metres that survey programs expect in a file.
 
 use super::LonLat;
-use super::crs::{transformed, wgs84};
+use super::crs::{metres_per_degree, transformed, wgs84};
 use proj4rs::Proj;
 use std::sync::OnceLock;
 
 /// A UTM zone of one hemisphere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct UtmZone {
     /// 1 to 60.
     pub number: u8,
@@ -22,6 +22,26 @@ impl UtmZone {
             number: (from_date_line / 6.0) as u8 % 60 + 1,
             north: position.lat_deg >= 0.0,
         }
+    }
+
+    /// The zones that have a place within `reach_m` of a position: its own first, and those across a meridian or the equator.
+    pub fn near(position: LonLat, reach_m: f64) -> Vec<Self> {
+        let [lon_m, lat_m] = metres_per_degree(position);
+        let [lon_deg, lat_deg] = [reach_m / lon_m, reach_m / lat_m];
+        let mut zones = vec![Self::of(position)];
+        for [east, north] in [-1.0, 0.0, 1.0]
+            .into_iter()
+            .flat_map(|east| [-1.0, 0.0, 1.0].map(|north| [east, north]))
+        {
+            let zone = Self::of(LonLat {
+                lon_deg: position.lon_deg + east * lon_deg,
+                lat_deg: position.lat_deg + north * lat_deg,
+            });
+            if !zones.contains(&zone) {
+                zones.push(zone);
+            }
+        }
+        zones
     }
 
     /// Its number among the EPSG coordinate reference systems.
@@ -111,6 +131,22 @@ mod tests {
             assert!(off_deg < 1e-12, "{back:?}");
         }
     }
+
+    #[test]
+    fn zones_meet_at_meridians_and_the_equator() {
+        let near = |lon_deg, lat_deg, reach_m| {
+            let zones = UtmZone::near(LonLat { lon_deg, lat_deg }, reach_m);
+            zones.into_iter().map(UtmZone::name).collect::<Vec<_>>()
+        };
+        assert_eq!(near(9.0, 47.5, 100.0), ["UTM 32N"]);
+        // A thousandth of a degree is 75 m there.
+        assert_eq!(near(11.999, 47.5, 100.0), ["UTM 32N", "UTM 33N"]);
+        assert_eq!(near(11.999, 47.5, 50.0), ["UTM 32N"]);
+        assert_eq!(near(-179.9999, 47.5, 50.0), ["UTM 1N", "UTM 60N"]);
+        let corner = near(12.0001, -0.0001, 50.0);
+        assert_eq!(corner, ["UTM 33S", "UTM 32S", "UTM 32N", "UTM 33N"]);
+    }
+
     #[test]
     fn what_is_no_zone_or_no_place_is_nowhere() {
         let position = LonLat {

@@ -13,6 +13,8 @@ pub enum Topic {
     Waterfall,
     /// Many logs in one survey
     Survey,
+    /// One map of all logs of a water, kept up to date in a folder
+    Lake,
     /// The project file
     Project,
     /// Layers, coordinates, measuring, printing
@@ -43,10 +45,11 @@ pub enum Topic {
 
 impl Topic {
     /// All pages, in the order of the manual.
-    pub const ALL: [Topic; 16] = [
+    pub const ALL: [Topic; 17] = [
         Topic::Window,
         Topic::Waterfall,
         Topic::Survey,
+        Topic::Lake,
         Topic::Project,
         Topic::Map,
         Topic::Bottom,
@@ -67,6 +70,7 @@ impl Topic {
             Topic::Window => include_str!("../../assets/manual/window.md"),
             Topic::Waterfall => include_str!("../../assets/manual/waterfall.md"),
             Topic::Survey => include_str!("../../assets/manual/survey.md"),
+            Topic::Lake => include_str!("../../assets/manual/lake.md"),
             Topic::Project => include_str!("../../assets/manual/project.md"),
             Topic::Map => include_str!("../../assets/manual/map.md"),
             Topic::Bottom => include_str!("../../assets/manual/bottom.md"),

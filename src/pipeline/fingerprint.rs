@@ -1,5 +1,6 @@
 //! Identifies one version of a file.
 
+use super::Settings;
 use crate::progress::{Cancelled, Progress};
 use crate::regular_file;
 use crate::survey::Survey;
@@ -79,6 +80,54 @@ pub(super) fn hash_inputs(survey: &Survey, progress: &Progress) -> Result<Vec<In
             })
         })
         .collect()
+}
+
+/// A log by its bytes, and all files that its results depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogFiles {
+    /// SHA-256 of its file; of a log of several files, that of their hashes in a row. Names and folders do not matter.
+    pub sha256: String,
+    /// Its files, the track of another receiver and the readings of the water level, by their names without folders.
+    pub files: Vec<Fingerprint>,
+}
+
+impl LogFiles {
+    /// Of a log that was opened as some settings ask.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn of(
+        survey: &Survey,
+        settings: &Settings,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let track = usize::from(survey.track.external.is_some());
+        let mut inputs = hash_inputs(survey, progress)?;
+        let own = inputs.len().saturating_sub(track);
+        let sha256 = match &inputs[..own] {
+            [one] => one.sha256.clone(),
+            several => {
+                let hashes: String = several.iter().map(|one| one.sha256.as_str()).collect();
+                in_hexadecimal(&Sha256::digest(hashes.as_bytes()))
+            }
+        };
+        inputs.extend(settings.water_level.gauge.as_deref().map(|gauge| Input {
+            file: gauge.path.display().to_string(),
+            bytes: gauge.bytes,
+            sha256: gauge.sha256.clone(),
+        }));
+        let files = inputs.into_iter().map(|input| Fingerprint {
+            file: Path::new(&input.file)
+                .file_name()
+                .map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            bytes: input.bytes as u64,
+            sha256: input.sha256,
+        });
+        Ok(Self {
+            sha256,
+            files: files.collect(),
+        })
+    }
 }
 
 /// A file that is no log; the error is one sentence.

@@ -39,7 +39,7 @@ pub use derived::{
     IsobathKey, Isobaths, Mosaic, MosaicKey, MosaicPlane, PictureKey,
 };
 pub use engine::{Engine, EngineStatus};
-pub use fingerprint::{Fingerprint, Input, in_hexadecimal, sha256_of};
+pub use fingerprint::{Fingerprint, Input, LogFiles, in_hexadecimal, sha256_of};
 pub use growing::{GrowingResults, extend};
 pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,

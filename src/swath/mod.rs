@@ -119,7 +119,7 @@ pub fn shade(
         Err(kept) => return Ok(Outcome::Kept(kept)),
     };
     add(&found, surface);
-    surface.hardness_db = Some(hardness_db(&found, surface));
+    surface.hardness_db = hardness_db(&found, surface);
     surface.shading = Shading::Corrected;
     Ok(Outcome::Shaded(found))
 }
@@ -143,8 +143,9 @@ fn add(found: &Correction, surface: &mut Surface) {
     }
 }
 
-/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median.
-fn hardness_db(found: &Correction, surface: &Surface) -> Vec<f32> {
+/// The brightness of the bed in the cells with a depth that echoes say something of, decibels over their median; `None` where that
+/// is none.
+fn hardness_db(found: &Correction, surface: &Surface) -> Option<Vec<f32>> {
     let columns = surface.grid.columns.max(1);
     let of_cell = |(cell, depth_m): (usize, &f32)| {
         let centre = surface.grid.centre(cell / columns, cell % columns);
@@ -156,11 +157,11 @@ fn hardness_db(found: &Correction, surface: &Surface) -> Vec<f32> {
     let known = cells_db.iter().copied().filter(|value| !value.is_nan());
     let mut known: Vec<f64> = known.collect();
     if known.is_empty() {
-        return vec![f32::NAN; cells_db.len()];
+        return None;
     }
     let usual_db = median(&mut known);
     let over = |value: f64| (value - usual_db) as f32;
-    cells_db.into_iter().map(over).collect()
+    Some(cells_db.into_iter().map(over).collect())
 }
 
 /// The size that a correction usually has: a share of the median stated error between the lines, metres.

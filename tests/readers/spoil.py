@@ -9,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import lake
 import rasterio
 from check import check
 
@@ -121,15 +122,57 @@ SPOILERS = {
     ),
 }
 
-if __name__ == "__main__":
-    for name, spoil in SPOILERS.items():
+
+
+def first(folder, pattern):
+    """The first file of a lake that a pattern names."""
+    return sorted(folder.glob(pattern))[0]
+
+
+def edit_first(pattern, change):
+    """Changes the first JSON file of a lake that a pattern names."""
+    return lambda folder: edit(first(folder, pattern).relative_to(folder), change)(folder)
+
+
+def move_map(folder):
+    """Moves the depth map of a tile by a cell."""
+    with rasterio.Env(IGNORE_COG_LAYOUT_BREAK="YES"), rasterio.open(first(folder, "tiles/*/depth.tif"), "r+") as raster:
+        raster.transform = raster.transform @ rasterio.Affine.translation(1, 0)
+
+
+def move_in_vrt(folder):
+    path = first(folder, "index/depth_*.vrt")
+    path.write_text(path.read_text().replace('<DstRect xOff="', '<DstRect xOff="1'))
+
+
+LAKE_SPOILERS = {
+    "a point too many": edit_first("logs/*.json", lambda log: log["tiles"][0].update(points=log["tiles"][0]["points"] + 1)),
+    "a tile of another zone": edit_first("logs/*.json", lambda log: log["tiles"][0].update(tile="18N_392192_3253760")),
+    "rows that are not there": lambda folder: first(folder, "pings/*/*.parquet").unlink(),
+    "rows that no record names": lambda folder: first(folder, "points/*/*.parquet").with_name("0.parquet").write_bytes(b""),
+    "a map moved by a cell": move_map,
+    "a map of other depths": edit_first("tiles/*/tile.json", lambda tile: tile.update(depth_m=[0.0, 99.0])),
+    "a VRT with a tile at another place": move_in_vrt,
+    "an isobath too few": edit_first("tiles/*/isobaths.geojson", lambda lines: lines["features"].pop()),
+    "an item too few": edit_first("index/collection.json", lambda index: index.update(links=[])),
+}
+
+
+def all_fail(spoilers, original, look):
+    """Every spoiled copy must be refused."""
+    for name, spoil in spoilers.items():
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "spoiled"
-            shutil.copytree(sys.argv[1], folder)
+            shutil.copytree(original, folder)
             spoil(folder)
             try:
-                check(folder)
+                look(folder)
             except AssertionError as error:
                 print(f"{name}: {error}")
             else:
                 sys.exit(f"{name} passed")
+
+
+if __name__ == "__main__":
+    all_fail(SPOILERS, sys.argv[1], check)
+    all_fail(LAKE_SPOILERS, sys.argv[2], lake.check)

@@ -110,6 +110,19 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "lake",
+        &[
+            "survey",
+            "geo",
+            "cloud",
+            "bathymetry",
+            "formats",
+            "export",
+            "pipeline",
+            "presentation",
+        ],
+    ),
+    (
         "project",
         &[
             "survey",

@@ -30,6 +30,7 @@ mod handmade;
 mod history_window;
 mod hostile;
 mod keyboard_window;
+mod lake;
 mod lake_files;
 mod large_boxes;
 mod left_out_window;

@@ -7,7 +7,7 @@ use crate::statistics::median;
 use std::collections::{BTreeMap, HashMap};
 
 /// Where the tracks of two logs cross fewer times than this, places along which both went count as well.
-const FEW_CROSSINGS: usize = 3;
+pub const FEW_CROSSINGS: usize = 3;
 /// Side of the squares in which two logs measured the same, metres.
 const SQUARE_M: f64 = 1.0;
 /// Squares of a block give one difference, since the errors of neighbours are alike: its side in squares, and the fewest squares.
@@ -23,19 +23,7 @@ pub fn meetings(
     tracks: &[Vec<TrackDepth>],
     progress: &Progress,
 ) -> Result<Vec<Meeting>, Cancelled> {
-    let found = crossings(tracks, progress)?;
-    let between = found
-        .iter()
-        .filter(|one| one.passes[0].track != one.passes[1].track);
-    let mut meetings: Vec<Meeting> = between
-        .map(|one| Meeting {
-            logs: one.passes.map(|pass| pass.track),
-            kind: MeetingKind::Crossing,
-            place: one.place,
-            difference_m: one.difference_m(),
-            slope: one.slope,
-        })
-        .collect();
+    let mut meetings = crossing_meetings(tracks, progress)?;
     let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
     for meeting in &meetings {
         *counts.entry(meeting.logs).or_default() += 1;
@@ -46,13 +34,39 @@ pub fn meetings(
     Ok(meetings)
 }
 
+/// Crossings between logs, in the order of their first pass.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn crossing_meetings(
+    tracks: &[Vec<TrackDepth>],
+    progress: &Progress,
+) -> Result<Vec<Meeting>, Cancelled> {
+    let found = crossings(tracks, progress)?;
+    let between = found
+        .iter()
+        .filter(|one| one.passes[0].track != one.passes[1].track);
+    let meetings = between.map(|one| Meeting {
+        logs: one.passes.map(|pass| pass.track),
+        kind: MeetingKind::Crossing,
+        place: one.place,
+        difference_m: one.difference_m(),
+        slope: one.slope,
+    });
+    Ok(meetings.collect())
+}
+
 /// A square that two logs measured: depth by the first, and elevation by the second minus that by the first.
 struct Shared {
     depth_m: f64,
     difference_m: f64,
 }
 
-fn overlaps(
+/// Blocks of 10 m in which two logs measured the same squares of 1 m, of the pairs that are wanted, in their order.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn overlaps(
     tracks: &[Vec<TrackDepth>],
     is_wanted: impl Fn(&[usize; 2]) -> bool,
     progress: &Progress,

@@ -9,7 +9,7 @@ mod cholesky;
 mod meetings;
 mod network;
 
-pub use meetings::meetings;
+pub use meetings::{FEW_CROSSINGS, crossing_meetings, meetings, overlaps};
 pub use network::adjust;
 
 use super::crosslines::TrackDepth;

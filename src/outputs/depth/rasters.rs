@@ -2,8 +2,8 @@
 //! colours for QGIS (`.qml`).
 
 use crate::bathymetry::{CellSource, Grid, Spread, Surface};
-use crate::export::{Summary, geotiff, qgis_classes, qgis_style};
-use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
+use crate::export::{Summary, grid_raster, metres_raster, qgis_classes, qgis_style};
+use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::raster;
@@ -107,13 +107,9 @@ pub fn source(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputE
         ),
         ..raster::over(grid, &plane.map)
     };
-    let draw = |tile| {
-        draw(grid, tile, |cell| {
-            [cell.map_or(0, |cell| surface.source[cell] as u8)]
-        })
-    };
-    let tiles = tiles(grid, &surface.depth_m);
-    geotiff(path, &spec, &tiles, draw, results.progress)?;
+    let is_known = |cell: usize| !surface.depth_m[cell].is_nan();
+    let stored = |cell: Option<usize>| [cell.map_or(0, |cell| surface.source[cell] as u8)];
+    grid_raster(path, &spec, grid, is_known, stored, results.progress)?;
     let classes = CellSource::KNOWN.iter().zip(SOURCES);
     let classes = classes.map(|(source, colour)| (*source as u8, source.name(), colour));
     let classes: Vec<_> = classes.collect();
@@ -141,18 +137,7 @@ fn write(layer: &Layer, results: &Results<'_>, path: &Path) -> Result<FileConten
         ..raster::over(grid, &plane.map)
     };
     let crs = &spec.crs;
-    let tiles = tiles(grid, &surface.depth_m);
-    let draw = |tile| {
-        draw(grid, tile, |cell| {
-            let value = cell
-                .and_then(|cell| values.get(cell))
-                .copied()
-                .unwrap_or(f32::NAN);
-            let stored = if value.is_nan() { NODATA } else { value };
-            stored.to_le_bytes()
-        })
-    };
-    geotiff(path, &spec, &tiles, draw, results.progress)?;
+    metres_raster(path, &spec, grid, values, results.progress)?;
     let summary = summary(plane, grid, values);
     let range = summary.values.unwrap_or_default();
     qgis_style(&path.with_extension("qml"), range, STEPS, layer.colour)?;
@@ -185,33 +170,4 @@ fn applied(products: &Products, surface: &Surface) -> String {
         surface.grid.cell_m,
         settings.surface.max_gap_m
     )
-}
-
-/// Row and column of the tiles that hold something.
-fn tiles(grid: &Grid, values: &[f32]) -> Vec<[usize; 2]> {
-    let across = grid.columns.div_ceil(RASTER_TILE);
-    let mut holds = vec![false; across * grid.rows.div_ceil(RASTER_TILE)];
-    for (row, cells) in values.chunks_exact(grid.columns).enumerate() {
-        for (column, cells) in cells.chunks(RASTER_TILE).enumerate() {
-            holds[row / RASTER_TILE * across + column] |= cells.iter().any(|value| !value.is_nan());
-        }
-    }
-    let filled = (0..holds.len()).filter(|tile| holds[*tile]);
-    filled.map(|tile| [tile / across, tile % across]).collect()
-}
-
-/// The bytes of a tile; `stored` is asked for the number of a cell, `None` beyond the grid.
-fn draw<const BYTES: usize>(
-    grid: &Grid,
-    [row, column]: [usize; 2],
-    stored: impl Fn(Option<usize>) -> [u8; BYTES],
-) -> Vec<u8> {
-    let mut tile = Vec::with_capacity(BYTES * RASTER_TILE * RASTER_TILE);
-    for row in row * RASTER_TILE..(row + 1) * RASTER_TILE {
-        for column in column * RASTER_TILE..(column + 1) * RASTER_TILE {
-            let inside = row < grid.rows && column < grid.columns;
-            tile.extend(stored(inside.then_some(row * grid.columns + column)));
-        }
-    }
-    tile
 }

@@ -1,0 +1,110 @@
+//! `bathyscope adjust`: the height offsets of the logs of a lake.
+
+use crate::cli::output;
+use crate::cli::status_line::StatusLine;
+use crate::lake::{Adjusted, Lake, OffsetRow, adjust};
+use crate::presentation::text;
+use crate::progress::Progress;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// `bathyscope adjust DIR`.
+#[derive(Debug, clap::Args)]
+pub struct AdjustArgs {
+    /// Folder of the lake
+    lake: PathBuf,
+    /// Print JSON for scripts
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Printed<'a> {
+    name: &'a str,
+    log: &'a str,
+    offset_m: f64,
+    standard_error_m: Option<f64>,
+    ties: usize,
+    group: usize,
+    pinned: bool,
+}
+
+/// Finds the offsets, writes the table and prints it.
+pub fn run(args: &AdjustArgs) -> Result<(), String> {
+    let lake = Lake::open(&args.lake).map_err(|error| error.to_string())?;
+    let adjusted = adjusted(&lake)?;
+    tell(&adjusted);
+    let rows = adjusted.offsets.rows();
+    if args.json {
+        let printed = rows.iter().map(|row| Printed {
+            name: &row.name,
+            log: &row.log,
+            offset_m: row.offset_m,
+            standard_error_m: Some(row.standard_error_m).filter(|metres| metres.is_finite()),
+            ties: row.ties,
+            group: row.group,
+            pinned: row.is_pinned,
+        });
+        return output::json(&printed.collect::<Vec<_>>());
+    }
+    let mut lines: Vec<String> = rows.into_iter().map(of_log).collect();
+    lines.push(summary(&adjusted));
+    output::results(lines.join("\n"))
+}
+
+/// Finds the offsets of a lake and writes its table.
+pub fn adjusted(lake: &Lake) -> Result<Adjusted, String> {
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("height offsets");
+    adjust(lake, &progress).map_err(|error| error.to_string())
+}
+
+/// Names what offsets cannot settle.
+pub fn tell(adjusted: &Adjusted) {
+    for ([one, other], left_m) in &adjusted.contradictions {
+        output::notify(format_args!(
+            "warning: no height offset explains how {one} and {other} differ: {left_m:+.2} m are left; another water level on the way, a wrong position, or a bottom that moved"
+        ));
+    }
+    let untied = adjusted.offsets.untied();
+    if !untied.is_empty() {
+        output::notify(format_args!(
+            "warning: nothing ties {} to another log: {}",
+            text::plural(untied.len(), "log", "logs"),
+            untied.join(", ")
+        ));
+    }
+    if adjusted.groups > 1 {
+        output::notify(format_args!(
+            "warning: the logs are {} groups that nothing ties to each other, so that heights of one cannot be compared with those of another; offsets.csv numbers them",
+            adjusted.groups
+        ));
+    }
+}
+
+/// How many logs are tied.
+pub fn summary(adjusted: &Adjusted) -> String {
+    let rows = adjusted.offsets.rows();
+    let pinned = rows.iter().filter(|row| row.is_pinned).count();
+    format!(
+        "{} tied, {} not, {} pinned; the table is offsets.csv",
+        text::plural(rows.len() - adjusted.offsets.untied().len(), "log", "logs"),
+        adjusted.offsets.untied().len(),
+        pinned
+    )
+}
+
+fn of_log(row: &OffsetRow) -> String {
+    let how = match (row.is_pinned, row.ties) {
+        (true, _) => "pinned".to_owned(),
+        (false, 0) => "not tied".to_owned(),
+        (false, ties) => format!(
+            "standard error {:.4} m, {}, group {}",
+            row.standard_error_m,
+            text::plural(ties, "tie", "ties"),
+            row.group
+        ),
+    };
+    format!("{}: {:+.4} m, {how}", row.name, row.offset_m)
+}

@@ -1,0 +1,56 @@
+//! `bathyscope lake`: everything of a lake that is out of date.
+
+use super::adjust::{adjusted, summary, tell};
+use super::{MOST_AT_ONCE, of_tile};
+use crate::cli::output;
+use crate::cli::parallel::each_in_parallel;
+use crate::cli::status_line::StatusLine;
+use crate::lake::{
+    Lake, LakeError, TileId, TileState, contents, tile_state, write_index, write_tile,
+};
+use crate::presentation::text;
+use crate::progress::Progress;
+use std::path::PathBuf;
+
+/// `bathyscope lake DIR`.
+#[derive(Debug, clap::Args)]
+pub struct LakeArgs {
+    /// Folder of the lake
+    lake: PathBuf,
+}
+
+/// Finds the offsets, makes the maps that are stale or missing, and the index of all.
+pub fn run(args: &LakeArgs) -> Result<(), String> {
+    let in_words = |error: LakeError| error.to_string();
+    let lake = Lake::open(&args.lake).map_err(in_words)?;
+    let logs = lake.logs().map_err(in_words)?;
+    let adjusted = adjusted(&lake)?;
+    tell(&adjusted);
+    output::results(summary(&adjusted))?;
+    let all: Vec<TileId> = contents(&lake).map_err(in_words)?.into_keys().collect();
+    let is_due =
+        |tile: &TileId| tile_state(&lake, *tile, &logs, &adjusted.offsets) != TileState::UpToDate;
+    let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("maps");
+    progress.start(due.len() as u64);
+    let done = each_in_parallel(&due, MOST_AT_ONCE, |tile| {
+        let made = write_tile(&lake, *tile, &logs, &adjusted.offsets, &Progress::new());
+        progress.advance(1);
+        made
+    });
+    drop(status);
+    for (tile, made) in due.iter().zip(done) {
+        output::results(format_args!(
+            "wrote {}",
+            of_tile(*tile, &made.map_err(in_words)?)
+        ))?;
+    }
+    write_index(&lake, &logs, &all).map_err(in_words)?;
+    output::results(format_args!(
+        "{} of {} made, the others are up to date; the index is index/depth_*.vrt and index/collection.json",
+        due.len(),
+        text::plural(all.len(), "map", "maps")
+    ))
+}

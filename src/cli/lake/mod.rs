@@ -1,0 +1,44 @@
+//! Commands about a lake of many logs: `tiles`, `tile`, `who`, `adjust`, `lake`.
+
+mod adjust;
+mod build;
+mod tile;
+mod tiles;
+mod who;
+
+pub use adjust::{AdjustArgs, run as run_adjust};
+pub use build::{LakeArgs, run as run_lake};
+pub use tile::{TileArgs, run as run_tile};
+pub use tiles::{TilesArgs, run as run_tiles};
+pub use who::{WhoArgs, run as run_who};
+
+use crate::cli::output;
+use crate::lake::{LogRecord, Offsets, TileId, TileRecord};
+use crate::presentation::text;
+
+/// Tiles of which each worker has one in memory.
+const MOST_AT_ONCE: usize = 4;
+
+/// Names logs that the table of offsets does not have, where there is one.
+fn tell_of_missing(offsets: &Offsets, logs: &[LogRecord]) {
+    let missing = offsets.missing(logs);
+    if !offsets.rows().is_empty() && !missing.is_empty() {
+        let names: Vec<&str> = missing.iter().map(|log| log.name.as_str()).collect();
+        output::notify(format_args!(
+            "warning: offsets.csv does not have {} yet, which stay as they are; `bathyscope adjust` finds their offsets",
+            names.join(", ")
+        ));
+    }
+}
+
+/// What became of a tile.
+fn of_tile(tile: TileId, record: &TileRecord) -> String {
+    match record.depth_m.as_slice() {
+        [least_m, most_m] => format!(
+            "{tile}: {}, {least_m:.2} to {most_m:.2} m deep, {}",
+            text::plural(record.cells, "cell", "cells"),
+            text::plural(record.isobaths, "isobath", "isobaths")
+        ),
+        _ => format!("{tile}: no depth in the tile itself"),
+    }
+}

@@ -1,0 +1,81 @@
+//! `bathyscope process --products tiles`: the rows of logs into a lake.
+
+use super::ProcessArgs;
+use crate::cli::output;
+use crate::cli::parallel::each_in_parallel;
+use crate::cli::status_line::StatusLine;
+use crate::cli::survey_logs::{LogInput, all_or};
+use crate::lake::{Added, Lake, LogRecord, add};
+use crate::presentation::text;
+use crate::progress::Progress;
+
+/// Logs of which each worker has one in memory: more of them at once than this only take memory, since the work on a log is parallel
+/// too.
+const MOST_AT_ONCE: usize = 4;
+
+/// Adds every log to the lake of the folder. One that cannot be used does not keep the others out.
+pub fn run(inputs: &[LogInput], args: &ProcessArgs) -> Result<(), String> {
+    let folder = args
+        .output
+        .as_deref()
+        .ok_or("tiles go into the folder of a lake, which many runs share; name it with -o DIR")?;
+    if args.adjust || args.reference.is_some() || !args.review.is_empty() {
+        return Err(
+            "tiles are written of each log by itself: --adjust, --reference and --review do not go with them (`bathyscope adjust DIR` finds height offsets)"
+                .to_owned(),
+        );
+    }
+    let Some(first) = inputs.first() else {
+        return Ok(());
+    };
+    let lake = Lake::open_for(folder, &first.logs.settings).map_err(|error| error.to_string())?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("tiles");
+    progress.start(inputs.len() as u64);
+    let done = each_in_parallel(inputs, MOST_AT_ONCE, |input| {
+        let added = added(&lake, input);
+        progress.advance(1);
+        added
+    });
+    drop(status);
+    let mut failed = 0;
+    for (input, added) in inputs.iter().zip(done) {
+        match added {
+            Ok(Added::Twice) => output::notify(format_args!(
+                "warning: the log holds the same bytes as another and is taken once: {}",
+                input.path.display()
+            )),
+            Ok(Added::Written(record)) => {
+                output::results(format_args!("wrote {}", in_words(&record)))?;
+            }
+            Ok(Added::UpToDate(record)) => {
+                output::results(format_args!("up to date: {}", in_words(&record)))?;
+            }
+            Err(sentence) => {
+                failed += 1;
+                output::notify(format_args!("bathyscope: {sentence}"));
+            }
+        }
+    }
+    all_or(failed, inputs.len())
+}
+
+fn added(lake: &Lake, input: &LogInput) -> Result<Added, String> {
+    // Each log of a project has settings of its own.
+    lake.check(&input.logs.settings)
+        .map_err(|error| error.to_string())?;
+    let log = input.open()?;
+    let added = add(lake, &log.survey, &log.settings, &Progress::new());
+    added.map_err(|error| format!("{error}: {}", input.path.display()))
+}
+
+fn in_words(record: &LogRecord) -> String {
+    format!(
+        "{} and {} in {}: {}",
+        text::plural(record.points, "point", "points"),
+        text::plural(record.pings, "ping", "pings"),
+        text::plural(record.tiles.len(), "tile", "tiles"),
+        record.name
+    )
+}

@@ -1,0 +1,123 @@
+//! Reading columns by their names.
+
+use super::Values;
+use crate::catch_panic::catch_panic;
+use crate::regular_file;
+use parquet::basic::Type as Physical;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use std::path::{Path, PathBuf};
+
+/// A Parquet file that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cannot read the Parquet file: {what}: {}", path.display())]
+pub struct ParquetError {
+    /// What is wrong with it.
+    pub what: String,
+    /// Which file.
+    pub path: PathBuf,
+}
+
+/// Columns of numbers, times and flags of a file, in the order of the names.
+///
+/// # Errors
+/// When the file cannot be read, is damaged, or has no such column.
+pub fn read_parquet(path: &Path, names: &[&str]) -> Result<Vec<Values>, ParquetError> {
+    let fail = |what: String| ParquetError {
+        what,
+        path: path.to_owned(),
+    };
+    // The decoder panics on some damaged files.
+    match catch_panic(|| read(path, names)) {
+        Some(read) => read.map_err(fail),
+        None => Err(fail("the file is damaged".to_owned())),
+    }
+}
+
+fn read(path: &Path, names: &[&str]) -> Result<Vec<Values>, String> {
+    let in_words = |error: parquet::errors::ParquetError| error.to_string();
+    let file = regular_file::open(path).map_err(|error| error.to_string())?;
+    let reader = SerializedFileReader::new(file).map_err(in_words)?;
+    let schema = reader.metadata().file_metadata().schema_descr_ptr();
+    let columns = schema.columns().iter().enumerate();
+    let mut chosen = Vec::new();
+    for name in names {
+        let found = columns.clone().find(|(_, column)| column.name() == *name);
+        let (index, column) = found.ok_or_else(|| format!("it has no column {name}"))?;
+        chosen.push((index, empty(column.physical_type(), name)?));
+    }
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group).map_err(in_words)?;
+        let rows = usize::try_from(group.metadata().num_rows()).unwrap_or_default();
+        for (index, values) in &mut chosen {
+            let chunk = group.get_column_reader(*index).map_err(in_words)?;
+            append(chunk, rows, values)?;
+        }
+    }
+    Ok(chosen.into_iter().map(|(_, values)| values).collect())
+}
+
+fn empty(physical: Physical, name: &str) -> Result<Values, String> {
+    Ok(match physical {
+        Physical::DOUBLE => Values::Double(Vec::new()),
+        Physical::FLOAT => Values::Float(Vec::new()),
+        Physical::INT32 => Values::Whole(Vec::new()),
+        Physical::INT64 => Values::Time(Vec::new()),
+        Physical::BOOLEAN => Values::Flag(Vec::new()),
+        _ => return Err(format!("its column {name} holds no numbers")),
+    })
+}
+
+fn append(chunk: ColumnReader, rows: usize, values: &mut Values) -> Result<(), String> {
+    match (chunk, values) {
+        (ColumnReader::DoubleColumnReader(chunk), Values::Double(all)) => {
+            let read = nullable(chunk, rows)?.into_iter();
+            all.extend(read.map(|value| value.unwrap_or(f64::NAN)));
+        }
+        (ColumnReader::FloatColumnReader(chunk), Values::Float(all)) => {
+            let read = nullable(chunk, rows)?.into_iter();
+            all.extend(read.map(|value| value.unwrap_or(f32::NAN)));
+        }
+        (ColumnReader::Int32ColumnReader(chunk), Values::Whole(all)) => {
+            all.extend(nullable(chunk, rows)?);
+        }
+        (ColumnReader::Int64ColumnReader(chunk), Values::Time(all)) => {
+            all.extend(nullable(chunk, rows)?);
+        }
+        (ColumnReader::BoolColumnReader(chunk), Values::Flag(all)) => {
+            let read = nullable(chunk, rows)?.into_iter();
+            all.extend(read.map(|value| value.unwrap_or_default()));
+        }
+        _ => return Err("its columns change their type".to_owned()),
+    }
+    Ok(())
+}
+
+/// The values of all rows of a group; a column in which every row must have one has no levels.
+fn nullable<T: DataType>(
+    mut chunk: ColumnReaderImpl<T>,
+    rows: usize,
+) -> Result<Vec<Option<T::T>>, String> {
+    let (mut values, mut levels) = (Vec::new(), Vec::new());
+    let (mut records, mut all) = (0, 0);
+    while records < rows {
+        let (read, _, _) = chunk
+            .read_records(rows - records, Some(&mut levels), None, &mut values)
+            .map_err(|error| error.to_string())?;
+        if read == 0 {
+            return Err("it ends before its last row".to_owned());
+        }
+        records += read;
+        all += read;
+    }
+    let mut known = values.into_iter();
+    match levels.is_empty() {
+        true => Ok(known.map(Some).collect()),
+        false if levels.len() == all => {
+            let value = |level: i16| (level > 0).then(|| known.next()).flatten();
+            Ok(levels.into_iter().map(value).collect())
+        }
+        false => Err("its columns are not of one length".to_owned()),
+    }
+}

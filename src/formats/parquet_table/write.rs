@@ -1,0 +1,191 @@
+//! Writing: rows in groups, one chunk a column.
+
+use super::{Column, Values};
+use crate::geo::LonLat;
+use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Physical};
+use parquet::data_type::{
+    BoolType, ByteArray, ByteArrayType, DoubleType, FloatType, Int32Type, Int64Type,
+};
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
+use parquet::schema::types::{ColumnPath, Type};
+use std::fs::File;
+use std::io;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Rows of a group: what a reader takes at once.
+const GROUP_ROWS: usize = 1 << 17;
+/// Who wrote it. Without a version, so that the same rows are the same bytes as long as they are the same rows.
+const WRITER: &str = "bathyscope";
+
+/// Writes a table with some keys of the file. The same columns give the same bytes. All columns must be of one length.
+///
+/// # Errors
+/// What the system says.
+pub fn write_parquet(file: File, columns: &[Column], keys: &[(&str, String)]) -> io::Result<()> {
+    write(file, columns, keys).map_err(io::Error::other)
+}
+
+fn write(
+    file: File,
+    columns: &[Column],
+    keys: &[(&str, String)],
+) -> Result<(), parquet::errors::ParquetError> {
+    let fields = columns.iter().map(field).collect::<Result<Vec<_>, _>>()?;
+    let schema = Type::group_type_builder("schema")
+        .with_fields(fields)
+        .build()?;
+    let key = |(key, value): &(&str, String)| KeyValue::new((*key).to_owned(), value.clone());
+    let mut properties = WriterProperties::builder()
+        .set_compression(Compression::SNAPPY)
+        .set_created_by(WRITER.to_owned())
+        .set_key_value_metadata(Some(keys.iter().map(key).collect()));
+    for column in columns.iter().filter(|column| !repeats(&column.values)) {
+        properties = properties.set_column_dictionary_enabled(ColumnPath::from(column.name), false);
+    }
+    let mut writer =
+        SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))?;
+    let count = columns.first().map_or(0, |column| column.values.len());
+    for start in (0..count).step_by(GROUP_ROWS) {
+        let rows = start..(start + GROUP_ROWS).min(count);
+        let mut group = writer.next_row_group()?;
+        for column in columns {
+            if let Some(mut chunk) = group.next_column()? {
+                write_chunk(&mut chunk, &column.values, rows.clone())?;
+                chunk.close()?;
+            }
+        }
+        group.close()?;
+    }
+    writer.close()?;
+    Ok(())
+}
+
+/// Whether the same values come again and again, so that a dictionary of them saves room.
+fn repeats(values: &Values) -> bool {
+    matches!(
+        values,
+        Values::Text(_) | Values::Same(..) | Values::Float(_)
+    )
+}
+
+fn field(column: &Column) -> Result<Arc<Type>, parquet::errors::ParquetError> {
+    let (physical, logical, repetition) = match &column.values {
+        Values::Double(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
+        Values::Float(_) => (Physical::FLOAT, None, Repetition::OPTIONAL),
+        Values::Whole(_) => (Physical::INT32, None, Repetition::OPTIONAL),
+        Values::Time(_) => (
+            Physical::INT64,
+            Some(LogicalType::timestamp(true, TimeUnit::MICROS)),
+            Repetition::OPTIONAL,
+        ),
+        Values::Flag(_) => (Physical::BOOLEAN, None, Repetition::REQUIRED),
+        Values::Text(_) => (
+            Physical::BYTE_ARRAY,
+            Some(LogicalType::String),
+            Repetition::OPTIONAL,
+        ),
+        Values::Same(..) => (
+            Physical::BYTE_ARRAY,
+            Some(LogicalType::String),
+            Repetition::REQUIRED,
+        ),
+        Values::Points(_) => (Physical::BYTE_ARRAY, None, Repetition::REQUIRED),
+    };
+    let built = Type::primitive_type_builder(column.name, physical)
+        .with_repetition(repetition)
+        .with_logical_type(logical)
+        .build()?;
+    Ok(Arc::new(built))
+}
+
+fn write_chunk(
+    chunk: &mut SerializedColumnWriter<'_>,
+    values: &Values,
+    rows: Range<usize>,
+) -> Result<(), parquet::errors::ParquetError> {
+    match values {
+        Values::Double(all) => {
+            let known = all[rows]
+                .iter()
+                .map(|value| (!value.is_nan()).then_some(*value));
+            let (values, levels) = nullable(known);
+            chunk
+                .typed::<DoubleType>()
+                .write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Float(all) => {
+            let known = all[rows]
+                .iter()
+                .map(|value| (!value.is_nan()).then_some(*value));
+            let (values, levels) = nullable(known);
+            chunk
+                .typed::<FloatType>()
+                .write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Whole(all) => {
+            let (values, levels) = nullable(all[rows].iter().copied());
+            chunk
+                .typed::<Int32Type>()
+                .write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Time(all) => {
+            let (values, levels) = nullable(all[rows].iter().copied());
+            chunk
+                .typed::<Int64Type>()
+                .write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Flag(all) => {
+            chunk
+                .typed::<BoolType>()
+                .write_batch(&all[rows], None, None)?;
+        }
+        Values::Text(all) => {
+            let known = all[rows]
+                .iter()
+                .map(|text| (!text.is_empty()).then(|| ByteArray::from(*text)));
+            let (values, levels) = nullable(known);
+            chunk
+                .typed::<ByteArrayType>()
+                .write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Same(text, _) => {
+            let values = vec![ByteArray::from(text.as_str()); rows.len()];
+            chunk
+                .typed::<ByteArrayType>()
+                .write_batch(&values, None, None)?;
+        }
+        Values::Points(all) => {
+            let values: Vec<ByteArray> =
+                all[rows].iter().map(|at| well_known(*at).into()).collect();
+            chunk
+                .typed::<ByteArrayType>()
+                .write_batch(&values, None, None)?;
+        }
+    }
+    Ok(())
+}
+
+/// The values that are known, and of each row whether it has one.
+fn nullable<T>(all: impl Iterator<Item = Option<T>>) -> (Vec<T>, Vec<i16>) {
+    let mut values = Vec::new();
+    let levels = all.map(|value| {
+        let level = i16::from(value.is_some());
+        values.extend(value);
+        level
+    });
+    let levels = levels.collect();
+    (values, levels)
+}
+
+/// A point as well-known binary: little-endian, of type 1, longitude before latitude.
+fn well_known(at: LonLat) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(21);
+    bytes.push(1);
+    bytes.extend(1_u32.to_le_bytes());
+    bytes.extend(at.lon_deg.to_le_bytes());
+    bytes.extend(at.lat_deg.to_le_bytes());
+    bytes
+}

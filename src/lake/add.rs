@@ -1,0 +1,272 @@
+//! Writing the rows of a log into a lake.
+
+use super::error::LakeError;
+use super::log_record::{LOGS, LogRecord, TileRows};
+use super::ping_rows::{self, PINGS};
+use super::point_rows::{self, POINTS};
+use super::record::{Lake, names_in, write_json};
+use super::spread::{self, Row};
+use super::tile::TileId;
+use crate::cloud::CloudPoint;
+use crate::export::write_aside;
+use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
+use crate::geo::LonLat;
+use crate::pipeline::{self, Fingerprint, LogFiles, Products, Settings};
+use crate::progress::Progress;
+use crate::survey::Survey;
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// What became of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Added {
+    /// Its rows were written.
+    Written(LogRecord),
+    /// They are there already, made from the same bytes with the same settings.
+    UpToDate(LogRecord),
+    /// The same bytes were added before under another name.
+    Twice,
+}
+
+/// A log whose rows are written.
+pub(super) struct LogRows<'a> {
+    pub survey: &'a Survey,
+    pub products: &'a Products,
+    pub sha256: &'a str,
+}
+
+impl LogRows<'_> {
+    /// A point of the cloud, and whether it is kept.
+    pub fn point(&self, index: usize) -> (&CloudPoint, bool) {
+        (
+            &self.products.cloud.points[index],
+            self.products.kept[index],
+        )
+    }
+
+    /// What a point counts for maps.
+    pub fn weight(&self, point: &CloudPoint, kept: bool) -> f64 {
+        match kept {
+            true => self.products.settings.surface.weight(point),
+            false => 0.0,
+        }
+    }
+
+    /// Seconds after the log's time zero.
+    pub fn time_of(&self, point: &CloudPoint) -> f64 {
+        let sounding = point
+            .sounding
+            .and_then(|one| self.survey.soundings.get(one.get()));
+        let ping = || {
+            self.survey
+                .side_scan
+                .get(point.ping as usize)
+                .map(|ping| ping.time_s)
+        };
+        let time_s = sounding.map(|one| one.time_s).or_else(ping);
+        time_s.unwrap_or(f64::NAN)
+    }
+
+    /// Microseconds since 1970 of a time of the log.
+    pub fn unix_us(&self, time_s: f64) -> Option<i64> {
+        let unix_us = 1e6 * (self.survey.start_unix_s? + time_s);
+        unix_us.is_finite().then_some(unix_us.round() as i64)
+    }
+
+    /// Unix seconds of the first and the last of some rows of points and pings; empty where the recorder did not know the time.
+    fn span_unix_s(&self, points: Option<&Vec<Row>>, pings: Option<&Vec<Row>>) -> Vec<f64> {
+        let Some(start_unix_s) = self.survey.start_unix_s else {
+            return Vec::new();
+        };
+        let of_points = points
+            .into_iter()
+            .flatten()
+            .map(|row| self.time_of(self.point(row.index).0));
+        let of_pings = pings
+            .into_iter()
+            .flatten()
+            .map(|row| self.survey.side_scan[row.index].time_s);
+        let span = of_points
+            .chain(of_pings)
+            .filter(|time_s| time_s.is_finite())
+            .fold(None, |span, time_s| {
+                let [from_s, to_s]: [f64; 2] = span.unwrap_or([time_s; 2]);
+                Some([from_s.min(time_s), to_s.max(time_s)])
+            });
+        span.map_or(Vec::new(), |span| {
+            span.map(|time_s| start_unix_s + time_s).to_vec()
+        })
+    }
+
+    /// Where a place of the log's plane lies.
+    pub fn position(&self, east_m: f64, north_m: f64) -> LonLat {
+        let navigation = &self.products.navigation;
+        navigation.to_lon_lat(&self.survey.track, east_m, north_m)
+    }
+}
+
+/// Writes the points and pings of a log into a lake, unless they are there. The rows of a version of it that was made otherwise go.
+///
+/// # Errors
+/// When the log has no place, a file cannot be written, or the work was cancelled; what was written is then no part of the lake.
+pub fn add(
+    lake: &Lake,
+    survey: &Survey,
+    settings: &Settings,
+    progress: &Progress,
+) -> Result<Added, LakeError> {
+    let files = LogFiles::of(survey, settings, progress)?;
+    if !lake.begins(&files.sha256) {
+        return Ok(Added::Twice);
+    }
+    let record = LogRecord::new(survey, settings, &files);
+    let path = lake
+        .folder()
+        .join(LOGS)
+        .join(format!("{}.json", record.log));
+    if let Ok(there) = LogRecord::read(&path)
+        && there.is_made_alike(&record)
+        && there.is_whole(lake.folder())
+    {
+        return Ok(Added::UpToDate(there));
+    }
+    if !survey.has_place() {
+        return Err(LakeError::Refused(format!(
+            "the log has no positions, so nothing of it has a place in a lake; give those of another receiver with --track: {}",
+            survey.name()
+        )));
+    }
+    let products = pipeline::run(survey, settings, None, progress, |_| ())?;
+    let log = LogRows {
+        survey,
+        products: &products,
+        sha256: &files.sha256,
+    };
+    if path.exists() {
+        // From here on its rows are those of two versions.
+        fs::remove_file(&path)
+            .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+    }
+    let record = write_rows(lake, &log, record, progress)?;
+    remove_others(lake, &record)?;
+    make_folder(&lake.folder().join(LOGS))?;
+    write_json(&path, &record)?;
+    Ok(Added::Written(record))
+}
+
+/// Writes all rows; gives back the record with them.
+fn write_rows(
+    lake: &Lake,
+    log: &LogRows<'_>,
+    mut record: LogRecord,
+    progress: &Progress,
+) -> Result<LogRecord, LakeError> {
+    let cloud = &log.products.cloud;
+    let placed = cloud
+        .points
+        .iter()
+        .enumerate()
+        .filter_map(|(index, point)| {
+            let at = log.position(point.east_m, point.north_m);
+            (at.is_on_earth() && point.z_m.is_finite()).then_some((index, at))
+        });
+    let points = spread::by_tile(placed, lake.record.halo_m);
+    let pings = ping_rows::by_tile(log);
+    record.pings = pings.count;
+    // The same of every file of the log: what it was made from, and how.
+    let made = json!({ "log": record.log, "name": record.name, "made": record.made }).to_string();
+    let tiles: BTreeSet<TileId> = points.keys().chain(pings.rows.keys()).copied().collect();
+    for tile in tiles {
+        progress.check()?;
+        let mut rows = TileRows {
+            tile,
+            points: 0,
+            core_points: 0,
+            pings: 0,
+            seen_m: Vec::new(),
+            unix_s: Vec::new(),
+            files: Vec::new(),
+        };
+        let mut write = |kind: &str, columns: Vec<Column>| {
+            let name = Lake::rows_name(kind, tile, log.sha256);
+            rows.files.push(write_file(lake, &name, &columns, &made)?);
+            Ok::<_, LakeError>(())
+        };
+        let of_tile = points.get(&tile);
+        if let Some(points) = of_tile {
+            write(POINTS, point_rows::columns(log, points))?;
+        }
+        let soundings = of_tile.into_iter().flatten().filter(|row| {
+            let (point, kept) = log.point(row.index);
+            row.is_core && point.sounding.is_some() && log.weight(point, kept) > 0.0
+        });
+        record.soundings += soundings.count();
+        let seen = pings.rows.get(&tile).zip(pings.footprints.get(&tile));
+        if let Some((pings, footprints)) = seen {
+            write(PINGS, ping_rows::columns(log, pings, footprints))?;
+        }
+        rows.points = of_tile.map_or(0, Vec::len);
+        rows.core_points =
+            of_tile.map_or(0, |points| points.iter().filter(|row| row.is_core).count());
+        rows.pings = seen.map_or(0, |(pings, _)| pings.len());
+        let grounds = seen
+            .into_iter()
+            .flat_map(|(_, footprints)| footprints)
+            .filter_map(|ping| ping.bounds_m());
+        let around = grounds.reduce(|[w, s, e, n], [west, south, east, north]| {
+            [w.min(west), s.min(south), e.max(east), n.max(north)]
+        });
+        rows.seen_m = around.map_or(Vec::new(), Vec::from);
+        rows.unix_s = log.span_unix_s(of_tile, seen.map(|(pings, _)| pings));
+        record.points += rows.core_points;
+        record.tiles.push(rows);
+    }
+    Ok(record)
+}
+
+fn write_file(
+    lake: &Lake,
+    name: &str,
+    columns: &[Column],
+    made: &str,
+) -> Result<Fingerprint, LakeError> {
+    let path = lake.folder().join(name);
+    make_folder(path.parent().unwrap_or(lake.folder()))?;
+    let places = columns.iter().find_map(|column| match &column.values {
+        Values::Points(places) => Some(places.as_slice()),
+        _ => None,
+    });
+    let keys = [
+        ("geo", geo_key("geometry", places.unwrap_or_default())),
+        ("bathyscope", made.to_owned()),
+    ];
+    write_aside(&path, |file| write_parquet(file, columns, &keys))?;
+    let hashed = Fingerprint::of(lake.folder(), name, &Progress::new());
+    Ok(hashed.map_err(|error| format!("cannot read the file: {error}: {}", path.display()))?)
+}
+
+pub(super) fn make_folder(folder: &Path) -> Result<(), LakeError> {
+    Ok(fs::create_dir_all(folder)
+        .map_err(|error| format!("cannot make the folder: {error}: {}", folder.display()))?)
+}
+
+/// Removes rows of the log in tiles where it has none any more.
+fn remove_others(lake: &Lake, record: &LogRecord) -> Result<(), LakeError> {
+    let files: BTreeSet<&str> = (record.tiles.iter())
+        .flat_map(|rows| rows.files.iter().map(|file| file.file.as_str()))
+        .collect();
+    for kind in [POINTS, PINGS] {
+        for tile in names_in(&lake.folder().join(kind))? {
+            let name = format!("{kind}/{tile}/{}.parquet", record.log);
+            let path = lake.folder().join(&name);
+            if !files.contains(name.as_str()) && path.is_file() {
+                fs::remove_file(&path).map_err(|error| {
+                    format!("cannot remove the file: {error}: {}", path.display())
+                })?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,344 @@
+//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles.
+
+use super::error::LakeError;
+use super::log_record::LogRecord;
+use super::offsets::{OffsetRow, Offsets};
+use super::ping_rows::{self, PINGS};
+use super::point_rows::{self, POINTS};
+use super::record::Lake;
+use super::tile::TileId;
+use crate::bathymetry::crosslines::TrackDepth;
+use crate::bathymetry::height_offsets as solver;
+use crate::bathymetry::height_offsets::{
+    Datum, FEW_CROSSINGS, HeightOffsets, Meeting, PairDifference, crossing_meetings, overlaps,
+};
+use crate::progress::{Cancelled, Progress};
+use crate::statistics::median;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// An offset that new logs move by less than this stays as it is, metres: a log that is added must not make every map stale for
+/// millimetres.
+const KEPT_M: f64 = 0.01;
+
+/// What an adjustment found.
+#[derive(Clone, Debug)]
+pub struct Adjusted {
+    /// The offsets, as written.
+    pub offsets: Offsets,
+    /// Groups of logs that are tied to each other.
+    pub groups: usize,
+    /// Pairs of logs whose difference no offset of whole logs explains: their names, and what is left of it, metres.
+    pub contradictions: Vec<([String; 2], f64)>,
+}
+
+/// Finds the height offsets of all logs of a lake and writes its table. Logs that a person has pinned keep theirs and are what the others are held
+/// against. Without any, the mean offset of tied logs is zero when they first meet; from then on the logs that are known keep their
+/// heights, and new ones are held against these.
+///
+/// # Errors
+/// When rows or the table cannot be used, or the work was cancelled.
+pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
+    let logs = lake.logs()?;
+    let known = Offsets::read(lake)?;
+    let meetings = meetings(lake, &logs, progress)?;
+    let pinned: Vec<Option<f64>> = logs
+        .iter()
+        .map(|log| {
+            known
+                .row(&log.log)
+                .filter(|row| row.is_pinned)
+                .map(|row| row.offset_m)
+        })
+        .collect();
+    let solved = solve(&meetings, &pinned);
+    let heights_m = kept_heights(&logs, &known, &solved, &pinned);
+    let rows = logs.iter().enumerate().map(|(index, log)| {
+        let found = &solved.logs[index];
+        let ties = meetings
+            .iter()
+            .filter(|meeting| meeting.logs.contains(&index))
+            .count();
+        OffsetRow {
+            name: log.name.clone(),
+            log: log.log.clone(),
+            offset_m: pinned[index].unwrap_or((heights_m[index] * 1e4).round() / 1e4),
+            standard_error_m: match (pinned[index], ties) {
+                (Some(_), _) => 0.0,
+                (None, 0) => f64::NAN,
+                (None, _) => found.standard_error_m,
+            },
+            ties,
+            group: found.group,
+            is_pinned: pinned[index].is_some(),
+        }
+    });
+    let offsets = Offsets::new(rows.collect());
+    offsets.write(lake)?;
+    let names = |pair: &PairDifference| {
+        let names = pair
+            .logs
+            .map(|log| logs.get(log).map(|log| log.name.clone()));
+        let [Some(one), Some(other)] = names else {
+            return None;
+        };
+        Some(([one, other], pair.residual_m))
+    };
+    let contradictions = solved.pairs.iter().filter(|pair| pair.is_contradiction());
+    Ok(Adjusted {
+        groups: groups(&offsets),
+        contradictions: contradictions.filter_map(names).collect(),
+        offsets,
+    })
+}
+
+/// Groups of at least two logs.
+fn groups(offsets: &Offsets) -> usize {
+    let tied = offsets.rows().into_iter().filter(|row| row.ties > 0);
+    tied.map(|row| row.group).collect::<BTreeSet<usize>>().len()
+}
+
+/// The offsets that the meetings give. Logs that are pinned are taken together as one more log, whose offset is zero: a meeting with one of
+/// them is one with that, its difference corrected by the offset that is pinned.
+fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
+    let count = pinned.len();
+    if pinned.iter().all(Option::is_none) {
+        return solver::adjust(count, meetings, Datum::Mean);
+    }
+    let of = |log: usize| pinned.get(log).copied().flatten();
+    let held = meetings.iter().filter_map(|meeting| {
+        let [first, second] = meeting.logs;
+        let (logs, difference_m) = match (of(first), of(second)) {
+            (None, None) => (meeting.logs, meeting.difference_m),
+            (None, Some(offset_m)) => ([first, count], meeting.difference_m + offset_m),
+            (Some(offset_m), None) => ([second, count], offset_m - meeting.difference_m),
+            (Some(_), Some(_)) => return None,
+        };
+        Some(Meeting {
+            logs,
+            difference_m,
+            ..*meeting
+        })
+    });
+    let mut held: Vec<Meeting> = held.collect();
+    held.sort_by_key(|meeting| meeting.logs);
+    let mut solved = solver::adjust(count + 1, &held, Datum::Log(count));
+    let benchmark = solved.logs.pop().map_or(0, |log| log.group);
+    for (log, offset) in solved.logs.iter_mut().enumerate() {
+        if of(log).is_some() {
+            offset.group = benchmark;
+        }
+    }
+    solved
+}
+
+/// The offsets to apply: those of logs that are known already where they move by less than [`KEPT_M`]. A group that no pinned log holds is moved
+/// as a whole to where the most of its known logs are.
+fn kept_heights(
+    logs: &[LogRecord],
+    known: &Offsets,
+    solved: &HeightOffsets,
+    pinned: &[Option<f64>],
+) -> Vec<f64> {
+    let held: Vec<Option<&OffsetRow>> = logs
+        .iter()
+        .map(|log| {
+            known
+                .row(&log.log)
+                .filter(|row| row.ties > 0 && !row.is_pinned)
+        })
+        .collect();
+    let mut shifts_m: BTreeMap<usize, f64> = BTreeMap::new();
+    let groups: BTreeSet<usize> = solved.logs.iter().map(|log| log.group).collect();
+    for group in groups {
+        let members: Vec<usize> = (0..logs.len())
+            .filter(|log| solved.logs[*log].group == group)
+            .collect();
+        if members.iter().any(|log| pinned[*log].is_some()) {
+            continue;
+        }
+        let mut by_group: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for log in members {
+            if let Some(row) = held[log] {
+                let moved_m = row.offset_m - solved.logs[log].offset_m;
+                by_group.entry(row.group).or_default().push(moved_m);
+            }
+        }
+        let largest = by_group
+            .into_values()
+            .reduce(|a, b| if b.len() > a.len() { b } else { a });
+        shifts_m.insert(
+            group,
+            largest.map_or(0.0, |mut moved_m| median(&mut moved_m)),
+        );
+    }
+    let height_m = |log: usize| {
+        let found = &solved.logs[log];
+        let height_m = found.offset_m + shifts_m.get(&found.group).copied().unwrap_or(0.0);
+        match held[log] {
+            Some(row) if (row.offset_m - height_m).abs() <= KEPT_M => row.offset_m,
+            _ => height_m,
+        }
+    };
+    (0..logs.len()).map(height_m).collect()
+}
+
+/// Where logs meet in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
+fn meetings(
+    lake: &Lake,
+    logs: &[LogRecord],
+    progress: &Progress,
+) -> Result<Vec<Meeting>, LakeError> {
+    let mut tiles: BTreeMap<TileId, Vec<usize>> = BTreeMap::new();
+    for (index, log) in logs.iter().enumerate() {
+        for rows in &log.tiles {
+            tiles.entry(rows.tile).or_default().push(index);
+        }
+    }
+    tiles.retain(|_, inside| inside.len() > 1);
+    progress.start(2 * tiles.len() as u64);
+    let search = Search {
+        lake,
+        logs,
+        tiles,
+        progress,
+    };
+    let mut all = search.in_tiles(
+        |_| true,
+        |tracks, _| crossing_meetings(tracks, &Progress::new()),
+    )?;
+    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
+    for meeting in &all {
+        *counts.entry(meeting.logs).or_default() += 1;
+    }
+    let is_few = |pair: [usize; 2]| counts.get(&pair).copied().unwrap_or(0) < FEW_CROSSINGS;
+    let has_few = |inside: &[usize]| {
+        let pairs = inside
+            .iter()
+            .enumerate()
+            .flat_map(|(rank, first)| inside[rank + 1..].iter().map(|second| [*first, *second]));
+        pairs.into_iter().any(is_few)
+    };
+    all.extend(search.in_tiles(has_few, |tracks, inside| {
+        let is_wanted = |pair: &[usize; 2]| is_few(pair.map(|track| inside[track]));
+        overlaps(tracks, is_wanted, &Progress::new())
+    })?);
+    all.sort_by_key(|meeting| meeting.logs);
+    Ok(all)
+}
+
+/// A search through the tiles that several logs have rows in.
+struct Search<'a> {
+    lake: &'a Lake,
+    logs: &'a [LogRecord],
+    /// The logs of each tile.
+    tiles: BTreeMap<TileId, Vec<usize>>,
+    progress: &'a Progress,
+}
+
+impl Search<'_> {
+    /// What `find` gives for the tracks of the logs of every tile, itself given the logs that they are of; what lies in the halo of a tile
+    /// is left to the tile beside it.
+    fn in_tiles(
+        &self,
+        is_wanted: impl Fn(&[usize]) -> bool + Sync,
+        find: impl Fn(&[Vec<TrackDepth>], &[usize]) -> Result<Vec<Meeting>, Cancelled> + Sync,
+    ) -> Result<Vec<Meeting>, LakeError> {
+        let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
+            self.progress.check()?;
+            self.progress.advance(1);
+            if !is_wanted(inside) {
+                return Ok(Vec::new());
+            }
+            let tracks = inside
+                .iter()
+                .map(|log| track(self.lake, *tile, &self.logs[*log]));
+            let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, LakeError>>()?;
+            let mut found = find(&tracks, inside)?;
+            found.retain(|meeting| tile.holds(meeting.place, 0.0));
+            for meeting in &mut found {
+                meeting.logs = meeting.logs.map(|track| inside[track]);
+            }
+            Ok(found)
+        };
+        let found = self.tiles.par_iter().map(of_tile);
+        let found: Vec<Vec<Meeting>> = found.collect::<Result<_, LakeError>>()?;
+        Ok(found.into_iter().flatten().collect())
+    }
+}
+
+/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings, or where the log has none, the depths
+/// that its first returns give.
+fn track(lake: &Lake, tile: TileId, log: &LogRecord) -> Result<Vec<TrackDepth>, LakeError> {
+    let Some(rows) = log.rows_in(tile) else {
+        return Ok(Vec::new());
+    };
+    let path = |kind: &str| lake.folder().join(Lake::rows_name(kind, tile, &log.log));
+    if log.soundings > 0 && rows.points > 0 {
+        let points = point_rows::read(&path(POINTS))?.into_iter();
+        let soundings = points.filter(|row| row.depth.is_sounding);
+        return Ok(soundings
+            .map(|row| TrackDepth {
+                time_s: row.time_s,
+                east_m: row.depth.east_m,
+                north_m: row.depth.north_m,
+                depth_m: row.depth.depth_m,
+            })
+            .collect());
+    }
+    if log.soundings > 0 || rows.pings == 0 {
+        return Ok(Vec::new());
+    }
+    let pings = ping_rows::read(&path(PINGS))?.into_iter();
+    let near = pings.filter(|row| {
+        tile.holds(row.footprint.place, lake.record.halo_m) && row.depth_m.is_finite()
+    });
+    Ok(near
+        .map(|row| TrackDepth {
+            time_s: row.time_s,
+            east_m: row.footprint.place[0],
+            north_m: row.footprint.place[1],
+            depth_m: row.depth_m,
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bathymetry::height_offsets::MeetingKind;
+
+    fn meeting(logs: [usize; 2], heights_m: [f64; 2]) -> Meeting {
+        Meeting {
+            logs,
+            kind: MeetingKind::Crossing,
+            place: [0.0; 2],
+            difference_m: heights_m[0] - heights_m[1],
+            slope: 0.0,
+        }
+    }
+
+    #[test]
+    fn pinned_logs_hold_the_others_and_each_other() {
+        // True offsets of five logs, of which the first and the last are pinned 10 cm away from where the meetings have them, and the
+        // fourth meets nobody.
+        let true_m = [0.3, -0.2, 0.5, 0.0, 0.1];
+        let pairs = [[0, 1], [1, 2], [2, 4], [0, 4]];
+        let meetings: Vec<Meeting> = pairs
+            .iter()
+            .flat_map(|[a, b]| [meeting([*a, *b], [true_m[*a], true_m[*b]]); 5])
+            .collect();
+        let pinned = [Some(0.4), None, None, None, Some(0.2)];
+        let solved = solve(&meetings, &pinned);
+        for (log, offset_m) in [(1, -0.1), (2, 0.6)] {
+            assert!(
+                (solved.logs[log].offset_m - offset_m).abs() < 1e-9,
+                "{solved:?}"
+            );
+            assert_eq!(solved.logs[log].group, solved.logs[0].group);
+        }
+        assert_eq!(solved.logs[4].group, solved.logs[0].group);
+        assert_ne!(solved.logs[3].group, solved.logs[0].group);
+        assert_eq!(solved.logs.len(), 5);
+    }
+}

@@ -1,0 +1,96 @@
+//! Lines cut at the edges of a tile.
+
+use crate::bathymetry::isobaths::Isobath;
+
+/// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
+/// number in both.
+pub(super) fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
+    let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
+    for step in line.points.windows(2) {
+        let Some([from, to]) = within([step[0], step[1]], bounds) else {
+            continue;
+        };
+        match parts.last_mut() {
+            Some(part) if part.last() == Some(&from) => part.push(to),
+            _ => parts.push(vec![from, to]),
+        }
+    }
+    let parts = parts.into_iter().map(|mut points| {
+        points.dedup();
+        Isobath {
+            depth_m: line.depth_m,
+            points,
+        }
+    });
+    parts.filter(|part| part.points.len() > 1).collect()
+}
+
+/// The part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
+fn within(
+    [from, to]: [[f64; 2]; 2],
+    [west, south, east, north]: [f64; 4],
+) -> Option<[[f64; 2]; 2]> {
+    let way = [to[0] - from[0], to[1] - from[1]];
+    // How far along the step it enters and leaves, and at which edge.
+    let mut entry: (f64, Option<(usize, f64)>) = (0.0, None);
+    let mut exit: (f64, Option<(usize, f64)>) = (1.0, None);
+    for (axis, low, high) in [(0, west, east), (1, south, north)] {
+        if way[axis] == 0.0 {
+            if !(low..=high).contains(&from[axis]) {
+                return None;
+            }
+            continue;
+        }
+        let (near, far) = if way[axis] > 0.0 {
+            (low, high)
+        } else {
+            (high, low)
+        };
+        let share = |edge: f64| (edge - from[axis]) / way[axis];
+        if share(near) > entry.0 {
+            entry = (share(near), Some((axis, near)));
+        }
+        if share(far) < exit.0 {
+            exit = (share(far), Some((axis, far)));
+        }
+    }
+    let at = |(share, edge): (f64, Option<(usize, f64)>), end: [f64; 2]| match edge {
+        None => end,
+        Some((axis, edge)) => {
+            let mut place = [0, 1].map(|axis| from[axis] + share * way[axis]);
+            place[axis] = edge;
+            place
+        }
+    };
+    (entry.0 < exit.0).then(|| [at(entry, from), at(exit, to)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_leaves_one_tile_enters_the_next_at_the_same_place() {
+        let line = Isobath {
+            depth_m: 2.0,
+            points: vec![
+                [1.0, 1.0],
+                [9.3, 4.7],
+                [11.7, 5.9],
+                [8.0, 8.0],
+                [7.0, 12.0],
+                [6.0, 9.0],
+            ],
+        };
+        let west = clipped(&line, [0.0, 0.0, 10.0, 10.0]);
+        let east = clipped(&line, [10.0, 0.0, 20.0, 10.0]);
+        assert_eq!(west.len(), 3);
+        assert_eq!(east.len(), 1);
+        assert_eq!(west[0].points.last(), east[0].points.first());
+        assert_eq!(east[0].points.last(), west[1].points.first());
+        assert_eq!(east[0].points[0][0], 10.0);
+        assert_eq!(west[1].points.last().map(|at| at[1]), Some(10.0));
+        assert_eq!(clipped(&line, [20.0, 0.0, 30.0, 10.0]), []);
+        assert_eq!(clipped(&line, [0.0, 0.0, 20.0, 20.0]), [line]);
+    }
+}

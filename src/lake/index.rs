@@ -1,0 +1,206 @@
+//! The index of the maps of a lake for other programs: a VRT of all tiles of a zone (GDAL, QGIS), and a STAC collection with an item a tile.
+//! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
+//! VRT only.
+
+use super::add::make_folder;
+use super::error::LakeError;
+use super::log_record::LogRecord;
+use super::record::{Lake, names_in, write_json};
+use super::tile::{TILE_M, TileId};
+use super::tile_files::{DEPTH, TILES, TileRecord, UNCERTAINTY};
+use crate::calendar;
+use crate::export::write_aside;
+use crate::formats::geotiff::NODATA;
+use crate::geo::{Crs, UtmZone};
+use crate::printable::xml;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+
+const INDEX: &str = "index";
+
+/// Writes the index of the tiles that have a map with depths, in the folder `index`.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<(), LakeError> {
+    let folder = lake.folder().join(INDEX);
+    make_folder(&folder)?;
+    let with_map = tiles.iter().filter_map(|tile| {
+        let record = TileRecord::read(lake, *tile)?;
+        (!record.files.is_empty()).then_some((*tile, record))
+    });
+    let maps: BTreeMap<TileId, TileRecord> = with_map.collect();
+    let mut by_zone: BTreeMap<UtmZone, Vec<TileId>> = BTreeMap::new();
+    for tile in maps.keys() {
+        by_zone.entry(tile.zone).or_default().push(*tile);
+    }
+    let mut names = Vec::new();
+    for (zone, tiles) in &by_zone {
+        for (file, stem) in [(DEPTH, "depth"), (UNCERTAINTY, "uncertainty")] {
+            let name = format!(
+                "{stem}_{}{}.vrt",
+                zone.number,
+                if zone.north { 'N' } else { 'S' }
+            );
+            let text = vrt(*zone, tiles, file, lake.record.cell_m);
+            write_aside(&folder.join(&name), |mut to| to.write_all(text.as_bytes()))?;
+            names.push(name);
+        }
+    }
+    let mut items = BTreeMap::new();
+    for (tile, record) in &maps {
+        if let Some(span) = span_unix_s(logs, *tile) {
+            let name = format!("{tile}.json");
+            write_json(&folder.join(&name), &item(*tile, record, span))?;
+            names.push(name);
+            items.insert(*tile, span);
+        }
+    }
+    names.push("collection.json".to_owned());
+    write_json(&folder.join("collection.json"), &collection(&items))?;
+    for name in names_in(&folder)? {
+        if !names.contains(&name) && (name.ends_with(".json") || name.ends_with(".vrt")) {
+            // Of a tile or a zone that has no map any more.
+            let path = folder.join(&name);
+            fs::remove_file(&path)
+                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+        }
+    }
+    Ok(())
+}
+
+/// Unix seconds of the first and the last row of a tile; `None` where no recorder knew the time.
+fn span_unix_s(logs: &[LogRecord], tile: TileId) -> Option<[f64; 2]> {
+    let spans = logs
+        .iter()
+        .filter_map(|log| <[f64; 2]>::try_from(log.rows_in(tile)?.unix_s.as_slice()).ok());
+    spans.reduce(|[a, b], [from, to]| [a.min(from), b.max(to)])
+}
+
+/// A time as STAC writes it.
+fn utc(unix_s: f64) -> String {
+    format!(
+        "{}T{}Z",
+        calendar::date(unix_s),
+        calendar::time_of_day(unix_s)
+    )
+}
+
+/// West, south, east and north of some tiles, metres of their zone.
+fn around(tiles: &[TileId]) -> [f64; 4] {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    tiles
+        .iter()
+        .map(TileId::bounds_m)
+        .fold(start, |[w, s, e, n], [west, south, east, north]| {
+            [w.min(west), s.min(south), e.max(east), n.max(north)]
+        })
+}
+
+fn vrt(zone: UtmZone, tiles: &[TileId], file: &str, cell_m: f64) -> String {
+    let [west, south, east, north] = around(tiles);
+    let cells = |metres: f64| (metres / cell_m) as usize;
+    let mut text = format!(
+        "<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <SRS>{}</SRS>\n  <GeoTransform>{west}, {cell_m}, 0, {north}, 0, -{cell_m}</GeoTransform>\n  <VRTRasterBand dataType=\"Float32\" band=\"1\">\n    <NoDataValue>{NODATA}</NoDataValue>\n",
+        cells(east - west),
+        cells(north - south),
+        xml(&format!("EPSG:{}", zone.epsg())),
+    );
+    let side = cells(TILE_M);
+    for tile in tiles {
+        let [tile_west, _, _, tile_north] = tile.bounds_m();
+        let (x, y) = (cells(tile_west - west), cells(north - tile_north));
+        write!(
+            text,
+            "    <ComplexSource>\n      <SourceFilename relativeToVRT=\"1\">../{TILES}/{tile}/{file}</SourceFilename>\n      <SourceBand>1</SourceBand>\n      <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <DstRect xOff=\"{x}\" yOff=\"{y}\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <NODATA>{NODATA}</NODATA>\n    </ComplexSource>\n"
+        )
+        .ok();
+    }
+    text + "  </VRTRasterBand>\n</VRTDataset>\n"
+}
+
+/// Longitudes and latitudes of the corners of a tile, counter-clockwise from the south-west, the first again at the end.
+fn corners(tile: TileId) -> [[f64; 2]; 5] {
+    let [west, south, east, north] = tile.bounds_m();
+    [
+        [west, south],
+        [east, south],
+        [east, north],
+        [west, north],
+        [west, south],
+    ]
+    .map(|place| {
+        let at = tile.zone.to_lon_lat(place);
+        [at.lon_deg, at.lat_deg].map(|degrees| (degrees * 1e8).round() / 1e8)
+    })
+}
+
+fn bounds_deg(tiles: &[TileId]) -> [f64; 4] {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    let all = tiles.iter().flat_map(|tile| corners(*tile));
+    all.fold(start, |[w, s, e, n], [lon, lat]| {
+        [w.min(lon), s.min(lat), e.max(lon), n.max(lat)]
+    })
+}
+
+/// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row that it was made from.
+fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
+    let [west, south, ..] = tile.bounds_m();
+    let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });
+    let raster = "image/tiff; application=geotiff; profile=cloud-optimized";
+    json!({
+        "type": "Feature",
+        "stac_version": "1.1.0",
+        "stac_extensions": ["https://stac-extensions.github.io/projection/v2.0.0/schema.json"],
+        "id": tile.to_string(),
+        "collection": "lake",
+        "geometry": { "type": "Polygon", "coordinates": [corners(tile)] },
+        "bbox": bounds_deg(&[tile]),
+        "properties": {
+            "datetime": null,
+            "start_datetime": utc(span_unix_s[0]),
+            "end_datetime": utc(span_unix_s[1]),
+            "proj:code": format!("EPSG:{}", Crs::of_zone(tile.zone).epsg()),
+            "proj:bbox": [west, south, west + TILE_M, south + TILE_M],
+            "depth_m": record.depth_m,
+            "cells": record.cells,
+        },
+        "links": [{ "rel": "collection", "href": "./collection.json", "type": "application/json" }],
+        "assets": {
+            "depth": asset(DEPTH, "Depth in metres, positive down", raster),
+            "uncertainty": asset(UNCERTAINTY, "Standard deviation of the depths in metres", raster),
+            "isobaths": asset("isobaths.geojson", "Lines of equal depth", "application/geo+json"),
+        },
+    })
+}
+
+fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
+    let tiles: Vec<TileId> = spans_unix_s.keys().copied().collect();
+    let span = spans_unix_s
+        .values()
+        .copied()
+        .reduce(|[a, b], [from, to]| [a.min(from), b.max(to)]);
+    let interval = span.map(|span| span.map(utc));
+    let items = tiles.iter().map(|tile| {
+        json!({ "rel": "item", "href": format!("./{tile}.json"), "type": "application/geo+json" })
+    });
+    let bounds = match tiles.is_empty() {
+        true => [-180.0, -90.0, 180.0, 90.0],
+        false => bounds_deg(&tiles),
+    };
+    json!({
+        "type": "Collection",
+        "stac_version": "1.1.0",
+        "id": "lake",
+        "description": "Depth maps of a water by tile, from the logs of many fish-finders",
+        "license": "other",
+        "extent": {
+            "spatial": { "bbox": [bounds] },
+            "temporal": { "interval": [interval.map_or(json!([null, null]), |span| json!(span))] },
+        },
+        "links": items.collect::<Vec<Value>>(),
+    })
+}

@@ -1,0 +1,287 @@
+//! What all logs of a lake share: `lake.json`.
+
+use super::error::LakeError;
+use super::log_record::{LOGS, LogRecord};
+use super::ping_rows::PINGS;
+use super::point_rows::POINTS;
+use super::tile::{TILE_M, TileId};
+use crate::bathymetry::{LOCAL_MARGIN_CELLS, local_reach_m};
+use crate::export::write_aside;
+use crate::pipeline::{SettingValues, Settings, is_of_one_log, setting_values, with_values};
+use crate::regular_file;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The record's name.
+const RECORD: &str = "lake.json";
+/// Longer than any record.
+pub(super) const LONGEST_RECORD: u64 = 1 << 26;
+/// How rows are laid out: another number is another lake.
+const FORMAT: u32 = 1;
+/// Side of a cell where the settings name none, metres.
+const USUAL_CELL_M: f64 = 0.5;
+/// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.
+const CELLS_M: [f64; 2] = [0.125, 8.0];
+/// The halo is a multiple of this, metres, and so of every cell.
+const HALO_STEP_M: f64 = 16.0;
+/// Settings, by their first word, that no row and no map of a tile depends on.
+const REGARDLESS_OF: [&str; 6] = ["crs", "detector", "mosaic", "picture", "points", "report"];
+
+/// What all logs of a lake share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LakeRecord {
+    /// How rows are laid out.
+    format: u32,
+    /// Side of a tile, metres.
+    tile_m: f64,
+    /// How far beyond its edges a tile has rows, metres.
+    pub halo_m: f64,
+    /// Side of a cell of the maps, metres.
+    pub cell_m: f64,
+    /// The settings that rows and maps depend on, but for those that belong to one log: draft, water level, mounting.
+    settings: SettingValues,
+}
+
+impl LakeRecord {
+    /// Of a lake whose logs are processed with some settings.
+    ///
+    /// # Errors
+    /// A sentence where `surface.cell_m` is no size for the cells of a lake.
+    pub fn new(settings: &Settings) -> Result<Self, LakeError> {
+        let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
+        let is_power = cell_m.log2().fract() == 0.0;
+        if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
+            return Err(LakeError::Refused(format!(
+                "surface.cell_m is {cell_m}, but the tiles of a lake have cells of 0.125, 0.25, 0.5, 1, 2, 4 or 8 m; choose one of them"
+            )));
+        }
+        let margin_m = cell_m * (LOCAL_MARGIN_CELLS + 1) as f64;
+        let least_m = local_reach_m(settings.surface.max_gap_m) + margin_m;
+        let halo_m = (least_m / HALO_STEP_M).ceil() * HALO_STEP_M;
+        if halo_m.is_nan() || halo_m > TILE_M {
+            return Err(LakeError::Refused(format!(
+                "surface.max_gap_m is {}, which reaches across whole tiles of a lake; choose at most 200",
+                settings.surface.max_gap_m
+            )));
+        }
+        let mut values = setting_values(settings);
+        values.retain(|key, _| is_shared(key));
+        Ok(Self {
+            format: FORMAT,
+            tile_m: TILE_M,
+            halo_m,
+            cell_m,
+            settings: values,
+        })
+    }
+
+    /// The settings that maps are made with.
+    ///
+    /// # Errors
+    /// A sentence where somebody has changed the record to what cannot be.
+    pub fn settings(&self) -> Result<Settings, LakeError> {
+        let settings = with_values(&Settings::default(), &self.settings);
+        settings.map_err(|error| LakeError::Refused(format!("{error}: {RECORD}")))
+    }
+
+    /// The first setting that differs from those of another, with both values.
+    fn difference(&self, other: &Self) -> Option<String> {
+        let keys: BTreeSet<&String> = self.settings.keys().chain(other.settings.keys()).collect();
+        let value = |record: &Self, key: &str| {
+            let value = record.settings.get(key);
+            value.map_or("not given".to_owned(), ToString::to_string)
+        };
+        let differs = keys
+            .into_iter()
+            .find(|key| self.settings.get(*key) != other.settings.get(*key));
+        let in_settings = differs.map(|key| {
+            format!(
+                "{key} is {} there, and {} here",
+                value(self, key),
+                value(other, key)
+            )
+        });
+        in_settings
+            .or_else(|| (self != other).then(|| "its tiles are laid out in another way".to_owned()))
+    }
+}
+
+fn is_shared(key: &str) -> bool {
+    let group = key.split('.').next().unwrap_or(key);
+    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group)
+}
+
+/// A folder with a lake.
+#[derive(Clone, Debug)]
+pub struct Lake {
+    folder: PathBuf,
+    /// What its logs share.
+    pub record: LakeRecord,
+    /// Logs that were added through this value or a copy of it.
+    begun: Arc<Mutex<BTreeSet<String>>>,
+}
+
+impl Lake {
+    /// The lake of a folder.
+    ///
+    /// # Errors
+    /// A sentence where there is none.
+    pub fn open(folder: &Path) -> Result<Self, LakeError> {
+        let path = folder.join(RECORD);
+        let text = regular_file::read_text(&path, LONGEST_RECORD).map_err(|error| {
+            format!(
+                "no lake in this folder ({RECORD}: {error}); `bathyscope process LOG... -o {0} --products tiles` makes one: {0}",
+                folder.display()
+            )
+        })?;
+        let record: LakeRecord = serde_json::from_str(&text).map_err(|error| {
+            format!(
+                "the record of the lake cannot be used: {error}: {}",
+                path.display()
+            )
+        })?;
+        if record.format != FORMAT || record.tile_m != TILE_M {
+            return Err(LakeError::Refused(format!(
+                "another version of the program laid this lake out; process its logs into a new folder: {}",
+                folder.display()
+            )));
+        }
+        record.settings()?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            record,
+            begun: Arc::default(),
+        })
+    }
+
+    /// The lake of a folder for logs that are processed with some settings; made when there is none.
+    ///
+    /// # Errors
+    /// A sentence: the folder holds something else, a lake of other settings, or cannot be written into.
+    pub fn open_for(folder: &Path, settings: &Settings) -> Result<Self, LakeError> {
+        let record = LakeRecord::new(settings)?;
+        if !folder.join(RECORD).exists() {
+            refuse_other_content(folder)?;
+            fs::create_dir_all(folder).map_err(|error| {
+                format!("cannot make the folder: {error}: {}", folder.display())
+            })?;
+            write_json(&folder.join(RECORD), &record)?;
+        }
+        let lake = Self::open(folder)?;
+        lake.check(settings)?;
+        Ok(lake)
+    }
+
+    /// Refuses settings that rows of other logs of the lake were not made with, but for those that belong to one log.
+    ///
+    /// # Errors
+    /// A sentence that names the first setting, with both values.
+    pub fn check(&self, settings: &Settings) -> Result<(), LakeError> {
+        match self.record.difference(&LakeRecord::new(settings)?) {
+            None => Ok(()),
+            Some(what) => Err(LakeError::Refused(format!(
+                "the lake was made with other settings: {what}; give the same, or choose another folder: {}",
+                self.folder.display()
+            ))),
+        }
+    }
+
+    /// Whether a log is added for the first time through this value or a copy of it: two names of one log must not be written at once.
+    pub(super) fn begins(&self, log: &str) -> bool {
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        begun.insert(log.to_owned())
+    }
+
+    /// Where it lies.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The name of a log's rows of a kind in a tile, with `/` between folders.
+    pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
+        format!("{kind}/tile={tile}/{log}.parquet")
+    }
+
+    /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs_in(
+        &self,
+        tiles: impl Iterator<Item = TileId>,
+    ) -> Result<Vec<LogRecord>, LakeError> {
+        let mut logs = BTreeSet::new();
+        for tile in tiles {
+            for kind in [POINTS, PINGS] {
+                let names = names_in(&self.folder.join(format!("{kind}/tile={tile}")))?;
+                logs.extend(
+                    names
+                        .iter()
+                        .filter_map(|name| Some(name.strip_suffix(".parquet")?.to_owned())),
+                );
+            }
+        }
+        let paths = logs
+            .iter()
+            .map(|log| self.folder.join(LOGS).join(format!("{log}.json")));
+        paths
+            .filter(|path| path.is_file())
+            .map(|path| LogRecord::read(&path))
+            .collect()
+    }
+
+    /// The records of all logs, by their hashes. A log that is being written, or was when the program ended, has none.
+    ///
+    /// # Errors
+    /// A sentence where one cannot be used.
+    pub fn logs(&self) -> Result<Vec<LogRecord>, LakeError> {
+        let mut names = names_in(&self.folder.join(LOGS))?;
+        names.retain(|name| name.ends_with(".json") && !name.starts_with('.'));
+        names.sort_unstable();
+        let read = |name: &String| LogRecord::read(&self.folder.join(LOGS).join(name));
+        names.iter().map(read).collect()
+    }
+}
+
+/// The names in a folder; none where there is no folder.
+pub(super) fn names_in(folder: &Path) -> Result<Vec<String>, LakeError> {
+    if !folder.exists() {
+        return Ok(Vec::new());
+    }
+    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
+    let entries = fs::read_dir(folder).map_err(fail)?;
+    let names = entries.map(|entry| {
+        let name = entry.map_err(fail)?.file_name();
+        Ok(name.to_string_lossy().into_owned())
+    });
+    names.collect()
+}
+
+/// A folder of a run, or of anything else, is not mixed with a lake; another job may have made the lake at this moment.
+fn refuse_other_content(folder: &Path) -> Result<(), LakeError> {
+    let names = names_in(folder)?;
+    let other = names.iter().find(|name| !name.starts_with('.'));
+    match other.filter(|_| !names.iter().any(|name| name == RECORD)) {
+        None => Ok(()),
+        Some(name) => Err(LakeError::Refused(format!(
+            "the folder holds {name} and no lake; choose an empty or a new one: {}",
+            folder.display()
+        ))),
+    }
+}
+
+/// Writes a value as JSON, aside and then renamed.
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<(), LakeError> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| format!("cannot write the record: {error}: {}", path.display()))?;
+    Ok(write_aside(path, |mut file| {
+        file.write_all(text.as_bytes())?;
+        file.write_all(b"\n")
+    })?)
+}

@@ -1,0 +1,255 @@
+//! The files of a tile's map: `tiles/NAME/depth.tif`, `uncertainty.tif`, `isobaths.geojson` and, last, `tile.json`, which says what they were made
+//! from.
+
+use super::add::make_folder;
+use super::error::LakeError;
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::record::{LONGEST_RECORD, Lake, LakeRecord, write_json};
+use super::tile::TileId;
+use super::tile_map::{TileMap, tile_map};
+use crate::bathymetry::{Surface, SurfaceMethod};
+use crate::export::{isobaths_geojson, metres_raster};
+use crate::formats::geotiff::{Band, Cells, RasterSpec};
+use crate::geo::Crs;
+use crate::pipeline::Fingerprint;
+use crate::progress::Progress;
+use crate::regular_file;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::path::PathBuf;
+
+/// The folder of the maps.
+pub(super) const TILES: &str = "tiles";
+const RECORD: &str = "tile.json";
+pub(super) const DEPTH: &str = "depth.tif";
+pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
+const ISOBATHS: &str = "isobaths.geojson";
+
+/// What is known of a tile's map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TileRecord {
+    /// What it was made from.
+    made: MadeFrom,
+    /// Cells with a depth; without any there is no other file.
+    pub cells: usize,
+    /// Shallowest and deepest, metres; empty without any.
+    pub depth_m: Vec<f64>,
+    /// Lines of equal depth.
+    pub isobaths: usize,
+    /// The files, in the folder of the tile.
+    pub files: Vec<Fingerprint>,
+}
+
+/// What a tile's map is made from: the same gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MadeFrom {
+    program: String,
+    lake: LakeRecord,
+    logs: Vec<TileLog>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TileLog {
+    log: String,
+    points_sha256: String,
+    offset_m: f64,
+}
+
+/// How a tile's map stands to the rows and offsets of its logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TileState {
+    /// It is what they give.
+    UpToDate,
+    /// It was made of others.
+    Stale,
+    /// There is none.
+    Missing,
+}
+
+impl TileState {
+    /// `up to date`, `stale`, `missing`.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::UpToDate => "up to date",
+            Self::Stale => "stale",
+            Self::Missing => "missing",
+        }
+    }
+}
+
+impl MadeFrom {
+    fn of(lake: &Lake, tile: TileId, logs: &[LogRecord], offsets: &Offsets) -> Self {
+        let with_points = logs.iter().filter_map(|log| {
+            let rows = log.rows_in(tile).filter(|rows| rows.points > 0)?;
+            Some(TileLog {
+                log: log.log.clone(),
+                points_sha256: rows.points_sha256().to_owned(),
+                offset_m: offsets.of(&log.log),
+            })
+        });
+        Self {
+            program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
+            lake: lake.record.clone(),
+            logs: with_points.collect(),
+        }
+    }
+}
+
+impl TileRecord {
+    /// The record of a tile, if it has a map.
+    pub fn read(lake: &Lake, tile: TileId) -> Option<Self> {
+        let text = regular_file::read_text(&folder_of(lake, tile).join(RECORD), LONGEST_RECORD);
+        serde_json::from_str(&text.ok()?).ok()
+    }
+}
+
+/// Where the files of a tile's map lie.
+pub(super) fn folder_of(lake: &Lake, tile: TileId) -> PathBuf {
+    lake.folder().join(TILES).join(tile.to_string())
+}
+
+/// How the map of a tile stands.
+pub fn tile_state(lake: &Lake, tile: TileId, logs: &[LogRecord], offsets: &Offsets) -> TileState {
+    let Some(record) = TileRecord::read(lake, tile) else {
+        return TileState::Missing;
+    };
+    let folder = folder_of(lake, tile);
+    let is_whole = record.files.iter().all(|file| {
+        let there = folder.join(&file.file).symlink_metadata();
+        there.is_ok_and(|there| there.is_file() && there.len() == file.bytes)
+    });
+    match is_whole && record.made == MadeFrom::of(lake, tile, logs, offsets) {
+        true => TileState::UpToDate,
+        false => TileState::Stale,
+    }
+}
+
+/// Makes the map of a tile and writes its files, the record last.
+///
+/// # Errors
+/// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
+/// missing, or as it was.
+pub fn write_tile(
+    lake: &Lake,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<TileRecord, LakeError> {
+    if logs.iter().all(|log| log.rows_in(tile).is_none()) {
+        return Err(LakeError::Refused(format!(
+            "no log of this lake has rows in tile {tile}; `bathyscope tiles` lists those that have: {}",
+            lake.folder().display()
+        )));
+    }
+    let made = tile_map(lake, tile, logs, offsets, progress)?;
+    let folder = folder_of(lake, tile);
+    make_folder(&folder)?;
+    // From here on its files are those of two maps.
+    for name in [RECORD, DEPTH, UNCERTAINTY, ISOBATHS] {
+        let path = folder.join(name);
+        if (name == RECORD || made.is_none()) && path.exists() {
+            fs::remove_file(&path)
+                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+        }
+    }
+    let mut record = TileRecord {
+        made: MadeFrom::of(lake, tile, logs, offsets),
+        cells: 0,
+        depth_m: Vec::new(),
+        isobaths: 0,
+        files: Vec::new(),
+    };
+    if let Some(made) = made {
+        record.cells = made
+            .surface
+            .depth_m
+            .iter()
+            .filter(|depth| !depth.is_nan())
+            .count();
+        record.depth_m = Vec::from(made.surface.range_m());
+        record.isobaths = made.isobaths.len();
+        write_files(lake, tile, &made, progress)?;
+        for name in [DEPTH, UNCERTAINTY, ISOBATHS] {
+            let file = Fingerprint::of(&folder, name, progress).map_err(|error| {
+                format!(
+                    "cannot read the file: {error}: {}",
+                    folder.join(name).display()
+                )
+            })?;
+            record.files.push(file);
+        }
+    }
+    write_json(&folder.join(RECORD), &record)?;
+    Ok(record)
+}
+
+fn write_files(
+    lake: &Lake,
+    tile: TileId,
+    made: &TileMap,
+    progress: &Progress,
+) -> Result<(), LakeError> {
+    let folder = folder_of(lake, tile);
+    let surface = &made.surface;
+    let how = how(lake, surface)?;
+    let layers = [
+        (
+            DEPTH,
+            "depth",
+            true,
+            "Depth in metres, positive down",
+            &surface.depth_m,
+        ),
+        (
+            UNCERTAINTY,
+            "standard deviation of depth",
+            false,
+            "Standard deviation in metres of the depths that carry a cell",
+            &surface.spread_m,
+        ),
+    ];
+    for (file, name, positive_down, what, values_m) in layers {
+        let grid = &surface.grid;
+        let spec = RasterSpec {
+            columns: grid.columns,
+            rows: grid.rows,
+            west: grid.west_m,
+            north: grid.north_m,
+            cell: [grid.cell_m; 2],
+            crs: Crs::of_zone(tile.zone),
+            cells: Cells::Metres,
+            band: Some(Band {
+                name,
+                unit: "metre",
+                positive_down,
+            }),
+            description: format!("{what}; tile {tile} of a lake. {how}"),
+        };
+        metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
+    }
+    let place = |at| tile.zone.to_lon_lat(at);
+    isobaths_geojson(&folder.join(ISOBATHS), &made.isobaths, 0, place)?;
+    Ok(())
+}
+
+/// How the cells were filled, and what was asked for in vain.
+fn how(lake: &Lake, surface: &Surface) -> Result<String, LakeError> {
+    let settings = lake.record.settings()?.surface;
+    let method = surface.method_in_words();
+    let instead = match settings.method {
+        SurfaceMethod::Auto | SurfaceMethod::Linear => String::new(),
+        other => format!(
+            " in place of {}, which reaches beyond a tile",
+            other.in_words()
+        ),
+    };
+    Ok(format!(
+        "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",
+        surface.grid.cell_m, settings.max_gap_m
+    ))
+}

@@ -1,0 +1,177 @@
+//! The depth map of a tile, from the rows of all logs in it.
+
+use super::clip::clipped;
+use super::error::LakeError;
+use super::log_record::LogRecord;
+use super::offsets::Offsets;
+use super::point_rows::{self, POINTS};
+use super::record::Lake;
+use super::tile::{TILE_M, TileId};
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings, isobaths, smoothed};
+use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, local_surface};
+use crate::geo::UtmZone;
+use crate::progress::Progress;
+
+/// Metres from one isobath to the next where the settings name none: the same in all tiles, so that lines meet.
+const USUAL_INTERVAL_M: f64 = 0.5;
+
+/// The depth map of a tile.
+pub struct TileMap {
+    /// The cells of the tile, none of its halo.
+    pub surface: Surface,
+    /// Lines of equal depth, cut at its edges.
+    pub isobaths: Vec<Isobath>,
+}
+
+/// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub(super) fn depth_points(
+    lake: &Lake,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Vec<DepthPoint>, LakeError> {
+    let mut points = Vec::new();
+    for log in logs {
+        progress.check()?;
+        if log.rows_in(tile).is_none_or(|rows| rows.points == 0) {
+            continue;
+        }
+        let offset_m = offsets.of(&log.log);
+        let name = Lake::rows_name(POINTS, tile, &log.log);
+        let rows = point_rows::read(&lake.folder().join(name))?.into_iter();
+        points.extend(rows.map(|row| DepthPoint {
+            // What is added to an elevation is taken off the depth.
+            depth_m: row.depth.depth_m - offset_m,
+            ..row.depth
+        }));
+    }
+    Ok(points)
+}
+
+/// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Neighbouring tiles
+/// are the parts of one map, to the bit. `None` where nothing is known.
+///
+/// # Errors
+/// When rows cannot be read, or the work was cancelled.
+pub fn tile_map(
+    lake: &Lake,
+    tile: TileId,
+    logs: &[LogRecord],
+    offsets: &Offsets,
+    progress: &Progress,
+) -> Result<Option<TileMap>, LakeError> {
+    let settings = lake.record.settings()?;
+    let points = depth_points(lake, tile, logs, offsets, progress)?;
+    let grid = with_margin(tile, lake.record.cell_m);
+    let mut window = local_surface(&points, grid, settings.surface.max_gap_m, progress)?;
+    drop(points);
+    blank_other_zones(&mut window, tile);
+    let surface = core_of(&window);
+    if surface.depth_m.iter().all(|depth| depth.is_nan()) {
+        return Ok(None);
+    }
+    let isobaths = lines(&window, &settings.isobaths, tile, progress)?;
+    Ok(Some(TileMap { surface, isobaths }))
+}
+
+/// The cells of a tile, and those beyond its edges that its lines depend on.
+fn with_margin(tile: TileId, cell_m: f64) -> Grid {
+    let [west_m, _, _, north_m] = tile.bounds_m();
+    let margin_m = LOCAL_MARGIN_CELLS as f64 * cell_m;
+    let side = (TILE_M / cell_m) as usize + 2 * LOCAL_MARGIN_CELLS;
+    Grid {
+        west_m: west_m - margin_m,
+        north_m: north_m + margin_m,
+        cell_m,
+        columns: side,
+        rows: side,
+    }
+}
+
+/// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
+fn blank_other_zones(surface: &mut Surface, tile: TileId) {
+    let [west, south, east, north] = tile.bounds_m();
+    let middle = tile
+        .zone
+        .to_lon_lat([0.5 * (west + east), 0.5 * (south + north)]);
+    if UtmZone::near(middle, TILE_M) == [tile.zone] {
+        return;
+    }
+    let grid = surface.grid;
+    for cell in 0..grid.len() {
+        let at = tile
+            .zone
+            .to_lon_lat(grid.centre(cell / grid.columns, cell % grid.columns));
+        if UtmZone::of(at) != tile.zone {
+            surface.depth_m[cell] = f32::NAN;
+            surface.spread_m[cell] = f32::NAN;
+            surface.distance_m[cell] = f32::NAN;
+            surface.source[cell] = Default::default();
+        }
+    }
+}
+
+/// The surface without its margin.
+fn core_of(window: &Surface) -> Surface {
+    let grid = window.grid;
+    let margin_m = LOCAL_MARGIN_CELLS as f64 * grid.cell_m;
+    let core = Grid {
+        west_m: grid.west_m + margin_m,
+        north_m: grid.north_m - margin_m,
+        columns: grid.columns - 2 * LOCAL_MARGIN_CELLS,
+        rows: grid.rows - 2 * LOCAL_MARGIN_CELLS,
+        ..grid
+    };
+    let start = |row: usize| (row + LOCAL_MARGIN_CELLS) * grid.columns + LOCAL_MARGIN_CELLS;
+    let cut = |values: &[f32]| -> Vec<f32> {
+        let rows = (0..core.rows).map(|row| &values[start(row)..start(row) + core.columns]);
+        rows.flatten().copied().collect()
+    };
+    let sources = (0..core.rows).map(|row| &window.source[start(row)..start(row) + core.columns]);
+    Surface {
+        grid: core,
+        depth_m: cut(&window.depth_m),
+        spread_m: cut(&window.spread_m),
+        distance_m: cut(&window.distance_m),
+        source: sources.flatten().copied().collect(),
+        hardness_db: window.hardness_db.as_deref().map(cut),
+        ..*window
+    }
+}
+
+fn lines(
+    window: &Surface,
+    settings: &IsobathSettings,
+    tile: TileId,
+    progress: &Progress,
+) -> Result<Vec<Isobath>, LakeError> {
+    let settings = IsobathSettings {
+        interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
+        ..settings.clone()
+    };
+    let levels_m = settings
+        .levels_m(window.range_m())
+        .map_err(|error| error.to_string())?;
+    let drawn = isobaths(window, &levels_m, progress)?;
+    let cut = drawn.into_iter().flat_map(|line| {
+        let rounded = Isobath {
+            points: smoothed(&line.points, settings.smooth),
+            ..line
+        };
+        clipped(&rounded, tile.bounds_m())
+    });
+    let mut lines: Vec<Isobath> = cut.collect();
+    // In one order, however the rows of the window were walked.
+    lines.sort_by(|a, b| {
+        let first = |line: &Isobath| line.points.first().copied().unwrap_or_default();
+        let (one, other) = (first(a), first(b));
+        (a.depth_m.total_cmp(&b.depth_m))
+            .then(one[0].total_cmp(&other[0]))
+            .then(one[1].total_cmp(&other[1]))
+    });
+    Ok(lines)
+}

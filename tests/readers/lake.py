@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Opens a lake of many logs with readers that are not ours: DuckDB, Arrow and GeoPandas for its rows, GDAL for its maps and their VRT, pystac
+for its index; fails on the first that disagrees."""
+
+import json
+import sys
+from pathlib import Path
+
+import duckdb
+import geopandas
+import numpy
+import pyarrow.parquet
+import pyproj
+import pystac
+import pystac.validation
+import rasterio
+import shapely
+from rasters import check_cloud_optimized
+
+TILE_M = 512
+
+
+def system(tile):
+    """The zone of a tile, and its south-west corner."""
+    zone, easting, northing = tile.split("_")
+    epsg = (32600 if zone[-1] == "N" else 32700) + int(zone[:-1])
+    return epsg, int(easting), int(northing)
+
+
+def check_rows(folder, logs):
+    """Every file of rows against the records of the logs; how many there are."""
+    halo_m = json.loads((folder / "lake.json").read_text())["halo_m"]
+    named = {file["file"]: (log, rows) for log in logs for rows in log["tiles"] for file in rows["files"]}
+    there = {str(path.relative_to(folder)) for kind in ("points", "pings") for path in folder.glob(f"{kind}/*/*.parquet")}
+    assert there == set(named), f"records and folder differ in {there ^ set(named)}"
+    for name, (log, rows) in named.items():
+        kind = name.split("/")[0]
+        metadata = pyarrow.parquet.read_metadata(folder / name)
+        assert metadata.num_rows == rows[kind], f"{name}: {metadata.num_rows} rows, not {rows[kind]}"
+        assert metadata.created_by == "bathyscope"
+        frame = geopandas.read_parquet(folder / name)
+        assert frame.crs.to_string() == "OGC:CRS84" and (frame.geometry.geom_type == "Point").all()
+        assert (frame["log"] == log["log"]).all() and name.endswith(f"/{log['log']}.parquet")
+        epsg, west, south = system(rows["tile"])
+        zone = pyproj.Transformer.from_crs(4326, epsg, always_xy=True)
+        places = numpy.array(zone.transform(frame.geometry.x.to_numpy(), frame.geometry.y.to_numpy()))
+        off_m = numpy.abs(places - [frame.x, frame.y]).max()
+        assert off_m < 1e-6, f"{name}: places are off by {off_m} m"
+        core = frame.x.between(west, west + TILE_M, "left") & frame.y.between(south, south + TILE_M, "left")
+        assert (core != frame.halo).all(), f"{name}: the halo is marked otherwise"
+        if kind == "points":
+            near = frame.x.between(west - halo_m, west + TILE_M + halo_m) & frame.y.between(south - halo_m, south + TILE_M + halo_m)
+            assert near.all() and core.sum() == rows["core_points"]
+            assert (frame.weight[~frame.kept] == 0).all()
+        else:
+            assert frame.ping.is_monotonic_increasing and (frame.altitude_m >= 0).all()
+            length = numpy.hypot(frame.starboard_x, frame.starboard_y)
+            assert (numpy.abs(length - 1) < 0.001).all(), f"{name}: starboard is no direction"
+    return len(named)
+
+
+def check_partitions(folder, logs):
+    """The partitions as DuckDB reads them."""
+    rows = f"read_parquet('{folder}/points/*/*.parquet', hive_partitioning = true)"
+    counted = duckdb.sql(f"select tile, count(*), count(distinct log) from {rows} group by tile").fetchall()
+    expected = {}
+    for log in logs:
+        for tile in log["tiles"]:
+            if tile["points"]:
+                points, count = expected.get(tile["tile"], (0, 0))
+                expected[tile["tile"]] = (points + tile["points"], count + 1)
+    assert {tile: (points, count) for tile, points, count in counted} == expected
+    cores = duckdb.sql(f"select count(*) from {rows} where not halo").fetchall()[0][0]
+    assert cores == sum(log["points"] for log in logs), "points outside of halos"
+
+
+def check_maps(folder):
+    """Maps against their records, the points in them and the VRT; how many there are."""
+    count = 0
+    for path in sorted(folder.glob("tiles/*/tile.json")):
+        record, tile = json.loads(path.read_text()), path.parent.name
+        if not record["files"]:
+            continue
+        count += 1
+        epsg, west, south = system(tile)
+        for name in ("depth.tif", "uncertainty.tif"):
+            check_cloud_optimized(name, path.parent / name)
+        with rasterio.open(path.parent / "depth.tif") as raster:
+            assert raster.crs.to_epsg() == epsg
+            assert tuple(raster.bounds) == (west, south, west + TILE_M, south + TILE_M), raster.bounds
+            depth = raster.read(1, masked=True)
+        assert depth.count() == record["cells"]
+        assert abs(depth.min() - record["depth_m"][0]) < 1e-6 and abs(depth.max() - record["depth_m"][1]) < 1e-6
+        zone = tile.split("_")[0]
+        with rasterio.open(folder / f"index/depth_{zone}.vrt") as whole:
+            window = rasterio.windows.from_bounds(west, south, west + TILE_M, south + TILE_M, whole.transform)
+            assert numpy.ma.allequal(whole.read(1, masked=True, window=window), depth), f"{tile}: the VRT shows another map"
+        check_isobaths(path.parent / "isobaths.geojson", epsg, (west, south), record["isobaths"])
+    return count
+
+
+def check_isobaths(path, epsg, corner, count):
+    """Lines lie in their tile; GeoPandas reads an empty collection as none."""
+    features = json.loads(path.read_text())["features"]
+    assert len(features) == count, f"{len(features)} isobaths, not {count}"
+    if features:
+        lines = geopandas.read_file(path).to_crs(epsg)
+        tile = shapely.box(*corner, *(metres + TILE_M for metres in corner)).buffer(0.002)
+        assert lines.within(tile).all(), f"{path}: a line leaves its tile"
+
+
+def check_index(folder):
+    """The collection and its items, held against the core schemas, which come with pystac; those of extensions need the network."""
+    for path in folder.glob("index/*.json"):
+        pystac.validation.validate_dict(json.loads(path.read_text()) | {"stac_extensions": []})
+    collection = pystac.Collection.from_file(str(folder / "index/collection.json"))
+    items = list(collection.get_items())
+    for item in items:
+        for asset in item.assets.values():
+            assert Path(asset.get_absolute_href()).is_file(), asset.href
+        assert item.datetime is None and item.common_metadata.start_datetime <= item.common_metadata.end_datetime
+        assert shapely.geometry.shape(item.geometry).is_valid
+    return len(items)
+
+
+def check(folder):
+    logs = [json.loads(path.read_text()) for path in sorted(folder.glob("logs/*.json"))]
+    files = check_rows(folder, logs)
+    check_partitions(folder, logs)
+    maps = check_maps(folder)
+    items = check_index(folder)
+    assert maps == items > 0, f"{maps} maps, {items} items"
+    print(f"{files} files of rows of {len(logs)} logs, {maps} maps and their index agree with the records")
+
+
+if __name__ == "__main__":
+    check(Path(sys.argv[1]))
