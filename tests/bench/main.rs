@@ -21,6 +21,7 @@ mod mosaic;
 mod outliers;
 mod products;
 mod resources;
+mod shading;
 mod surface;
 #[path = "../suite/truth.rs"]
 mod truth;
@@ -41,6 +42,7 @@ const BENCHES: &[(&str, fn())] = &[
     ("mosaic", mosaic::run),
     ("outliers", outliers::run),
     ("products", products::run),
+    ("shading", shading::run),
     ("surface", surface::run),
     ("waterfall", waterfall::run),
     ("bottom", bottom::run),

@@ -8,7 +8,7 @@
 
 use super::missions::{Mission, repeatability};
 use super::truth::MapError;
-use bathyscope::bathymetry::{SurfaceMethod, SurfaceSettings, SwathDepth};
+use bathyscope::bathymetry::{Surface, SurfaceMethod, SurfaceSettings, SwathDepth};
 use bathyscope::cloud::Residuals;
 use bathyscope::simulation::{Mound, Scene};
 
@@ -17,7 +17,7 @@ const SEEDS: u64 = 10;
 /// The weights were compared on ponds from this seed on; the figures reported are those of seeds from 1.
 const TUNING_SEED: u64 = 101;
 /// Farther than this from any sounding a cell lies between the lines, metres.
-const BETWEEN_M: f64 = 1.0;
+pub const BETWEEN_M: f64 = 1.0;
 /// Edges of bands of distance to the nearest sounding, metres.
 const BANDS_M: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 10.0];
 
@@ -104,7 +104,7 @@ fn reported() -> Vec<(String, SurfaceSettings)> {
 }
 
 /// What predicts best, corrected by the brightness of the echoes.
-fn shaded() -> SurfaceSettings {
+pub fn shaded() -> SurfaceSettings {
     SurfaceSettings {
         method: SurfaceMethod::Auto,
         swath: SwathDepth::Shaded,
@@ -112,10 +112,11 @@ fn shaded() -> SurfaceSettings {
     }
 }
 
-const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
+/// The kinds of ponds.
+pub const KINDS: [&str; 4] = ["gentle", "steep", "rough", "mounds"];
 
 /// A pond of a kind. Only where its mounds lie depends on the seed.
-fn scene(kind: &str, seed: u64) -> Scene {
+pub fn scene(kind: &str, seed: u64) -> Scene {
     let mut scene = match kind {
         "steep" => Scene::steep(),
         "rough" => Scene::rough(),
@@ -157,18 +158,14 @@ fn mounds(scene: &Scene, seed: u64) -> Vec<Mound> {
 
 /// The errors of a map of all points on the cells that the soundings alone can fill, of all ponds.
 fn errors(ponds: &[Mission], settings: &SurfaceSettings) -> Vec<MapError> {
-    let soundings_only = SurfaceSettings {
-        method: SurfaceMethod::Linear,
-        side_scan_weight: 0.0,
-        swath: SwathDepth::Off,
-        ..settings.clone()
-    };
-    let of_pond = |pond: &Mission| {
-        let map = pond.known.map(&pond.products, settings);
-        let soundings = pond.known.map(&pond.products, &soundings_only);
-        pond.known.map_errors(&map, &soundings)
-    };
+    let of_pond = |pond: &Mission| errors_of(pond, &pond.known.map(&pond.products, settings));
     ponds.iter().flat_map(of_pond).collect()
+}
+
+/// The errors of a map of a pond on the cells that the soundings alone can fill.
+pub fn errors_of(pond: &Mission, map: &Surface) -> Vec<MapError> {
+    let soundings = pond.known.map(&pond.products, &settings(0.0, false));
+    pond.known.map_errors(map, &soundings)
 }
 
 /// What the default map gains over triangles, what shading gains over that, and what the stated errors are worth, by the distance to the

@@ -7,7 +7,7 @@ use bathyscope::pipeline::{Products, log_echoes};
 use bathyscope::progress::Progress;
 use bathyscope::simulation::{Scene, Simulated, simulate};
 use bathyscope::survey::{Side, Survey};
-use bathyscope::swath::shade;
+use bathyscope::swath::{LogEchoes, shade};
 
 /// What is wrong with a cell of a map.
 #[derive(Clone, Copy)]
@@ -53,25 +53,7 @@ impl KnownSurvey {
 
     /// The depth map in the survey's plane.
     pub fn map(&self, products: &Products, settings: &SurfaceSettings) -> Surface {
-        let points: Vec<DepthPoint> = kept(products)
-            .map(|point| DepthPoint {
-                east_m: point.east_m,
-                north_m: point.north_m,
-                depth_m: -point.z_m,
-                weight: settings.weight(point),
-                is_sounding: point.source == PointSource::DownScan,
-            })
-            .filter(|point| point.weight > 0.0)
-            .collect();
-        let progress = Progress::new();
-        let mut made = surface(points.clone(), settings, &progress)
-            .expect("not cancelled")
-            .expect("a surface");
-        if settings.swath == SwathDepth::Shaded {
-            let echoes = log_echoes(&self.survey, products, |place| place);
-            shade(&mut made, &[echoes], &points, &progress).expect("not cancelled");
-        }
-        made
+        map(&self.survey, products, settings, |_| true).expect("a surface")
     }
 
     /// The errors of a map at the middle of each cell that `soundings` fills too.
@@ -90,6 +72,43 @@ impl KnownSurvey {
         });
         cells.collect()
     }
+}
+
+/// The depth map of a survey in its plane, of those of the kept points that `counts` lets through; `None` where they make none.
+pub fn map(
+    survey: &Survey,
+    products: &Products,
+    settings: &SurfaceSettings,
+    counts: impl Fn(&CloudPoint) -> bool,
+) -> Option<Surface> {
+    let echoes = log_echoes(survey, products, |place| place);
+    map_with(echoes, products, settings, counts)
+}
+
+/// The same, shaded by some echoes where the settings ask for it.
+pub fn map_with(
+    echoes: LogEchoes<'_>,
+    products: &Products,
+    settings: &SurfaceSettings,
+    counts: impl Fn(&CloudPoint) -> bool,
+) -> Option<Surface> {
+    let points: Vec<DepthPoint> = kept(products)
+        .filter(|point| counts(point))
+        .map(|point| DepthPoint {
+            east_m: point.east_m,
+            north_m: point.north_m,
+            depth_m: -point.z_m,
+            weight: settings.weight(point),
+            is_sounding: point.source == PointSource::DownScan,
+        })
+        .filter(|point| point.weight > 0.0)
+        .collect();
+    let progress = Progress::new();
+    let mut made = surface(points.clone(), settings, &progress).expect("not cancelled")?;
+    if settings.swath == SwathDepth::Shaded {
+        shade(&mut made, &[echoes], &points, &progress).expect("not cancelled");
+    }
+    Some(made)
 }
 
 /// The kept points.
