@@ -50,6 +50,8 @@ fn a_run_with_everything_writes_a_file_for_every_row_and_no_other() {
         "detector.score=0.01",
         "--set",
         "points.las=true",
+        "--set",
+        "surface.swath=shaded",
         "-o",
         "out",
     ];
@@ -118,7 +120,7 @@ fn help_and_panel_name_the_files_of_the_registry() {
     assert_eq!(files(Product::Cloud), "points/cloud.laz, .las, .ply, .xyz");
     assert_eq!(
         files(Product::Depth),
-        "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml (colours for QGIS)"
+        "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml; depth/hardness.tif, .qml (colours for QGIS)"
     );
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let help = run(temporary.path(), &["process", "--help"]);
