@@ -2,6 +2,9 @@
 
 use crate::bathymetry::isobaths::Isobath;
 
+/// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
+const LEAST_LENGTH_M: f64 = 0.01;
+
 /// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
 /// number in both.
 pub(super) fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
@@ -22,7 +25,9 @@ pub(super) fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
             points,
         }
     });
-    parts.filter(|part| part.points.len() > 1).collect()
+    parts
+        .filter(|part| part.length_m() > LEAST_LENGTH_M)
+        .collect()
 }
 
 /// The part of a step in a box (Liang and Barsky 1984); `None` where they do not meet.
@@ -92,5 +97,10 @@ mod tests {
         assert_eq!(west[1].points.last().map(|at| at[1]), Some(10.0));
         assert_eq!(clipped(&line, [20.0, 0.0, 30.0, 10.0]), []);
         assert_eq!(clipped(&line, [0.0, 0.0, 20.0, 20.0]), [line]);
+        let short = Isobath {
+            depth_m: 2.0,
+            points: vec![[1.0, 1.0], [1.001, 1.0]],
+        };
+        assert_eq!(clipped(&short, [0.0, 0.0, 20.0, 20.0]), []);
     }
 }

@@ -39,6 +39,6 @@ pub use log_record::{LogRecord, TileRows};
 pub use offsets::{OffsetRow, Offsets};
 pub use record::{Lake, LakeRecord};
 pub use tile::{TILE_M, TileId};
-pub use tile_files::{TileRecord, TileState, tile_state, write_tile};
+pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
 pub use tile_map::{TileMap, tile_map};
 pub use who::{Sighting, who};

@@ -5,7 +5,7 @@ use super::add::make_folder;
 use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
-use super::record::{LONGEST_RECORD, Lake, LakeRecord, write_json};
+use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
 use crate::bathymetry::{Surface, SurfaceMethod};
@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::regular_file;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The folder of the maps.
 pub(super) const TILES: &str = "tiles";
@@ -25,6 +25,8 @@ const RECORD: &str = "tile.json";
 pub(super) const DEPTH: &str = "depth.tif";
 pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
 const ISOBATHS: &str = "isobaths.geojson";
+/// All of them, the one first that says what the others are.
+const FILES: [&str; 4] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS];
 
 /// What is known of a tile's map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -128,6 +130,34 @@ pub fn tile_state(lake: &Lake, tile: TileId, logs: &[LogRecord], offsets: &Offse
     }
 }
 
+/// Removes the maps of tiles that no log has rows in any more, and gives back which these were.
+///
+/// # Errors
+/// When a file cannot be removed.
+pub fn remove_left_over(lake: &Lake, tiles: &[TileId]) -> Result<Vec<TileId>, LakeError> {
+    let names = names_in(&lake.folder().join(TILES))?;
+    let found = names.iter().filter_map(|name| name.parse::<TileId>().ok());
+    let mut left: Vec<TileId> = found.filter(|tile| !tiles.contains(tile)).collect();
+    left.sort_unstable();
+    for tile in &left {
+        let folder = folder_of(lake, *tile);
+        for name in FILES {
+            remove(&folder.join(name))?;
+        }
+        // What is not of the program stays, with its folder.
+        fs::remove_dir(&folder).ok();
+    }
+    Ok(left)
+}
+
+fn remove(path: &Path) -> Result<(), LakeError> {
+    match path.exists() {
+        false => Ok(()),
+        true => Ok(fs::remove_file(path)
+            .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?),
+    }
+}
+
 /// Makes the map of a tile and writes its files, the record last.
 ///
 /// # Errors
@@ -150,11 +180,9 @@ pub fn write_tile(
     let folder = folder_of(lake, tile);
     make_folder(&folder)?;
     // From here on its files are those of two maps.
-    for name in [RECORD, DEPTH, UNCERTAINTY, ISOBATHS] {
-        let path = folder.join(name);
-        if (name == RECORD || made.is_none()) && path.exists() {
-            fs::remove_file(&path)
-                .map_err(|error| format!("cannot remove the file: {error}: {}", path.display()))?;
+    for name in FILES {
+        if name == RECORD || made.is_none() {
+            remove(&folder.join(name))?;
         }
     }
     let mut record = TileRecord {

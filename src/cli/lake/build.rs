@@ -6,7 +6,8 @@ use crate::cli::output;
 use crate::cli::parallel::each_in_parallel;
 use crate::cli::status_line::StatusLine;
 use crate::lake::{
-    Lake, LakeError, TileId, TileState, contents, tile_state, write_index, write_tile,
+    Lake, LakeError, TileId, TileState, contents, remove_left_over, tile_state, write_index,
+    write_tile,
 };
 use crate::presentation::text;
 use crate::progress::Progress;
@@ -45,6 +46,11 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
         output::results(format_args!(
             "wrote {}",
             of_tile(*tile, &made.map_err(in_words)?)
+        ))?;
+    }
+    for tile in remove_left_over(&lake, &all).map_err(in_words)? {
+        output::results(format_args!(
+            "removed {tile}: no log has rows in it any more"
         ))?;
     }
     write_index(&lake, &logs, &all).map_err(in_words)?;

@@ -239,9 +239,8 @@ fn a_lake_is_brought_up_to_date_once_and_a_log_renews_its_own_tiles_only() {
     assert!(made.starts_with(&format!("wrote {tile}: ")), "{made}");
     assert!(files(&folder.join("lake")) == there, "a tile by itself");
 
-    // Far enough from the corner that its rows lie in two tiles, in the halo of one of them; near enough to cross the others.
-    sail(folder, 3, &zigzag(3, [14.0, 90.0], 0.0));
-    sail(folder, 4, &zigzag(4, [8.0, 26.0], 0.0));
+    // Far enough from the corner that its rows lie in the two tiles to the north.
+    sail(folder, 3, &zigzag(3, [14.0, 96.0], 0.0));
     add(folder, &["log-3.sl2"]);
     let stale: Vec<String> = states(folder)
         .into_iter()
@@ -260,4 +259,26 @@ fn a_lake_is_brought_up_to_date_once_and_a_log_renews_its_own_tiles_only() {
 
     assert!(refusal(folder, &["tile", "lake", "17N_0_0"], 1).contains("no log of this lake"));
     assert!(refusal(folder, &["tile", "lake", "here"], 2).contains("names no tile"));
+}
+
+#[test]
+fn a_log_whose_record_is_removed_is_no_part_of_the_lake() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    sail(folder, 0, &scene(0, [3.0, -4.0], 0.0));
+    add(folder, &["log-0.sl2"]);
+    run(folder, &["lake", "lake"]);
+    let map = "lake/tiles/17N_392192_3253760";
+    assert!(folder.join(map).join("depth.tif").is_file());
+    fs::remove_dir_all(folder.join("lake/logs")).expect("records");
+    let made = run(folder, &["lake", "lake"]);
+    assert!(
+        made.contains("removed 17N_392192_3253760") && made.contains("0 of 0 maps"),
+        "{made}"
+    );
+    assert!(!folder.join(map).exists());
+    assert!(run(folder, &["who", "lake", "-82.11,29.41,900"]).contains("no ping"));
+    // Its rows are as they were, and are taken up again.
+    add(folder, &["log-0.sl2"]);
+    assert!(run(folder, &["lake", "lake"]).contains("wrote 17N_392192_3253760"));
 }
