@@ -139,7 +139,9 @@ impl<'a> Results<'a> {
             Need::Surface if self.surface()?.is_none() => told(
                 "no depth map: the depths span no surface (a single straight line, or none near another within surface.max_gap_m)",
             ),
-            Need::Hardness if !self.surface()?.is_some_and(|s| s.hardness_db.is_some()) => silent(),
+            Need::Hardness if self.surface()?.is_none_or(|one| one.hardness_db.is_none()) => {
+                silent()
+            }
             Need::Levels => match self.contours()? {
                 Err(why) => told(why),
                 Ok(_) => None,
