@@ -11,6 +11,7 @@ LAYERS = {
     "depth.tif": "depth",
     "uncertainty.tif": "standard deviation of depth",
     "distance.tif": "distance to the nearest depth",
+    "hardness.tif": "brightness of the bed over the median",
 }
 
 
@@ -65,7 +66,8 @@ def check_layer(name, path, record):
     with rasterio.open(path) as raster:
         check_raster(name, raster, record)
         assert raster.dtypes == ("float32",) and raster.nodata == -9999
-        assert raster.descriptions == (LAYERS[name],) and raster.units == ("metre",), raster.descriptions
+        assert raster.descriptions == (LAYERS[name],), raster.descriptions
+        assert raster.units == ("decibel" if name == "hardness.tif" else "metre",), raster.units
         assert raster.tags(1).get("positive") == ("down" if name == "depth.tif" else None)
         values = raster.read(1, masked=True).compressed()
         check_statistics(name, raster, values)
