@@ -4,6 +4,7 @@ use super::settings::{Logs, SettingsArgs};
 use super::{many, output};
 use crate::app::is_project;
 use crate::detection::review::Review;
+use crate::formats;
 use crate::geo::LocalFrame;
 use crate::pipeline::settings::SourceSettings;
 use crate::pipeline::{MissionLog, Reference, Settings};
@@ -68,6 +69,12 @@ pub fn inputs(
                 settings.track.file = track;
             }
             let logs = Arc::new(Logs::new(settings)?);
+            for path in paths.iter().flat_map(|path| formats::unusable_in(path)) {
+                output::notify(format_args!(
+                    "warning: passed over, for it is no log that can be read: {}",
+                    path.display()
+                ));
+            }
             let paths = many::logs(paths).into_iter();
             let input = |path| LogInput {
                 path,

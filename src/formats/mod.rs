@@ -267,6 +267,23 @@ pub fn logs_in(folder: &Path) -> Vec<PathBuf> {
     }
 }
 
+/// The files in a folder of logs that are named as no other file is, and are no log that can be opened: a card that broke, a recording
+/// that never began.
+pub fn unusable_in(folder: &Path) -> Vec<PathBuf> {
+    let logs = logs_in(folder);
+    if !folder.is_dir() || logs == [folder] {
+        return Vec::new();
+    }
+    let is_named_so = |path: &PathBuf| {
+        let ending = path.extension().unwrap_or_default();
+        let mut endings = ["sl2", "sl3", "xtf"].into_iter();
+        path.is_file() && endings.any(|one| ending.eq_ignore_ascii_case(one))
+    };
+    let mut unusable = FileSource::Disk.children(folder);
+    unusable.retain(|path| is_named_so(path) && !logs.contains(path));
+    unusable
+}
+
 fn logs_on(files: &FileSource, folder: &Path) -> Vec<PathBuf> {
     if humminbird::is_recording(files, folder) {
         return vec![folder.to_owned()];

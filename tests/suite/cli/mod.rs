@@ -68,6 +68,26 @@ fn header(path: &Path) -> String {
 }
 
 #[test]
+fn a_file_of_a_folder_that_only_has_the_name_of_a_log_is_named() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    simulated(folder);
+    fs::create_dir(folder.join("card")).expect("a folder");
+    fs::rename(folder.join("pond.sl2"), folder.join("card/pond.sl2")).expect("a log");
+    fs::write(folder.join("card/broken.SL3"), [7; 5000]).expect("a file");
+    fs::write(folder.join("card/empty.xtf"), []).expect("a file");
+    fs::write(folder.join("card/notes.txt"), "no log").expect("a file");
+    let process = "process card -o out --products track --no-objects";
+    let told = stderr_of(folder, &process.split(' ').collect::<Vec<_>>());
+    let named = |name: &str| {
+        let lines = told.lines().filter(|line| line.contains("passed over"));
+        lines.filter(|line| line.ends_with(name)).count()
+    };
+    let counts = ["broken.SL3", "empty.xtf", "notes.txt", "pond.sl2"].map(named);
+    assert_eq!(counts, [1, 1, 0, 0], "{told}");
+}
+
+#[test]
 fn simulate_info_process_and_filter_work_together() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
     let folder = temporary.path();
