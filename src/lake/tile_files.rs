@@ -8,7 +8,7 @@ use super::offsets::Offsets;
 use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
-use crate::bathymetry::{Surface, SurfaceMethod};
+use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::export::{isobaths_geojson, metres_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::geo::Crs;
@@ -276,8 +276,12 @@ fn how(lake: &Lake, surface: &Surface) -> Result<String, LakeError> {
             other.in_words()
         ),
     };
+    let unshaded = match settings.swath {
+        SwathDepth::Off => "",
+        SwathDepth::Shaded => ", not corrected by shading (a lake keeps no echoes)",
+    };
     Ok(format!(
-        "By {method}{instead} in cells of {} m, none farther than {} m from a depth.",
+        "By {method}{instead}{unshaded} in cells of {} m, none farther than {} m from a depth.",
         surface.grid.cell_m, settings.max_gap_m
     ))
 }
