@@ -4,10 +4,11 @@
 use super::add::LogRows;
 use super::error::LakeError;
 use super::footprint::{Footprint, SideRange};
-use super::spread::{Row, RowsByTile};
+use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
 use crate::geo::{LonLat, UtmZone};
+use crate::mosaic::joined_way_m;
 use crate::survey::{Side, SideSpan};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,9 +17,6 @@ use std::path::Path;
 pub(super) const PINGS: &str = "pings";
 /// Length over which the direction across the track is taken in the zone, metres.
 const PROBE_M: f64 = 20.0;
-/// Pings farther apart, in metres or seconds, are not joined: the log was interrupted. As in the mosaic.
-const LONGEST_STEP_M: f64 = 3.0;
-const LONGEST_PAUSE_S: f64 = 2.0;
 /// Half of the ground of a ping that no other is near, metres.
 const ALONE_M: f64 = 0.5;
 
@@ -154,13 +152,9 @@ fn altitudes_m(log: &LogRows<'_>) -> Vec<f64> {
 
 /// Half of the ways to the pings before and behind, metres; where one is not joined, that to the other.
 fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
-    let places = &log.products.navigation.pings;
-    let pings = &log.survey.side_scan;
     let half_m = |from: usize| {
-        let (a, b) = places.get(from).zip(places.get(from + 1))?;
-        let pause_s = pings.get(from + 1)?.time_s - pings.get(from)?.time_s;
-        let step_m = (b.east_m - a.east_m).hypot(b.north_m - a.north_m);
-        (step_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S).then_some(0.5 * step_m)
+        let way_m = joined_way_m(log.survey, &log.products.navigation, from)?;
+        Some(0.5 * way_m)
     };
     let of_ping = |ping: usize| {
         let behind = ping.checked_sub(1).and_then(half_m);
@@ -168,7 +162,7 @@ fn halves_m(log: &LogRows<'_>) -> Vec<[f64; 2]> {
         let alone = behind.or(ahead).unwrap_or(ALONE_M);
         [behind.unwrap_or(alone), ahead.unwrap_or(alone)]
     };
-    (0..pings.len()).map(of_ping).collect()
+    (0..log.survey.side_scan.len()).map(of_ping).collect()
 }
 
 /// Columns of the rows of pings in a tile.
@@ -189,11 +183,8 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint])
         .map(|row| log.survey.side_scan[row.index].time_s)
         .collect();
     let depth_m = |row: &Row| f64::from(log.products.depths[row.index].depth_m);
-    vec![
-        Column::new(
-            "geometry",
-            Values::Points(rows.iter().map(|row| row.at).collect()),
-        ),
+    let mut columns = vec![
+        spread::geometry(rows),
         Column::new("x", of(&|ping| ping.place[0])),
         Column::new("y", of(&|ping| ping.place[1])),
         Column::new("starboard_x", of(&|ping| ping.starboard[0])),
@@ -220,10 +211,6 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint])
             ),
         ),
         Column::new(
-            "halo",
-            Values::Flag(rows.iter().map(|row| !row.is_core).collect()),
-        ),
-        Column::new(
             "left_out",
             Values::Flag(
                 rows.iter()
@@ -231,14 +218,9 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row], footprints: &[Footprint])
                     .collect(),
             ),
         ),
-        Column::new(
-            "time",
-            Values::Time(times_s.iter().map(|time_s| log.unix_us(*time_s)).collect()),
-        ),
-        Column::new("time_s", Values::Double(times_s)),
-        Column::new("log", Values::Same(log.sha256.to_owned(), rows.len())),
-        Column::new("name", Values::Same(log.survey.name(), rows.len())),
-    ]
+    ];
+    columns.extend(log.common_columns(rows, times_s));
+    columns
 }
 
 /// A ping of a lake.

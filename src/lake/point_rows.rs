@@ -2,7 +2,7 @@
 
 use super::add::LogRows;
 use super::error::LakeError;
-use super::spread::Row;
+use super::spread::{self, Row};
 use crate::bathymetry::DepthPoint;
 use crate::cloud::{CloudPoint, PointSource};
 use crate::formats::parquet_table::{Column, ParquetError, Values, read_parquet};
@@ -35,11 +35,8 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
     let texts = |value: &dyn Fn(&CloudPoint) -> &'static str| {
         Values::Text(points.iter().map(|(point, _)| value(point)).collect())
     };
-    vec![
-        Column::new(
-            "geometry",
-            Values::Points(rows.iter().map(|row| row.at).collect()),
-        ),
+    let mut columns = vec![
+        spread::geometry(rows),
         Column::new(
             "x",
             Values::Double(rows.iter().map(|row| row.place[0]).collect()),
@@ -77,18 +74,9 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
             "above_bottom",
             Values::Flag(each.map(|(point, _)| point.above_bottom).collect()),
         ),
-        Column::new(
-            "halo",
-            Values::Flag(rows.iter().map(|row| !row.is_core).collect()),
-        ),
-        Column::new(
-            "time",
-            Values::Time(times_s.iter().map(|time_s| log.unix_us(*time_s)).collect()),
-        ),
-        Column::new("time_s", Values::Double(times_s)),
-        Column::new("log", Values::Same(log.sha256.to_owned(), rows.len())),
-        Column::new("name", Values::Same(log.survey.name(), rows.len())),
-    ]
+    ];
+    columns.extend(log.common_columns(rows, times_s));
+    columns
 }
 
 /// A point as maps and crossings need it.

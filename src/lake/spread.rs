@@ -1,6 +1,7 @@
 //! Which tiles the rows of a log belong to.
 
 use super::tile::TileId;
+use crate::formats::parquet_table::{Column, Values};
 use crate::geo::{LonLat, UtmZone};
 use std::collections::BTreeMap;
 
@@ -15,6 +16,12 @@ pub(super) struct Row {
     pub place: [f64; 2],
     /// Whether it lies in the tile itself.
     pub is_core: bool,
+}
+
+/// The places of rows as a column.
+pub(super) fn geometry(rows: &[Row]) -> Column {
+    let places = rows.iter().map(|row| row.at).collect();
+    Column::new("geometry", Values::Points(places))
 }
 
 /// Rows by tile, those of a tile in the order of the log.

@@ -481,22 +481,21 @@ fn side_ranges(survey: &Survey, calibration: &Calibration, side: Side) -> Vec<Op
 
 /// Whether each ping and the next are near enough to each other to show the ground between them.
 fn joined(survey: &Survey, navigation: &Navigation, placed: &[Option<Placed>]) -> Vec<bool> {
-    let near = |ping: usize| {
-        let (Some(here), Some(next)) = (navigation.pings.get(ping), navigation.pings.get(ping + 1))
-        else {
-            return false;
-        };
-        let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
-        let pause_s = survey.side_scan[ping + 1].time_s - survey.side_scan[ping].time_s;
-        way_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S
-    };
     (0..placed.len())
         .map(|ping| {
             placed[ping].is_some()
                 && placed.get(ping + 1).is_some_and(Option::is_some)
-                && near(ping)
+                && joined_way_m(survey, navigation, ping).is_some()
         })
         .collect()
+}
+
+/// The way from a ping to the next, metres, where they are near enough to each other to show the ground between them.
+pub fn joined_way_m(survey: &Survey, navigation: &Navigation, ping: usize) -> Option<f64> {
+    let (here, next) = (navigation.pings.get(ping)?, navigation.pings.get(ping + 1)?);
+    let way_m = f64::hypot(next.east_m - here.east_m, next.north_m - here.north_m);
+    let pause_s = survey.side_scan.get(ping + 1)?.time_s - survey.side_scan.get(ping)?.time_s;
+    (way_m <= LONGEST_STEP_M && pause_s <= LONGEST_PAUSE_S).then_some(way_m)
 }
 
 /// What all of some layouts cover; `None` when nothing is shown.

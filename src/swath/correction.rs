@@ -6,7 +6,7 @@ use super::ground::Ground;
 use super::level_scale::level_scale;
 use super::local_sigma::local_sigma;
 use super::nodes::{Blend, Nodes, Tile};
-use super::pieces::{Chunk, Piece, chunks, pieces};
+use super::pieces::{Chunk, chunks, pieces};
 use super::readings::{gain_steps, readings};
 use super::sparse::{Normal, Pattern};
 use super::system::{Before, Reading, System};
@@ -208,13 +208,14 @@ impl Given<'_> {
                 &corrected
             }
         };
-        let all = pieces(self.logs, &self.chunks, ground, progress)?;
+        let pieces = pieces(self.logs, &self.chunks, ground, progress)?;
+        let mut found = readings(&pieces, &self.scales);
         // Gains step where they do, whether over weed or not.
-        let steps = gain_steps(&readings(&all, &self.scales));
-        let counts =
-            |piece: &Piece| self.nodes.holds(piece.place_m) && self.weed.is_far_from(piece.place_m);
-        let counted: Vec<Piece> = all.into_iter().filter(counts).collect();
-        Ok((readings(&counted, &self.scales), steps))
+        let steps = gain_steps(&found);
+        found.retain(|Reading { piece, .. }| {
+            self.nodes.holds(piece.place_m) && self.weed.is_far_from(piece.place_m)
+        });
+        Ok((found, steps))
     }
 }
 

@@ -118,6 +118,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "bathymetry",
             "formats",
             "export",
+            "mosaic",
             "pipeline",
             "presentation",
         ],

@@ -1,16 +1,12 @@
 //! `bathyscope lake`: everything of a lake that is out of date.
 
 use super::adjust::{adjusted, summary, tell};
-use super::{MOST_AT_ONCE, of_tile};
+use super::make_maps;
 use crate::cli::output;
-use crate::cli::parallel::each_in_parallel;
-use crate::cli::status_line::StatusLine;
 use crate::lake::{
     Lake, LakeError, TileId, TileState, contents, remove_left_over, tile_state, write_index,
-    write_tile,
 };
 use crate::presentation::text;
-use crate::progress::Progress;
 use std::path::PathBuf;
 
 /// `bathyscope lake DIR`.
@@ -32,22 +28,7 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
     let is_due =
         |tile: &TileId| tile_state(&lake, *tile, &logs, &adjusted.offsets) != TileState::UpToDate;
     let due: Vec<TileId> = all.iter().copied().filter(is_due).collect();
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("maps");
-    progress.start(due.len() as u64);
-    let done = each_in_parallel(&due, MOST_AT_ONCE, |tile| {
-        let made = write_tile(&lake, *tile, &logs, &adjusted.offsets, &Progress::new());
-        progress.advance(1);
-        made
-    });
-    drop(status);
-    for (tile, made) in due.iter().zip(done) {
-        output::results(format_args!(
-            "wrote {}",
-            of_tile(*tile, &made.map_err(in_words)?)
-        ))?;
-    }
+    make_maps(&lake, &due, &logs, &adjusted.offsets)?;
     for tile in remove_left_over(&lake, &all).map_err(in_words)? {
         output::results(format_args!(
             "removed {tile}: no log has rows in it any more"

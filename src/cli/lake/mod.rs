@@ -13,8 +13,11 @@ pub use tiles::{TilesArgs, run as run_tiles};
 pub use who::{WhoArgs, run as run_who};
 
 use crate::cli::output;
-use crate::lake::{LogRecord, Offsets, TileId, TileRecord};
+use crate::cli::parallel::each_in_parallel;
+use crate::cli::status_line::StatusLine;
+use crate::lake::{Lake, LogRecord, Offsets, TileId, TileRecord, write_tile};
 use crate::presentation::text;
+use crate::progress::Progress;
 
 /// Tiles of which each worker has one in memory.
 const MOST_AT_ONCE: usize = 4;
@@ -29,6 +32,30 @@ fn tell_of_missing(offsets: &Offsets, logs: &[LogRecord]) {
             names.join(", ")
         ));
     }
+}
+
+/// Makes the maps of some tiles and says what became of each.
+fn make_maps(
+    lake: &Lake,
+    tiles: &[TileId],
+    logs: &[LogRecord],
+    offsets: &Offsets,
+) -> Result<(), String> {
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("maps");
+    progress.start(tiles.len() as u64);
+    let done = each_in_parallel(tiles, MOST_AT_ONCE, |tile| {
+        let made = write_tile(lake, *tile, logs, offsets, &Progress::new());
+        progress.advance(1);
+        made
+    });
+    drop(status);
+    for (tile, made) in tiles.iter().zip(done) {
+        let record = made.map_err(|error| error.to_string())?;
+        output::results(format_args!("wrote {}", of_tile(*tile, &record)))?;
+    }
+    Ok(())
 }
 
 /// What became of a tile.

@@ -1,11 +1,7 @@
 //! `bathyscope tile`: the map of some tiles.
 
-use super::{MOST_AT_ONCE, of_tile, tell_of_missing};
-use crate::cli::output;
-use crate::cli::parallel::each_in_parallel;
-use crate::cli::status_line::StatusLine;
-use crate::lake::{Lake, LakeError, Offsets, TileId, write_tile};
-use crate::progress::Progress;
+use super::{make_maps, tell_of_missing};
+use crate::lake::{Lake, LakeError, Offsets, TileId};
 use std::path::PathBuf;
 
 /// `bathyscope tile DIR TILE...`.
@@ -28,21 +24,5 @@ pub fn run(args: &TileArgs) -> Result<(), String> {
     let mut tiles = args.tiles.clone();
     tiles.sort_unstable();
     tiles.dedup();
-    let progress = Progress::new();
-    let status = StatusLine::new(&progress);
-    status.step("maps");
-    progress.start(tiles.len() as u64);
-    let done = each_in_parallel(&tiles, MOST_AT_ONCE, |tile| {
-        let made = write_tile(&lake, *tile, &logs, &offsets, &Progress::new());
-        progress.advance(1);
-        made
-    });
-    drop(status);
-    for (tile, made) in tiles.iter().zip(done) {
-        output::results(format_args!(
-            "wrote {}",
-            of_tile(*tile, &made.map_err(in_words)?)
-        ))?;
-    }
-    Ok(())
+    make_maps(&lake, &tiles, &logs, &offsets)
 }

@@ -256,8 +256,8 @@ fn of_values(values: &[f32], colour: impl Fn(f32) -> Rgb + Sync) -> Vec<Rgb> {
 
 /// Colours of decibels about 0, as many below as above, and the ends of their scale.
 fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
-    let away: Vec<f32> = values_db.iter().map(|value| value.abs()).collect();
-    let ends = scaled(&away, share_colour).1.map(|[_, most]| [-most, most]);
+    let most = usual_most(values_db.iter().map(|value| value.abs()));
+    let ends = most.map(|most| [-most, most]);
     let colour = |value: f32| match ends {
         Some([low, high]) if value.is_finite() => share_colour((value - low) / (high - low)),
         _ => UNSEEN,
@@ -267,13 +267,19 @@ fn hardness(values_db: &[f32]) -> (Vec<Rgb>, Option<[f32; 2]>) {
 
 /// Colours of a scale that begins at 0, and its ends.
 fn scaled(values: &[f32], colour: fn(f32) -> Rgb) -> (Vec<Rgb>, Option<[f32; 2]>) {
-    let mut known: Vec<f32> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let Some(last) = known.len().checked_sub(1) else {
-        return (of_values(values, colour), None);
-    };
-    let rank = (SCALE_SHARE * last as f64) as usize;
+    match usual_most(values.iter().copied()) {
+        Some(most) => (
+            of_values(values, |value| colour(value / most)),
+            Some([0.0, most]),
+        ),
+        None => (of_values(values, colour), None),
+    }
+}
+
+/// What [`SCALE_SHARE`] of the known values do not exceed, above 0; `None` where none is known.
+fn usual_most(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut known: Vec<f32> = values.filter(|value| value.is_finite()).collect();
+    let rank = (SCALE_SHARE * known.len().checked_sub(1)? as f64) as usize;
     let most = *known.select_nth_unstable_by(rank, f32::total_cmp).1;
-    let most = most.max(f32::MIN_POSITIVE);
-    let rgb = of_values(values, |value| colour(value / most));
-    (rgb, Some([0.0, most]))
+    Some(most.max(f32::MIN_POSITIVE))
 }

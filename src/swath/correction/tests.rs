@@ -3,6 +3,7 @@
 use super::*;
 use crate::bathymetry::Grid;
 use crate::swath::echo_law::{AtSlope, ln_power};
+use crate::swath::pieces::Piece;
 
 const LINES_M: [f64; 2] = [4.0, 12.0];
 const MOUND_M: [f64; 2] = [12.0, 8.3];
