@@ -53,12 +53,14 @@ pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
         .collect();
     let solved = solve(&meetings, &pinned);
     let heights_m = kept_heights(&logs, &known, &solved, &pinned);
+    // Not those that were solved with: of pinned logs among each other there are none.
+    let mut ties = vec![0; logs.len()];
+    for log in meetings.iter().flat_map(|meeting| meeting.logs) {
+        ties[log] += 1;
+    }
     let rows = logs.iter().enumerate().map(|(index, log)| {
         let found = &solved.logs[index];
-        let ties = meetings
-            .iter()
-            .filter(|meeting| meeting.logs.contains(&index))
-            .count();
+        let ties = ties[index];
         OffsetRow {
             name: log.name.clone(),
             log: log.log.clone(),
@@ -149,11 +151,11 @@ fn kept_heights(
         })
         .collect();
     let mut shifts_m: BTreeMap<usize, f64> = BTreeMap::new();
-    let groups: BTreeSet<usize> = solved.logs.iter().map(|log| log.group).collect();
-    for group in groups {
-        let members: Vec<usize> = (0..logs.len())
-            .filter(|log| solved.logs[*log].group == group)
-            .collect();
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (log, found) in solved.logs.iter().enumerate() {
+        groups.entry(found.group).or_default().push(log);
+    }
+    for (group, members) in groups {
         if members.iter().any(|log| pinned[*log].is_some()) {
             continue;
         }

@@ -7,7 +7,7 @@
 //!
 //! `echoes` is what is read of a log, `level_scale` turns its levels into logarithms of power, `weed` says where echoes are none of the bed,
 //! `pieces` averages the echoes on a `ground` and `readings` are those as logarithms. `echo_law` says what a slope changes; `system` has
-//! the equations for the unknowns at the `nodes`, `sparse` solves them, `local_sigma` learns how large the correction may be, and
+//! the equations for the unknowns at the `nodes`, `local_sigma` learns how large the correction may be, and
 //! `correction` runs all of it in rounds.
 
 mod correction;
@@ -19,7 +19,6 @@ mod local_sigma;
 mod nodes;
 mod pieces;
 mod readings;
-mod sparse;
 mod system;
 mod weed;
 

@@ -14,7 +14,7 @@ use super::echo_law::AtSlope;
 use super::level_scale::{GRAIN_SAMPLES, SPECKLE_SD};
 use super::nodes::{Nodes, Shares, sum};
 use super::pieces::{PIECE_M, Piece};
-use super::sparse::Equations;
+use crate::sparse::Equations;
 use crate::survey::Side;
 use std::collections::BTreeMap;
 

@@ -165,12 +165,13 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any module may name.
-const SERVE_ALL: [&str; 7] = [
+const SERVE_ALL: [&str; 8] = [
     "calendar.rs",
     "catch_panic.rs",
     "printable.rs",
     "progress.rs",
     "regular_file.rs",
+    "sparse.rs",
     "statistics.rs",
     "system_words.rs",
 ];

@@ -3,9 +3,8 @@
 //! Drafts, water levels and the recorders' own constants differ from log to log, and each moves all depths of its log by the same
 //! height. Where two logs measured the same place their depths differ by the difference of these heights, so all meetings together
 //! give the height of every log, but for one that they all share: the datum. `meetings` finds the places, `network` solves for the
-//! heights, `cholesky` is its linear algebra.
+//! heights.
 
-mod cholesky;
 mod meetings;
 mod network;
 

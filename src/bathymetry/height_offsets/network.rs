@@ -1,7 +1,7 @@
 //! Robust weighted least squares over the graph of logs.
 
-use super::cholesky::inverse;
 use super::{Datum, HeightOffsets, LogOffset, Meeting, PairDifference};
+use crate::sparse::{Equations, Factor, Pattern};
 use crate::statistics::{SIGMA_PER_MAD, median, spread_about};
 use std::collections::BTreeMap;
 
@@ -19,6 +19,8 @@ const ROUNDS: usize = 50;
 const SETTLED_M: f64 = 1e-7;
 /// The scale of the residuals is at least this share of what the weights assume: differences may agree to the last digit.
 const LEAST_SCALE: f64 = 1e-6;
+/// A robust weight below this ties nothing.
+const LEAST_SHARE: f64 = 1e-9;
 /// Standard error of a median over that of a mean.
 const MEDIAN_SHARE: f64 = 1.2533;
 
@@ -36,54 +38,62 @@ pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets
         })
         .copied()
         .collect();
-    let groups = groups(count, &known);
-    let mut logs: Vec<LogOffset> = (0..count)
-        .map(|log| LogOffset {
+    let groups = groups(count, known.iter().map(|one| one.logs));
+    let mut logs: Vec<LogOffset> = (groups.iter())
+        .map(|group| LogOffset {
             offset_m: 0.0,
             standard_error_m: f64::NAN,
-            group: groups[log],
-            meetings: known.iter().filter(|one| one.logs.contains(&log)).count(),
+            group: *group,
+            meetings: 0,
         })
         .collect();
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); groups.iter().max().map_or(0, |l| l + 1)];
+    let mut inside: Vec<Vec<Meeting>> = vec![Vec::new(); members.len()];
+    for (log, group) in groups.iter().enumerate() {
+        members[*group].push(log);
+    }
+    for one in &known {
+        inside[groups[one.logs[0]]].push(*one);
+        for log in one.logs {
+            logs[log].meetings += 1;
+        }
+    }
     let mut pairs = Vec::new();
-    for group in 0..groups.iter().max().map_or(0, |last| last + 1) {
-        let members: Vec<usize> = (0..count).filter(|log| groups[*log] == group).collect();
-        let inside: Vec<Meeting> = (known.iter())
-            .filter(|one| groups[one.logs[0]] == group)
-            .copied()
-            .collect();
-        let Some(solved) = Network::new(&members, &inside, datum).solve() else {
+    for (members, inside) in members.iter().zip(&inside) {
+        let Some(solved) = Network::new(members, inside, datum).solve() else {
             continue;
         };
         for (index, &log) in members.iter().enumerate() {
             logs[log].offset_m = solved.heights_m[index];
             logs[log].standard_error_m = solved.errors_m[index];
         }
-        pairs.extend(pair_differences(&inside, &logs));
+        pairs.extend(pair_differences(inside, &logs));
     }
     pairs.sort_by_key(|pair: &PairDifference| pair.logs);
     HeightOffsets { logs, pairs }
 }
 
-/// The group of every log: those that meet, directly or through others, share one.
-fn groups(count: usize, meetings: &[Meeting]) -> Vec<usize> {
-    let mut label: Vec<usize> = (0..count).collect();
-    let mut changed = true;
-    while changed {
-        changed = false;
-        for meeting in meetings {
-            let [a, b] = meeting.logs;
-            let least = label[a].min(label[b]);
-            changed |= label[a] != least || label[b] != least;
-            (label[a], label[b]) = (least, least);
+/// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
+fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
+    // Each log leads to one before it, or to itself where it is the first of its group.
+    let mut first: Vec<usize> = (0..count).collect();
+    fn first_of(first: &mut [usize], mut log: usize) -> usize {
+        while first[log] != log {
+            first[log] = first[first[log]];
+            log = first[log];
         }
+        log
+    }
+    for logs in meetings {
+        let [a, b] = logs.map(|log| first_of(&mut first, log));
+        first[a.max(b)] = a.min(b);
     }
     let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
-    for first in &label {
+    let number = |log: usize| {
         let next = numbers.len();
-        numbers.entry(*first).or_insert(next);
-    }
-    label.iter().map(|first| numbers[first]).collect()
+        *numbers.entry(first_of(&mut first, log)).or_insert(next)
+    };
+    (0..count).map(number).collect()
 }
 
 /// Connected logs and their meetings.
@@ -132,8 +142,10 @@ impl<'a> Network<'a> {
         if self.size < 2 {
             return None;
         }
+        let mut equations = self.equations();
+        let pattern = Pattern::of(&equations, self.size - 1)?;
         let ones = vec![1.0; self.meetings.len()];
-        let mut heights_m = self.weighted(&ones)?.0;
+        let (mut heights_m, mut factor) = self.weighted(&pattern, &mut equations, &ones)?;
         let huber = |u: f64| (HUBER / u.abs()).min(1.0);
         let tukey = |u: f64| (1.0 - (u / TUKEY).powi(2)).max(0.0).powi(2);
         let mut shares = ones;
@@ -141,18 +153,18 @@ impl<'a> Network<'a> {
             for _ in 0..ROUNDS {
                 let next_shares = self.shares(&heights_m, weight);
                 // Where Tukey's weights would cut a log off, Huber's stand.
-                let Some((next_m, _)) = self.weighted(&next_shares) else {
+                let next = self.weighted(&pattern, &mut equations, &next_shares);
+                let Some((next_m, next_factor)) = next else {
                     break;
                 };
                 let moved = next_m.iter().zip(&heights_m).map(|(a, b)| (a - b).abs());
                 let moved_m = moved.fold(0.0, f64::max);
-                (heights_m, shares) = (next_m, next_shares);
+                (heights_m, shares, factor) = (next_m, next_shares, next_factor);
                 if moved_m < SETTLED_M {
                     break;
                 }
             }
         }
-        let (_, covariance) = self.weighted(&shares)?;
         let residuals = self.residuals(&heights_m);
         let squares: f64 = residuals.iter().zip(&shares).map(|(u, w)| w * u * u).sum();
         let freedom = shares.iter().sum::<f64>() - (self.size - 1) as f64;
@@ -163,11 +175,9 @@ impl<'a> Network<'a> {
             1.0
         };
         let variance = variance.max(self.variance_of_pairs(&residuals, &shares));
+        let own = self.variances(&factor).into_iter();
         Some(Solved {
-            errors_m: covariance
-                .iter()
-                .map(|own| (variance * own).sqrt())
-                .collect(),
+            errors_m: own.map(|own| (variance * own).sqrt()).collect(),
             heights_m,
         })
     }
@@ -207,58 +217,66 @@ impl<'a> Network<'a> {
         residuals.iter().map(|u| weight(u / scale)).collect()
     }
 
-    /// Heights by least squares with some weights, and their variances before they are scaled by that of the residuals; `None` where
-    /// the weights leave a log alone.
-    fn weighted(&self, shares: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let n = self.size;
-        // The first height is taken for zero, and the datum put in afterwards.
-        let mut normal = vec![vec![0.0; n - 1]; n - 1];
-        let mut right = vec![0.0; n - 1];
+    /// What the meetings say of the heights of all logs but the first, which is taken for zero.
+    fn equations(&self) -> Equations {
+        let mut equations = Equations::default();
         let all = self.meetings.iter().zip(&self.ends).zip(&self.sigmas_m);
-        for (((one, &[a, b]), sigma_m), share) in all.zip(shares) {
-            let weight = share / (sigma_m * sigma_m);
-            for (end, sign) in [(a, 1.0), (b, -1.0)] {
-                if end > 0 {
-                    normal[end - 1][end - 1] += weight;
-                    right[end - 1] += sign * weight * one.difference_m;
-                }
-            }
-            if a > 0 && b > 0 {
-                normal[a - 1][b - 1] -= weight;
-                normal[b - 1][a - 1] -= weight;
-            }
+        for ((one, [a, b]), sigma_m) in all {
+            let ends = [(*a, 1.0), (*b, -1.0)].into_iter();
+            let terms = ends.filter_map(|(log, sign)| Some((log.checked_sub(1)?, sign)));
+            equations.add(terms, one.difference_m, *sigma_m);
         }
-        let covariance = inverse(&normal)?;
-        let of_first = |row: usize, column: usize| match (row, column) {
-            (0, _) | (_, 0) => 0.0,
-            (row, column) => covariance[row - 1][column - 1],
+        equations
+    }
+
+    /// Heights by least squares with some weights, from the datum, and the matrix that they come from; `None` where the weights cut the logs
+    /// into several groups.
+    fn weighted(
+        &self,
+        pattern: &Pattern,
+        equations: &mut Equations,
+        shares: &[f64],
+    ) -> Option<(Vec<f64>, Factor)> {
+        let ties = self.ends.iter().zip(shares);
+        let ties = ties.filter_map(|(ends, share)| (*share > LEAST_SHARE).then_some(*ends));
+        if groups(self.size, ties).iter().any(|group| *group > 0) {
+            return None;
+        }
+        for (meeting, (share, sigma_m)) in shares.iter().zip(&self.sigmas_m).enumerate() {
+            equations.set_sd(meeting, sigma_m / share.sqrt());
+        }
+        let factor = pattern.factorise(equations)?;
+        let mut heights_m = vec![0.0];
+        heights_m.append(&mut factor.solve(pattern, equations, 0, || 0.0).swap_remove(0));
+        let datum_m = match self.fixed {
+            Some(fixed) => heights_m[fixed],
+            None => heights_m.iter().sum::<f64>() / self.size as f64,
         };
-        let height = |row: usize| -> f64 {
-            (1..n)
-                .map(|column| of_first(row, column) * right[column - 1])
-                .sum()
+        heights_m
+            .iter_mut()
+            .for_each(|height_m| *height_m -= datum_m);
+        let is_known = heights_m.iter().all(|height_m| height_m.is_finite());
+        is_known.then_some((heights_m, factor))
+    }
+
+    /// Variances of the heights from the datum, before they are scaled by that of the residuals: with the covariance `C` against the first log
+    /// and weights `w` that make the datum, `C_ii - 2 (C w)_i + w C w`.
+    fn variances(&self, factor: &Factor) -> Vec<f64> {
+        let weight = |log: usize| match self.fixed {
+            Some(fixed) => f64::from(u8::from(log == fixed)),
+            None => 1.0 / self.size as f64,
         };
-        let heights_m: Vec<f64> = (0..n).map(height).collect();
-        let (datum_m, variances) = match self.fixed {
-            Some(fixed) => {
-                let variance = |row: usize| {
-                    of_first(row, row) - 2.0 * of_first(row, fixed) + of_first(fixed, fixed)
-                };
-                (heights_m[fixed], (0..n).map(variance).collect())
-            }
-            None => {
-                let mean_with: Vec<f64> = (0..n)
-                    .map(|row| (0..n).map(|other| of_first(row, other)).sum::<f64>() / n as f64)
-                    .collect();
-                let mean_own = mean_with.iter().sum::<f64>() / n as f64;
-                let variance = |row: usize| of_first(row, row) - 2.0 * mean_with[row] + mean_own;
-                let mean_m = heights_m.iter().sum::<f64>() / n as f64;
-                (mean_m, (0..n).map(variance).collect::<Vec<f64>>())
-            }
-        };
-        let heights_m = heights_m.iter().map(|height_m| height_m - datum_m);
-        let variances = variances.iter().map(|own| own.max(0.0));
-        Some((heights_m.collect(), variances.collect()))
+        let of_others = |values: Vec<f64>| [0.0].into_iter().chain(values);
+        let mut with_datum = [(1..self.size).map(weight).collect()];
+        factor.solve_for(&mut with_datum);
+        let [with_datum] = with_datum;
+        let with_datum: Vec<f64> = of_others(with_datum).collect();
+        let datum: f64 = (0..self.size)
+            .map(|log| weight(log) * with_datum[log])
+            .sum();
+        let own = of_others(factor.variances(self.size - 1)).zip(&with_datum);
+        own.map(|(own, with)| (own - 2.0 * with + datum).max(0.0))
+            .collect()
     }
 }
 

@@ -5,6 +5,10 @@ use faer::Side as Triangle;
 use faer::prelude::Solve as _;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use rayon::prelude::*;
+
+/// Columns of the inverse that a worker holds at a time.
+const COLUMNS_AT_ONCE: usize = 64;
 
 /// Equations `sum of factor x unknown = goal`, each with a weight: the reciprocal of its standard deviation.
 #[derive(Clone, Debug, Default)]
@@ -227,14 +231,20 @@ impl Factor {
         samples: usize,
         mut draw: impl FnMut() -> f64,
     ) -> Vec<Vec<f64>> {
-        let unknowns = pattern.unknowns();
-        let mut columns = vec![vec![0.0; unknowns]; 1 + samples];
+        let mut columns = vec![vec![0.0; pattern.unknowns()]; 1 + samples];
         let goals = |equation: usize| equations.weights[equation] * equations.goals[equation];
         equations.add_transposed(goals, &mut columns[0]);
         for column in &mut columns[1..] {
             let normal: Vec<f64> = (0..equations.len()).map(|_| draw()).collect();
             equations.add_transposed(|equation| normal[equation], column);
         }
+        self.solve_for(&mut columns);
+        columns
+    }
+
+    /// Replaces the right sides of some equations `A x = b`, where `A` is the normal matrix, by their solutions.
+    pub fn solve_for(&self, columns: &mut [Vec<f64>]) {
+        let unknowns = columns.first().map_or(0, Vec::len);
         let sides = Mat::from_fn(unknowns, columns.len(), |row, column| columns[column][row]);
         let solved = self.0.solve(&sides);
         for (index, column) in columns.iter_mut().enumerate() {
@@ -242,7 +252,22 @@ impl Factor {
                 *value = solved[(row, index)];
             }
         }
-        columns
+    }
+
+    /// The variances of so many unknowns: the diagonal of the inverse of the normal matrix.
+    pub fn variances(&self, unknowns: usize) -> Vec<f64> {
+        let starts: Vec<usize> = (0..unknowns).step_by(COLUMNS_AT_ONCE).collect();
+        let block = |start: &usize| {
+            let ones = *start..(start + COLUMNS_AT_ONCE).min(unknowns);
+            let mut columns = vec![vec![0.0; unknowns]; ones.len()];
+            for (one, column) in ones.clone().zip(&mut columns) {
+                column[one] = 1.0;
+            }
+            self.solve_for(&mut columns);
+            let own = ones.zip(columns).map(|(one, column)| column[one]);
+            own.collect::<Vec<f64>>()
+        };
+        starts.par_iter().flat_map_iter(block).collect()
     }
 }
 
@@ -308,5 +333,9 @@ mod tests {
             .sqrt();
         assert!((sd - 2.0).abs() < 0.1, "{sd}");
         assert!(equations.residual(2, &[0.0, 0.0, 9.0]) == 1.0);
+        // Of (x + y) / 0.1 and (x - y) / 0.1 the normal matrix is 200 on its diagonal.
+        for (variance, expected) in factor.variances(3).into_iter().zip([0.005, 0.005, 4.0]) {
+            assert!((variance - expected).abs() < 1e-12, "{variance}");
+        }
     }
 }
