@@ -35,8 +35,10 @@ use nodes::Nodes;
 
 /// Tiles of 58 by 58 m that a survey may have: 300 are a square kilometre.
 const MOST_TILES: usize = 300;
-/// Share of the correction that its own error is taken for.
-const ERROR_SHARE: f64 = 0.3;
+/// Shares of the stated error that is left, and of the correction that its own error is taken for: on simulated ponds of seeds 101 to 105
+/// they make of the cells between the lines those that the standard deviation promises.
+const SPREAD_SHARE: f64 = 0.9;
+const ERROR_SHARE: f64 = 0.6;
 /// Share of the surface's stated error beyond [`BETWEEN_M`] from soundings that a correction usually has, and its bounds, metres.
 const USUAL_SHARE: f64 = 0.7;
 const USUAL_M: [f64; 2] = [0.008, 0.12];
@@ -87,7 +89,7 @@ impl Kept {
 }
 
 /// Corrects the depths of a surface by the brightness of the echoes of its logs, in the surface's plane: depths become `p + c`, spreads
-/// `hypot(spread, 0.3 |c|)`. `measured` are the depths that the surface was made of. A surface that the echoes cannot support stays as
+/// `hypot(0.9 spread, 0.6 |c|)` where echoes say something. `measured` are the depths that the surface was made of. A surface that the echoes cannot support stays as
 /// it is.
 ///
 /// A tile of 8000 nodes takes some 100 MB, and as many tiles are solved at a time as there are threads.
@@ -134,9 +136,11 @@ fn add(found: &Correction, surface: &mut Surface) {
         }
         let centre = surface.grid.centre(cell / columns, cell % columns);
         let added_m = found.at(centre);
+        let is_seen = found.sees(centre);
+        let share = if is_seen { SPREAD_SHARE } else { 1.0 };
         *depth_m = (f64::from(*depth_m) + added_m) as f32;
-        *spread_m = f64::from(*spread_m).hypot(ERROR_SHARE * added_m) as f32;
-        if *source == CellSource::Interpolated && found.sees(centre) {
+        *spread_m = (share * f64::from(*spread_m)).hypot(ERROR_SHARE * added_m) as f32;
+        if *source == CellSource::Interpolated && is_seen {
             *source = CellSource::Shaded;
         }
     }
