@@ -16,6 +16,8 @@ struct View {
     // Corners of the box outside of which nothing is drawn.
     low: vec4f,
     high: vec4f,
+    // Upright plane beyond which nothing is drawn: unit vector east and north, and how far along it stands.
+    cut: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -54,7 +56,8 @@ fn fragment(corner: Corner) -> @location(0) vec4f {
     // Derivatives before anything is left out: neighbours must all have taken part.
     let lines = (-corner.place_m.z - view.first_m) / max(view.isobath_m, 1e-6);
     let a_pixel = fwidth(lines);
-    let is_out = any(corner.place_m < view.low.xyz) || any(corner.place_m > view.high.xyz);
+    let is_out = any(corner.place_m < view.low.xyz) || any(corner.place_m > view.high.xyz)
+        || dot(corner.place_m.xy, view.cut.xy) > view.cut.z;
     if corner.colour.a < 0.999 || is_out {
         discard;
     }

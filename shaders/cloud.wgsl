@@ -11,6 +11,8 @@ struct View {
     // Corners of the box outside of which nothing is drawn.
     low: vec4f,
     high: vec4f,
+    // Upright plane beyond which nothing is drawn: unit vector east and north, and how far along it stands.
+    cut: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -38,7 +40,8 @@ fn vertex(@builtin(vertex_index) index: u32, point: Point) -> Corner {
     var corner: Corner;
     // Reverse-Z: the depth falls with the distance.
     corner.clip = vec4f(centre.xy + offset, centre.z * (1.0 + view.nearer), centre.w);
-    if any(point.place_m < view.low.xyz) || any(point.place_m > view.high.xyz) {
+    if any(point.place_m < view.low.xyz) || any(point.place_m > view.high.xyz)
+        || dot(point.place_m.xy, view.cut.xy) > view.cut.z {
         // Behind all that is seen.
         corner.clip = vec4f(0.0, 0.0, -1.0, 1.0);
     }

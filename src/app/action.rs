@@ -95,6 +95,8 @@ actions! {
     TurnLight, "3D: turn the light", Some("Shift+L"), "Lets the light on the bottom come from an eighth of a turn farther clockwise.";
     Points3d, "3D: points on or off", Some("Shift+P"), "Shows or hides the points in 3D.";
     ClipBox3d, "3D: clip box on or off", Some("Shift+X"), "Draws in 3D what lies in a box alone, whose faces are dragged and whose ends are typed.";
+    Cut3d, "3D: cross-section on or off", Some("Shift+Q"), "Cuts the 3D view along the line of the depth profile: what stands in front of it is left out.";
+    Water3d, "3D: water surface on or off", Some("Shift+W"), "Shows or hides in 3D where the water's surface is, with the boat's track on it.";
     LevelsReset, "Reset waterfall levels", None, "Puts gain, filters and levels of this log's waterfall back.";
     GainNormalised, "Gain normalised or as recorded", Some("Y"), "Divides the levels of the waterfall by the log's own mean at their range and angle, or shows them as recorded.";
     StripeFilter, "Stripe filter on or off", None, "Brings pings of the waterfall that are brighter or darker than those about them to their level.";

@@ -341,6 +341,8 @@ impl App {
             Action::BottomIsobaths => self.options.cloud.isobaths = !self.options.cloud.isobaths,
             Action::TurnLight => self.options.cloud.turn_light(),
             Action::ClipBox3d => self.options.cloud.toggle_clip(),
+            Action::Cut3d => self.toggle_cut(),
+            Action::Water3d => self.options.cloud.water = !self.options.cloud.water,
             Action::Points3d => self.options.cloud.points = !self.options.cloud.points,
             Action::Theme => {
                 self.options.theme = match self.options.theme {

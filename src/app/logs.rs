@@ -182,6 +182,7 @@ impl App {
     pub(super) fn enter_plane(&mut self) {
         self.plane_serial += 1;
         self.options.cloud.clip = None;
+        self.options.cloud.cut = false;
     }
 
     /// Opens a log in an empty window.

@@ -322,6 +322,11 @@ pub struct CloudOptions {
     pub isobaths: bool,
     /// Where the light on the bottom comes from: degrees clockwise from north, and over the horizon.
     pub light_deg: [f32; 2],
+    /// Draw where the water's surface is, with the boat's track on it.
+    pub water: bool,
+    /// Draw what lies behind the line of the depth profile alone, where there is one. It belongs to a survey, and is not kept for the next one.
+    #[serde(skip)]
+    pub cut: bool,
     /// Draw what lies in this box alone. It belongs to a survey, and is not kept for the next one.
     #[serde(skip)]
     pub clip: Option<ClipBox>,
@@ -356,6 +361,8 @@ impl Default for CloudOptions {
             isobaths: true,
             // As the hill-shade of the map: from below, hills would be taken for hollows.
             light_deg: [315.0, 45.0],
+            water: false,
+            cut: false,
             clip: None,
         }
     }

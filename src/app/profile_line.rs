@@ -55,7 +55,17 @@ impl ProfileLine {
     }
 }
 
+const NO_LINE: &str = "there is no line to cut along: draw a depth profile on the map first";
+
 impl App {
+    /// Cuts the 3D view along the line of the profile, or shows it whole again.
+    pub(super) fn toggle_cut(&mut self) {
+        if self.measuring.stations().is_empty() {
+            return self.notify(NO_LINE.to_owned(), true);
+        }
+        self.options.cloud.cut = !self.options.cloud.cut;
+    }
+
     /// Looks at the depths along the line again where the line or the depth map is another one.
     pub(super) fn follow_profile(&mut self) {
         let is_profile = |line: &Measurement| line.kind == MeasurementKind::Profile;

@@ -1,7 +1,8 @@
 //! Draws the bottom into a [`Target`]'s pass: tiles of a grid, each as finely as the screen shows it.
 
 use super::camera::corners;
-use super::target::{PipelineParts, Target, ends, offscreen_pipeline, uniform};
+use super::part::Part;
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
 use super::{Projection, Uploader};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -204,8 +205,8 @@ pub struct BottomDraw {
     pub isobaths_m: Option<[f32; 2]>,
     /// Width of an isobath, pixels.
     pub line_px: f32,
-    /// Corners of the box outside of which nothing is drawn, metres; `None` to draw everything.
-    pub within: Option<[Vec3; 2]>,
+    /// The part that is drawn.
+    pub part: Part,
 }
 
 impl BottomDraw {
@@ -237,6 +238,7 @@ struct ViewUniform {
     padding: f32,
     low: Vec4,
     high: Vec4,
+    cut: Vec4,
 }
 
 /// The pipeline for the bottom, with the uniforms of one view.
@@ -284,7 +286,7 @@ impl BottomRenderer {
         draw: &BottomDraw,
     ) {
         let [isobath_m, first_m] = draw.isobaths_m.unwrap_or_default();
-        let [low, high] = ends(draw.within);
+        let [low, high, cut] = draw.part.uniform();
         let uniform = ViewUniform {
             clip_from_world: draw.projection.clip_from_world,
             light: draw.light,
@@ -295,6 +297,7 @@ impl BottomRenderer {
             padding: 0.0,
             low,
             high,
+            cut,
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         pass.set_pipeline(&self.pipeline);
@@ -331,6 +334,7 @@ mod tests {
             offset_of!(ViewUniform, padding),
             offset_of!(ViewUniform, low),
             offset_of!(ViewUniform, high),
+            offset_of!(ViewUniform, cut),
         ];
         assert_eq!(offsets, ours.map(|offset| offset as u32));
     }
@@ -382,7 +386,7 @@ mod tests {
                 exaggeration,
                 isobaths_m: None,
                 line_px: 1.0,
-                within: None,
+                part: Part::WHOLE,
             };
             // Along the picture's own right, a metre is a metre of the world whatever the exaggeration.
             let (sin, cos) = camera.azimuth_rad.sin_cos();

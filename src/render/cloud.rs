@@ -1,9 +1,10 @@
 //! Draws points in a pass of a [`Target`].
 
 use super::Uploader;
-use super::target::{PipelineParts, Target, ends, offscreen_pipeline, uniform};
+use super::part::Part;
+use super::target::{PipelineParts, Target, offscreen_pipeline, uniform};
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec4};
 
 /// A point, as the shader reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -25,6 +26,7 @@ struct ViewUniform {
     nearer: f32,
     low: Vec4,
     high: Vec4,
+    cut: Vec4,
 }
 
 /// Points a buffer holds: 64 MB, a quarter of what every device grants.
@@ -65,8 +67,8 @@ pub struct CloudDraw {
     pub count: usize,
     /// By this share of their distance the points count as nearer than they are: beside a bottom that runs through them they are seen.
     pub nearer: f32,
-    /// Corners of the box outside of which nothing is drawn, metres; `None` to draw everything.
-    pub within: Option<[Vec3; 2]>,
+    /// The part that is drawn.
+    pub part: Part,
 }
 
 /// The pipeline for points, with the uniforms of one view.
@@ -111,7 +113,7 @@ impl CloudRenderer {
         points: &CloudBuffers,
         draw: &CloudDraw,
     ) {
-        let [low, high] = ends(draw.within);
+        let [low, high, cut] = draw.part.uniform();
         let uniform = ViewUniform {
             clip_from_world: draw.clip_from_world,
             size_px: target.size_px().map(|side| side as f32),
@@ -119,6 +121,7 @@ impl CloudRenderer {
             nearer: draw.nearer,
             low,
             high,
+            cut,
         };
         queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&uniform));
         pass.set_pipeline(&self.pipeline);
@@ -150,6 +153,7 @@ mod tests {
             offset_of!(ViewUniform, nearer),
             offset_of!(ViewUniform, low),
             offset_of!(ViewUniform, high),
+            offset_of!(ViewUniform, cut),
         ];
         assert_eq!(offsets, ours.map(|offset| offset as u32));
     }

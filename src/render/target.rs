@@ -1,7 +1,5 @@
 //! An offscreen picture with its own depth buffer.
 
-use glam::{Vec3, Vec4};
-
 /// Format of the picture: plain sRGB bytes, which the window shows unchanged.
 pub(super) const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of the depth buffer. With infinite reverse-Z, floats spread their precision evenly over distance.
@@ -170,13 +168,6 @@ pub(super) fn offscreen_pipeline(
         cache: None,
     });
     (pipeline, uniforms)
-}
-
-/// Corners of a box as the shaders read them: as far as numbers go where there is no box.
-pub(super) fn ends(within: Option<[Vec3; 2]>) -> [Vec4; 2] {
-    within
-        .unwrap_or([Vec3::MIN, Vec3::MAX])
-        .map(|corner| corner.extend(0.0))
 }
 
 /// A uniform buffer and its bind group.

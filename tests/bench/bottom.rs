@@ -1,8 +1,8 @@
 //! A frame of the bottom in 3D, until the GPU (or lavapipe) is done with it: for small and large surveys, whole and from near.
 
 use bathyscope::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Target,
-    Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Part,
+    Target, Uploader, towards_light,
 };
 use eframe::egui_wgpu::{RenderState, RendererOptions};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
@@ -109,7 +109,7 @@ fn draw(
         exaggeration: camera.exaggeration,
         isobaths_m: Some([1.0, 0.0]),
         line_px: 1.2,
-        within: None,
+        part: Part::WHOLE,
     };
     let began = Instant::now();
     let mut encoder = state.device.create_command_encoder(&Default::default());

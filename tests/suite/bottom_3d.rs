@@ -3,18 +3,18 @@
 use crate::cli::run;
 use crate::review::mouse::drag;
 use crate::window::{Window, app, demo_window, drawn_window, press, settle};
-use bathyscope::app::{ClipBox, Command};
+use bathyscope::app::{Action, ClipBox, Command, Measure};
 use bathyscope::pipeline::BottomColour;
 use bathyscope::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, OrbitCamera, Target,
-    Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomRenderer, BottomVertex, Cut, OrbitCamera, Part,
+    Target, Uploader, towards_light,
 };
 use eframe::egui_wgpu::RendererOptions;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs;
@@ -45,7 +45,7 @@ fn drawn(
     tiles: Vec<Vec<BottomVertex>>,
     camera: OrbitCamera,
     isobaths_m: Option<[f32; 2]>,
-    within: Option<[Vec3; 2]>,
+    part: Part,
 ) -> image::RgbaImage {
     let state = create_render_state(default_wgpu_setup(), RendererOptions::PREDICTABLE);
     let (device, queue) = (&state.device, &state.queue);
@@ -58,7 +58,7 @@ fn drawn(
         exaggeration: camera.exaggeration,
         isobaths_m,
         line_px: 1.5,
-        within,
+        part,
     };
     let mut encoder = device.create_command_encoder(&Default::default());
     {
@@ -126,7 +126,7 @@ fn tiles_lie_where_their_places_are_in_their_colours_and_holes_stay_open() {
     // From near, with the finest squares, and from so far that a pixel is some squares.
     for distance_m in [180.0, 900.0] {
         let camera = overhead(distance_m);
-        let picture = drawn(tiles(), camera, None, None);
+        let picture = drawn(tiles(), camera, None, Part::WHOLE);
         let at = |east_m: f32, south_m: f32, up_m: f32| {
             let [x, y] = pixel(camera, Vec3::new(east_m, -south_m, up_m));
             picture.get_pixel(x, y).0
@@ -149,7 +149,7 @@ fn what_is_nearer_hides_what_is_behind() {
         elevation_rad: 0.3,
         exaggeration: 1.0,
     };
-    let picture = drawn(tiles(), camera, None, None);
+    let picture = drawn(tiles(), camera, None, Part::WHOLE);
     let at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -6.0));
         picture.get_pixel(x, y).0[..3].to_vec()
@@ -171,7 +171,7 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
         target: Vec3::new(32.0, -32.0, -3.0),
         ..overhead(100.0)
     };
-    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), None);
+    let picture = drawn(vec![slope], camera, Some([2.0, 1.0]), Part::WHOLE);
     let red_at = |east_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -32.0, -0.1 * east_m));
         // A line may lie between two pixels.
@@ -190,8 +190,11 @@ fn isobaths_are_drawn_at_their_depths_and_nowhere_else() {
 fn only_what_lies_in_the_clip_box_is_drawn() {
     let camera = overhead(180.0);
     // East of 10 m and down to 4 m: a part of the red tile, and nothing of the deeper blue one.
-    let within = [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX];
-    let picture = drawn(tiles(), camera, None, Some(within));
+    let part = Part {
+        corners: [Vec3::new(10.0, f32::MIN, -4.0), Vec3::MAX],
+        cut: None,
+    };
+    let picture = drawn(tiles(), camera, None, part);
     let alpha_at = |east_m: f32, up_m: f32| {
         let [x, y] = pixel(camera, Vec3::new(east_m, -50.0, up_m));
         picture.get_pixel(x, y).0[3]
@@ -201,6 +204,27 @@ fn only_what_lies_in_the_clip_box_is_drawn() {
         [0, 255, 255]
     );
     assert_eq!(alpha_at(110.0, -6.0), 0);
+}
+
+#[test]
+fn nothing_is_drawn_in_front_of_a_cross_section() {
+    let camera = overhead(180.0);
+    // An upright plane through (40, -60) towards north-east: what lies south-east of it is left out.
+    let outward = Vec2::new(1.0, -1.0).normalize();
+    let part = Part {
+        cut: Some(Cut {
+            outward,
+            at_m: outward.dot(Vec2::new(40.0, -60.0)),
+        }),
+        ..Part::WHOLE
+    };
+    let picture = drawn(tiles(), camera, None, part);
+    let alpha_at = |east_m: f32, north_m: f32| {
+        let [x, y] = pixel(camera, Vec3::new(east_m, north_m, -2.0));
+        picture.get_pixel(x, y).0[3]
+    };
+    assert_eq!([alpha_at(37.0, -60.0), alpha_at(43.0, -60.0)], [255, 0]);
+    assert_eq!([alpha_at(20.0, -77.0), alpha_at(20.0, -83.0)], [255, 0]);
 }
 
 #[test]
@@ -382,4 +406,45 @@ fn the_file_for_3d_programs_holds_every_cell_of_the_depth_map_at_its_place() {
         .filter_map(|material| material["name"].as_str())
         .collect();
     assert_eq!(names, ["depth", "mosaic"]);
+}
+
+#[test]
+fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
+    let mut window = drawn_window([1000.0, 700.0]);
+    window.state_mut().app.apply(Command::OpenDemo);
+    press(&mut window, Modifiers::NONE, Key::Num3);
+    press(&mut window, Modifiers::SHIFT, Key::F11);
+    settle(&mut window);
+    press(&mut window, Modifiers::SHIFT, Key::Q);
+    assert!(!app(&window).options.cloud.cut, "there is no line yet");
+    assert!(
+        window
+            .query_by_label_contains("draw a depth profile on the map first")
+            .is_some()
+    );
+    let survey = app(&window).log.survey.clone().expect("a survey");
+    let products = app(&window).log.products.clone().expect("results");
+    let pings = &products.navigation.pings;
+    let middle = &pings[pings.len() / 2];
+    let app_mut = &mut window.state_mut().app;
+    app_mut.apply(Command::Do(Action::DepthProfile));
+    // Across the pond through the middle of the track.
+    for [east_m, north_m] in [[-30.0, -12.0], [30.0, 12.0]] {
+        let (east_m, north_m) = (middle.east_m + east_m, middle.north_m + north_m);
+        let corner = products
+            .navigation
+            .to_lon_lat(&survey.track, east_m, north_m);
+        app_mut.apply(Command::Measure(Measure::Corner(corner)));
+    }
+    app_mut.apply(Command::Do(Action::EndFigure));
+    press(&mut window, Modifiers::SHIFT, Key::Q);
+    press(&mut window, Modifiers::SHIFT, Key::W);
+    settle(&mut window);
+    let cloud = &app(&window).options.cloud;
+    assert!(cloud.cut && cloud.water);
+    window.snapshot("cloud_cross_section");
+    // Another survey has another section.
+    window.state_mut().app.apply(Command::OpenDemo);
+    settle(&mut window);
+    assert!(!app(&window).options.cloud.cut);
 }

@@ -55,6 +55,8 @@ const CAMERAS: &[Action] = &[
     Action::NextCloudColour,
     Action::Points3d,
     Action::ClipBox3d,
+    Action::Cut3d,
+    Action::Water3d,
     Action::Bottom3d,
     Action::NextBottomColour,
     Action::BottomIsobaths,
@@ -316,6 +318,7 @@ fn view(ui: &mut Ui, context: &mut ViewContext<'_>) {
         ui.checkbox(&mut options.cloud.points, "Points");
         ui.checkbox(&mut options.cloud.outlier_preview, "Outliers");
         ui.checkbox(&mut options.cloud.boxes, "Boxes");
+        ui.checkbox(&mut options.cloud.water, "Water surface and track");
     });
     ui.menu_button("Coordinates", |ui| {
         for format in CoordinateFormat::ALL {

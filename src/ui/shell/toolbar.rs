@@ -196,6 +196,14 @@ fn cloud(ui: &mut Ui, context: &mut ViewContext<'_>, options: &mut ViewOptions) 
     if is_clipped != shown.clip.is_some() {
         shown.toggle_clip();
     }
+    if !context.app.measuring.stations().is_empty() {
+        switch(
+            ui,
+            &mut shown.cut,
+            "Cut",
+            "Cuts along the line of the depth profile (Shift+Q).",
+        );
+    }
     bottom_colours(ui, shown);
     point_colours(ui, context, shown);
 }

@@ -1,7 +1,8 @@
 //! The box around the cloud with lengths on its edges.
 
+use super::scene::ShownPoints;
 use crate::app::ViewOptions;
-use crate::render::Projection;
+use crate::render::{Part, Projection};
 use crate::ui::theme;
 use crate::ui::views::{legend, ticks};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
@@ -19,6 +20,8 @@ pub struct Axes<'a> {
     /// Metres of the survey at the scene's zero.
     pub origin_m: [f64; 3],
     pub options: &'a ViewOptions,
+    /// What is drawn.
+    pub part: Part,
 }
 
 /// A side of the box: the axis it is square to, and whether it is the higher one.
@@ -72,6 +75,14 @@ fn others(axis: usize) -> [usize; 2] {
 }
 
 impl Axes<'_> {
+    /// The points that are drawn.
+    pub fn shown(&self) -> ShownPoints {
+        ShownPoints {
+            outliers: self.options.cloud.outlier_preview,
+            part: self.part,
+        }
+    }
+
     /// Where a place is on the screen; `None` behind the camera.
     pub fn at(&self, place: Vec3) -> Option<Pos2> {
         let ndc = self.projection.project(place)?;

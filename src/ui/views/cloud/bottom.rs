@@ -3,7 +3,7 @@
 use crate::app::{App, CloudOptions, Jobs};
 use crate::pipeline::{Background, Bottom, Same};
 use crate::render::{
-    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomVertex, Projection, Uploader, towards_light,
+    BOTTOM_TILE, BottomBuffers, BottomDraw, BottomVertex, Part, Projection, Uploader, towards_light,
 };
 use glam::Vec3;
 use std::sync::Arc;
@@ -84,12 +84,7 @@ fn upload(
 }
 
 /// How the bottom is drawn.
-pub fn draw(
-    app: &App,
-    projection: Projection,
-    pixels_per_point: f32,
-    within: Option<[Vec3; 2]>,
-) -> BottomDraw {
+pub fn draw(app: &App, projection: Projection, pixels_per_point: f32, part: Part) -> BottomDraw {
     let options: &CloudOptions = &app.options.cloud;
     let [azimuth_deg, altitude_deg] = options.light_deg;
     BottomDraw {
@@ -98,6 +93,6 @@ pub fn draw(
         exaggeration: options.vertical_exaggeration.max(0.1),
         isobaths_m: app.bottom_isobaths_m(),
         line_px: LINE * pixels_per_point,
-        within,
+        part,
     }
 }

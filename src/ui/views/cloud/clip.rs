@@ -47,11 +47,6 @@ pub fn part(scene: &CloudScene, clip: Option<ClipBox>) -> [Vec3; 2] {
     [from, to.min(high).max(from + shortest)]
 }
 
-/// Whether a place is drawn.
-pub fn holds(limits: Option<[Vec3; 2]>, place: Vec3) -> bool {
-    limits.is_none_or(|[low, high]| (place.cmpge(low) & place.cmple(high)).all())
-}
-
 /// The box with an end put elsewhere, in the places of the scene. An end that comes to that of the cloud goes on for ever.
 fn with_end(scene: &CloudScene, mut clip: ClipBox, axis: usize, end: usize, to: f32) -> ClipBox {
     let [low, high] = scene.corners.map(|corner| corner[axis]);

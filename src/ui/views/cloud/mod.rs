@@ -9,6 +9,7 @@ mod objects;
 mod picture;
 mod pointer;
 mod scene;
+mod section;
 
 use super::empty;
 use crate::app::{App, CloudColour, Command, Enlarged, SideColours, ThemeChoice, ViewOptions};
@@ -20,7 +21,7 @@ use axes::Axes;
 use bottom::ShownBottom;
 use egui::{Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use picture::{CloudPicture, Drawing};
-use scene::{CloudScene, ColourEnds, LogPoints};
+use scene::{CloudScene, ColourEnds, LogPoints, ShownPoints};
 use std::sync::Arc;
 
 /// Points of the screen that the numbers around the box need, both sides together.
@@ -129,9 +130,11 @@ impl CloudView {
         };
         let camera = self.navigate(ui, context, rect, response, &products, &scene);
         let options = &context.app.options;
+        let projection = camera.projection(aspect(rect));
         let axes = Axes {
             rect,
-            projection: camera.projection(aspect(rect)),
+            projection,
+            part: section::part(context.app, &scene, projection.eye),
             corners: clip::part(&scene, options.cloud.clip),
             origin_m: scene.origin_m,
             options,
@@ -150,11 +153,13 @@ impl CloudView {
             bottom: bottom.clone().map(|bottom| {
                 (
                     bottom,
-                    bottom::draw(context.app, axes.projection, scale, draw.within),
+                    bottom::draw(context.app, axes.projection, scale, draw.part),
                 )
             }),
         };
         self.picture.show(&painter, rect, state, drawing);
+        section::paint_water(&painter, context.app, &scene, &axes);
+        section::paint(&painter, context.app, &scene, &axes);
         objects::paint(&painter, context.app, &scene, &axes);
         pointer::paint_marks(&painter, context.app, &products, &scene, &axes);
         let reference = place::reduction(context.app).reference();
@@ -234,7 +239,12 @@ impl CloudView {
         }
         let request = self.request.take();
         let clip = context.app.options.cloud.clip;
-        let shown = (scene::shown(&context.app.options, scene), rect);
+        let eye = camera.projection(aspect(rect)).eye;
+        let shown = ShownPoints {
+            outliers: context.app.options.cloud.outlier_preview,
+            part: section::part(context.app, scene, eye),
+        };
+        let shown = (shown, rect);
         let mut zoom = |factor| pointer::zoom(&mut camera, scene, shown, rect.center(), factor);
         match request {
             Some(ViewRequest::ZoomIn) => zoom(1.4),
@@ -367,7 +377,7 @@ fn draw(
         radius_px: (0.5 * options.cloud.point_size * pixels_per_point).max(0.5),
         count: scene.shown(options.cloud.outlier_preview),
         nearer: if on_bottom { NEARER } else { 0.0 },
-        within: scene::shown(options, scene).limits,
+        part: axes.part,
     }
 }
 

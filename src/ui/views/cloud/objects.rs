@@ -1,8 +1,7 @@
 //! Objects in the cloud: the footprint of each box on the bottom.
 
 use super::axes::Axes;
-use super::clip;
-use super::scene::{CloudScene, shown};
+use super::scene::CloudScene;
 use crate::app::{App, Reviewing};
 use crate::detection::review::{BoxId, State};
 use crate::ui::theme;
@@ -32,11 +31,10 @@ fn shape(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
         return;
     };
     let (posed, solid) = (&fitted.posed, &fitted.posed.solid);
-    let limits = shown(axes.options, scene).limits;
     let at = |place_m: [f64; 2], height_m: f64| {
         let [east_m, north_m] = posed.place_m(place_m);
         let place = scene.local(east_m, north_m, fitted.bottom_z_m + height_m);
-        clip::holds(limits, place).then(|| axes.at(place)).flatten()
+        axes.part.holds(place).then(|| axes.at(place)).flatten()
     };
     let share = |index: usize, count: usize| 1.01 * (index as f64 / count as f64 - 0.5);
     let profile = |along: bool, line: usize| {
@@ -73,7 +71,6 @@ fn boxes(
     scene: &CloudScene,
     axes: &Axes<'_>,
 ) {
-    let limits = shown(axes.options, scene).limits;
     for one in reviewing.in_line() {
         let is_selected = Some(one.id) == selected;
         let Some(placed) = reviewing.placed(one.id) else {
@@ -84,7 +81,7 @@ fn boxes(
         }
         let z_m = -placed.target.depth_m;
         let target = &placed.target;
-        if !clip::holds(limits, scene.local(target.east_m, target.north_m, z_m)) {
+        if !(axes.part).holds(scene.local(target.east_m, target.north_m, z_m)) {
             continue;
         }
         let corner = |[east_m, north_m]: [f64; 2]| axes.at(scene.local(east_m, north_m, z_m));

@@ -1,7 +1,7 @@
 //! What the pointer does on the cloud: turn, move, zoom, pick.
 
 use super::axes::Axes;
-use super::scene::{CloudScene, ShownPoints, shown};
+use super::scene::{CloudScene, ShownPoints};
 use crate::app::{App, Command, LogId, Mark};
 use crate::pipeline::Products;
 use crate::render::OrbitCamera;
@@ -108,7 +108,7 @@ impl Pointer {
         scene: &CloudScene,
         (axes, camera): (&Axes<'_>, OrbitCamera),
     ) {
-        let shown = shown(&context.app.options, scene);
+        let shown = axes.shown();
         let at = match response.clicked() {
             true => response.interact_pointer_pos(),
             false => response.hover_pos().filter(|_| !response.dragged()),
@@ -149,7 +149,7 @@ fn pick(app: &App, scene: &CloudScene, axes: &Axes<'_>, at: Pos2) -> Option<usiz
     let off = at - axes.rect.min;
     let cover = (0.5 * app.options.cloud.point_size).max(1.0);
     axes.projection.pick(
-        scene.places(shown(&app.options, scene)),
+        scene.places(axes.shown()),
         Vec2::new(off.x, off.y),
         Vec2::new(size.x, size.y),
         [cover, REACH],

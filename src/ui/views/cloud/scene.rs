@@ -1,6 +1,5 @@
 //! The cloud, ready to draw and to pick; made off the window's thread.
 
-use super::clip;
 use crate::app::{CloudColour, LogId, Mark, ShownLog, ViewOptions};
 use crate::calibration::Calibration;
 use crate::cloud::{
@@ -8,7 +7,7 @@ use crate::cloud::{
 };
 use crate::presentation::colours::{depth_colour, depth_share, value_colour};
 use crate::progress::Progress;
-use crate::render::{CloudBuffers, PointVertex, Uploader};
+use crate::render::{CloudBuffers, Part, PointVertex, Uploader};
 use crate::survey::{Side, Survey};
 use crate::ui::theme;
 use glam::Vec3;
@@ -134,8 +133,8 @@ impl PartialEq for LogPoints {
 pub struct ShownPoints {
     /// Those that the outlier filter would remove as well.
     pub outliers: bool,
-    /// Those between these corners alone, in the places of the scene.
-    pub limits: Option<[Vec3; 2]>,
+    /// Those in this part alone, in the places of the scene.
+    pub part: Part,
 }
 
 /// The clouds of all logs on the GPU with what belongs to them. The places of points are worked out from the clouds when they are
@@ -232,7 +231,7 @@ impl CloudScene {
         let removed = shown.outliers.then(|| self.points(false));
         let all = self.points(true).chain(removed.into_iter().flatten());
         all.map(|(number, _, point)| (number, self.place(point)))
-            .filter(move |(_, place)| clip::holds(shown.limits, *place))
+            .filter(move |(_, place)| shown.part.holds(*place))
     }
 
     /// Points of all logs that are kept, or are not: their numbers, and the log of each.
@@ -350,14 +349,6 @@ impl CloudScene {
     }
 }
 
-/// Which points of a scene the options show.
-pub fn shown(options: &ViewOptions, scene: &CloudScene) -> ShownPoints {
-    ShownPoints {
-        outliers: options.cloud.outlier_preview,
-        limits: options.cloud.clip.map(|one| clip::limits(scene, one)),
-    }
-}
-
 /// The side that a point lies on.
 pub fn side(source: PointSource) -> Option<Side> {
     match source {
@@ -407,7 +398,7 @@ mod tests {
     fn with_outliers(outliers: bool) -> ShownPoints {
         ShownPoints {
             outliers,
-            limits: None,
+            ..ShownPoints::default()
         }
     }
 

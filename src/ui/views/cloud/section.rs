@@ -1,0 +1,179 @@
+//! The cross-section: the bottom along the line of the depth profile, with what stands in front of it left out; and the water's surface
+//! with the boat's track.
+
+use super::axes::Axes;
+use super::clip;
+use super::scene::CloudScene;
+use crate::app::{App, ViewOptions};
+use crate::bathymetry::Station;
+use crate::render::{Cut, Part, Projection};
+use crate::ui::theme;
+use egui::{Color32, Painter, Pos2, Shape, Stroke};
+use glam::{Vec3, Vec4};
+
+/// Places of all tracks that are drawn at most.
+const MOST_PLACES: usize = 20_000;
+/// How much of what lies below the water's surface it covers, of 255.
+const WATER_ALPHA: u8 = 36;
+/// Nearest to the camera that the water's surface is drawn, metres.
+const NEAREST_M: f32 = 0.01;
+
+/// What is drawn, seen from `eye`: what lies in the clip box, and behind the cross-section.
+pub fn part(app: &App, scene: &CloudScene, eye: Vec3) -> Part {
+    let options = &app.options.cloud;
+    let corners = options.clip.map(|one| clip::limits(scene, one));
+    let cut = options
+        .cut
+        .then(|| cut(app.measuring.stations(), scene, eye));
+    Part {
+        corners: corners.unwrap_or(Part::WHOLE.corners),
+        cut: cut.flatten(),
+    }
+}
+
+/// The upright plane from the first to the last place of a profile; what is left out is the side that the camera is on, so that the section
+/// is seen from wherever one looks.
+fn cut(stations: &[Station], scene: &CloudScene, eye: Vec3) -> Option<Cut> {
+    let ends = [stations.first()?, stations.last()?];
+    let [first, last] = ends.map(|end| scene.local(end.place[0], end.place[1], 0.0).truncate());
+    let right = (last - first).try_normalize()?.perp();
+    let is_right = right.dot(eye.truncate() - first) > 0.0;
+    let outward = if is_right { right } else { -right };
+    Some(Cut {
+        outward,
+        at_m: outward.dot(first),
+    })
+}
+
+/// Draws the bottom along the profile, and the plane from there up to where depths count from.
+pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+    let stations = app.measuring.stations();
+    if axes.part.cut.is_none() {
+        return;
+    }
+    let colour = theme::measure_colour();
+    let place = |one: &Station, depth_m: f64| {
+        let place = scene.local(one.place[0], one.place[1], -depth_m);
+        let uncut = Part {
+            cut: None,
+            ..axes.part
+        };
+        uncut.holds(place).then(|| axes.at(place)).flatten()
+    };
+    let known = |one: &Station| place(one, f64::from(one.depth_m?));
+    let bottom: Vec<Option<Pos2>> = stations.iter().map(known).collect();
+    lines(painter, &bottom, Stroke::new(2.5, colour));
+    let surface: Vec<Option<Pos2>> = stations.iter().map(|one| place(one, 0.0)).collect();
+    let thin = Stroke::new(1.0, colour);
+    lines(painter, &surface, thin);
+    for end in [0, stations.len().saturating_sub(1)] {
+        let ends = bottom.get(end).copied().flatten();
+        if let Some((low, high)) = ends.zip(surface.get(end).copied().flatten()) {
+            painter.line_segment([low, high], thin);
+        }
+    }
+}
+
+/// Draws where the water's surface is, or what else depths count from, and over it the tracks of all visible logs.
+pub fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) {
+    if !app.options.cloud.water {
+        return;
+    }
+    let up = scene.local(0.0, 0.0, 0.0).z;
+    let [low, high] = axes.corners;
+    let corners = [
+        (low.x, low.y),
+        (high.x, low.y),
+        (high.x, high.y),
+        (low.x, high.y),
+    ];
+    let corners = corners.map(|(east, north)| Vec3::new(east, north, up));
+    // From below, the bottom would lie in front of it.
+    let outline = in_front(&axes.projection, &corners);
+    let outline: Vec<Pos2> = outline.iter().filter_map(|place| axes.at(*place)).collect();
+    if axes.projection.eye.z > up && outline.len() > 2 {
+        let [fill, line] = water_colours(axes.options);
+        painter.add(Shape::convex_polygon(outline, fill, Stroke::new(1.0, line)));
+    }
+    let logs = app.shown_logs();
+    let most = MOST_PLACES / logs.len().max(1);
+    for shown in logs {
+        let pings = &shown.log.products.navigation.pings;
+        let [r, g, b] = shown.colour;
+        let thinned = pings
+            .iter()
+            .step_by(pings.len().div_ceil(most.max(2)).max(1));
+        let places = thinned.map(|ping| {
+            let is_known = ping.east_m.is_finite() && ping.north_m.is_finite();
+            let place = is_known.then(|| scene.local(ping.east_m, ping.north_m, 0.0))?;
+            let [low, high] = axes.corners;
+            let is_in =
+                place.x >= low.x && place.x <= high.x && place.y >= low.y && place.y <= high.y;
+            is_in.then(|| axes.at(place)).flatten()
+        });
+        let places: Vec<Option<Pos2>> = places.collect();
+        lines(
+            painter,
+            &places,
+            Stroke::new(1.5, Color32::from_rgb(r, g, b)),
+        );
+    }
+}
+
+/// Fill and edge of the water's surface.
+fn water_colours(options: &ViewOptions) -> [Color32; 2] {
+    let [r, g, b, _] = theme::canvas_text_colour(options).to_array();
+    let tinted = |alpha| Color32::from_rgba_unmultiplied(r / 3, g / 2, b / 2 + 127, alpha);
+    [tinted(WATER_ALPHA), tinted(4 * WATER_ALPHA)]
+}
+
+/// The part of a polygon that lies in front of the camera.
+fn in_front(projection: &Projection, corners: &[Vec3]) -> Vec<Vec3> {
+    let away_m = |place: Vec3| {
+        let clip: Vec4 = projection.clip_from_world * place.extend(1.0);
+        clip.w - NEAREST_M
+    };
+    let next = corners.iter().cycle().skip(1);
+    let mut found = Vec::new();
+    for (from, to) in corners.iter().zip(next) {
+        let [a, b] = [*from, *to].map(away_m);
+        if a >= 0.0 {
+            found.push(*from);
+        }
+        if (a >= 0.0) != (b >= 0.0) {
+            found.push(from.lerp(*to, a / (a - b)));
+        }
+    }
+    found
+}
+
+/// Joins places that follow each other; where one is missing the line is broken.
+fn lines(painter: &Painter, places: &[Option<Pos2>], stroke: Stroke) {
+    for piece in places.split(Option::is_none) {
+        let points: Vec<Pos2> = piece.iter().copied().flatten().collect();
+        if points.len() > 1 {
+            painter.line(points, stroke);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::OrbitCamera;
+
+    #[test]
+    fn what_lies_behind_the_camera_is_cut_off() {
+        let projection = OrbitCamera::default().projection(1.0);
+        let eye = projection.eye;
+        // A square about the camera's foot, half of it behind.
+        let corner = |x: f32, y: f32| Vec3::new(eye.x + x, eye.y + y, eye.z - 10.0);
+        let square = [(-50.0, -50.0), (50.0, -50.0), (50.0, 50.0), (-50.0, 50.0)];
+        let square = square.map(|(x, y)| corner(x, y));
+        let shown = in_front(&projection, &square);
+        assert!(shown.len() > 2 && shown.len() < 7, "{shown:?}");
+        let is_seen = |place: &Vec3| projection.project(*place).is_some();
+        assert!(shown.iter().all(is_seen));
+        assert!(!square.iter().all(is_seen));
+    }
+}
