@@ -208,8 +208,17 @@ impl Given<'_> {
                 &corrected
             }
         };
-        let pieces = pieces(self.logs, &self.chunks, ground, progress)?;
-        let mut found = readings(&pieces, &self.scales);
+        let of_chunk = |(index, chunk): (usize, &Chunk)| {
+            progress.check()?;
+            let pieces = pieces(self.logs, index, chunk, ground);
+            Ok(readings(&pieces, &self.scales))
+        };
+        let each: Result<Vec<Vec<Reading>>, Cancelled> =
+            self.chunks.par_iter().enumerate().map(of_chunk).collect();
+        let each = each?;
+        // The readings are the largest that is held of a survey: those of each chunk go as they are taken over.
+        let mut found = Vec::with_capacity(each.iter().map(Vec::len).sum());
+        each.into_iter().for_each(|one| found.extend(one));
         // Gains step where they do, whether over weed or not.
         let steps = gain_steps(&found);
         found.retain(|Reading { piece, .. }| {

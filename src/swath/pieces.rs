@@ -2,9 +2,7 @@
 
 use super::echoes::{LogEchoes, PingPlace};
 use super::ground::Ground;
-use crate::progress::{Cancelled, Progress};
 use crate::survey::Side;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -115,33 +113,19 @@ fn range_setting(ping: &PingPlace) -> i64 {
     known.map_or(i64::MIN, |step_m| (step_m.ln() / SAME_RANGE).round() as i64)
 }
 
-/// The pieces of some chunks over a ground, in their order, port first.
-///
-/// # Errors
-/// When the work was cancelled.
-pub fn pieces(
-    logs: &[LogEchoes<'_>],
-    chunks: &[Chunk],
-    ground: &Ground,
-    progress: &Progress,
-) -> Result<Vec<Piece>, Cancelled> {
-    let of_chunk = |(index, chunk): (usize, &Chunk)| {
-        progress.check()?;
-        let mut found = Vec::new();
-        if let Some(log) = logs.get(chunk.log) {
-            for side in Side::BOTH {
-                let mut sums = Sums::none();
-                for ping in chunk.pings.clone() {
-                    sums.add_ping(log, ping, side, ground);
-                }
-                sums.pieces(index, chunk, side, ground, &mut found);
+/// The pieces of a chunk over a ground, port first. `index` is its number among those of all logs.
+pub fn pieces(logs: &[LogEchoes<'_>], index: usize, chunk: &Chunk, ground: &Ground) -> Vec<Piece> {
+    let mut found = Vec::new();
+    if let Some(log) = logs.get(chunk.log) {
+        for side in Side::BOTH {
+            let mut sums = Sums::none();
+            for ping in chunk.pings.clone() {
+                sums.add_ping(log, ping, side, ground);
             }
+            sums.pieces(index, chunk, side, ground, &mut found);
         }
-        Ok(found)
-    };
-    let each: Result<Vec<Vec<Piece>>, Cancelled> =
-        chunks.par_iter().enumerate().map(of_chunk).collect();
-    Ok(each?.concat())
+    }
+    found
 }
 
 /// What the pings of a chunk say on one side.
