@@ -33,9 +33,9 @@ pub struct Footprint {
 /// Where on the ground of one side a place lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// The sample that lies there, or nearest to it, counted outward from 0.
-    pub sample: i32,
-    /// Its slant range, metres.
+    /// The samples that lie there, or nearest to it, from the first to the last, counted outward from 0; of a single place one.
+    pub samples: [i32; 2],
+    /// Slant range of the first, metres.
     pub range_m: f64,
     /// Distance from the place to the ground that was seen, metres; 0 within it.
     pub distance_m: f64,
@@ -43,7 +43,7 @@ pub struct Seen {
 
 impl SideRange {
     /// Distances on the ground between which samples lie; `None` where all of them are water.
-    fn ground_m(&self, altitude_m: f64) -> Option<[f64; 2]> {
+    pub(super) fn ground_m(&self, altitude_m: f64) -> Option<[f64; 2]> {
         let far_m = self.near_m + self.sample_m * f64::from(self.count);
         let ground = |range_m: f64| {
             (range_m * range_m - altitude_m * altitude_m)
@@ -52,6 +52,20 @@ impl SideRange {
         };
         let is_known = self.sample_m > 0.0 && self.count > 0 && far_m > altitude_m;
         is_known.then(|| [ground(self.near_m.max(0.0)), ground(far_m)])
+    }
+
+    /// What it saw between two distances on the ground.
+    pub(super) fn seen(&self, altitude_m: f64, across_m: [f64; 2], distance_m: f64) -> Seen {
+        let ranges_m = across_m.map(|across_m| across_m.hypot(altitude_m));
+        let sample = |range_m: f64| {
+            let sample = ((range_m - self.near_m) / self.sample_m).floor() as i32;
+            sample.clamp(0, self.count - 1)
+        };
+        Seen {
+            samples: ranges_m.map(sample),
+            range_m: ranges_m[0],
+            distance_m,
+        }
     }
 }
 
@@ -64,20 +78,14 @@ impl Footprint {
             let [near_m, far_m] = side.ground_m(self.altitude_m)?;
             let across_m = out_m.clamp(near_m, far_m);
             let distance_m = (out_m - across_m).hypot(forward_m - along_m);
-            let range_m = across_m.hypot(self.altitude_m);
-            let sample = ((range_m - side.near_m) / side.sample_m).floor() as i32;
-            (distance_m <= radius_m).then_some(Seen {
-                sample: sample.clamp(0, side.count - 1),
-                range_m,
-                distance_m,
-            })
+            (distance_m <= radius_m).then(|| side.seen(self.altitude_m, [across_m; 2], distance_m))
         };
         let outward_m = [-to_starboard_m, to_starboard_m];
         [0, 1].map(|side| seen(self.sides[side].as_ref()?, outward_m[side]))
     }
 
     /// Metres on the ground to starboard and forward of the transducer.
-    fn on_ground(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(super) fn on_ground(&self, place: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|axis| place[axis] - self.place[axis]);
         let [east, north] = self.starboard;
         let scale = east * east + north * north;
@@ -139,7 +147,7 @@ mod tests {
         // Port is north: 4 m out and 3 m up are 5 m of slant range, the hundredth sample.
         let [port, starboard] = ping.seen([100.1, 54.0], 0.0);
         let port = port.unwrap();
-        assert_eq!((port.sample, port.distance_m), (100, 0.0));
+        assert_eq!((port.samples, port.distance_m), ([100; 2], 0.0));
         assert!((port.range_m - 5.0).abs() < 1e-12 && starboard.is_none());
         assert_eq!(ping.seen([100.4, 54.0], 0.0), [None; 2]);
         assert_eq!(ping.seen([99.7, 54.0], 0.0), [None; 2]);

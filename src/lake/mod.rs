@@ -13,6 +13,7 @@
 
 mod add;
 mod adjust;
+mod area;
 mod clip;
 mod error;
 mod footprint;
@@ -41,4 +42,4 @@ pub use record::{Lake, LakeRecord};
 pub use tile::{TILE_M, TileId};
 pub use tile_files::{TileRecord, TileState, remove_left_over, tile_state, write_tile};
 pub use tile_map::{TileMap, tile_map};
-pub use who::{Sighting, who};
+pub use who::{Asked, Sighting, who};

@@ -1,7 +1,8 @@
 //! Which recording saw this place: every log, ping, side and sample, from the rows of pings of the tiles concerned.
 
+use super::area::Area;
 use super::error::LakeError;
-use super::footprint::Seen;
+use super::footprint::{Footprint, Seen};
 use super::log_record::LogRecord;
 use super::ping_rows::{self, PINGS, PingRow};
 use super::record::Lake;
@@ -10,7 +11,7 @@ use crate::geo::{LonLat, UtmZone};
 use crate::progress::Progress;
 use crate::survey::Side;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A side of a ping that saw a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,39 +34,83 @@ pub struct Sighting {
     pub is_left_out: bool,
 }
 
+/// A place that is asked about.
+#[derive(Clone, Copy, Debug)]
+pub enum Asked<'a> {
+    /// All ground within so many metres of a position.
+    Around(LonLat, f64),
+    /// All ground within rings of corners, each named once: within an odd number of them, so that islands are rings too.
+    Within(&'a [Vec<LonLat>]),
+}
+
+/// The same in the metres of a zone.
+enum InZone {
+    Around([f64; 2], f64),
+    Within(Area),
+}
+
+impl Asked<'_> {
+    /// The zones that have ground of it, and where it is there.
+    fn in_zones(&self) -> Vec<(UtmZone, InZone)> {
+        match self {
+            Self::Around(at, radius_m) => {
+                let zones = UtmZone::near(*at, *radius_m).into_iter();
+                let place = |zone: UtmZone| (zone, InZone::Around(zone.to_metres(*at), *radius_m));
+                zones.map(place).collect()
+            }
+            Self::Within(rings) => {
+                let corners = rings.iter().flatten();
+                let zones: BTreeSet<UtmZone> = corners.map(|at| UtmZone::of(*at)).collect();
+                let area = |zone| Some((zone, InZone::Within(Area::new(zone, rings)?)));
+                zones.into_iter().filter_map(area).collect()
+            }
+        }
+    }
+}
+
+impl InZone {
+    /// West, south, east and north, metres.
+    fn bounds_m(&self) -> [f64; 4] {
+        match self {
+            Self::Around([x, y], radius_m) => {
+                [x - radius_m, y - radius_m, x + radius_m, y + radius_m]
+            }
+            Self::Within(area) => area.bounds_m,
+        }
+    }
+
+    fn seen_by(&self, ping: &Footprint) -> [Option<Seen>; 2] {
+        match self {
+            Self::Around(place, radius_m) => ping.seen(*place, *radius_m),
+            Self::Within(area) if ping.bounds_m().is_some_and(|saw| touch(area.bounds_m, saw)) => {
+                area.seen_by(ping)
+            }
+            Self::Within(_) => [None; 2],
+        }
+    }
+}
+
 /// Rows of pings that may have seen a place: a file, and the place in its zone.
 struct Search<'a> {
     log: &'a LogRecord,
     tile: TileId,
-    place: [f64; 2],
+    place: &'a InZone,
 }
 
-/// The sides of pings that saw ground within `radius_m` of a place, by log, ping and side. Each is told once, as it is nearest.
+/// The sides of pings that saw ground of a place, by log, ping and side. Each is told once: as it is nearest.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
-pub fn who(
-    lake: &Lake,
-    at: LonLat,
-    radius_m: f64,
-    progress: &Progress,
-) -> Result<Vec<Sighting>, LakeError> {
-    let zones = UtmZone::near(at, radius_m).into_iter().map(|zone| {
-        let [x, y] = zone.to_metres(at);
-        (
-            zone,
-            [x, y],
-            [x - radius_m, y - radius_m, x + radius_m, y + radius_m],
-        )
-    });
-    let zones: Vec<_> = zones.collect();
+pub fn who(lake: &Lake, asked: Asked<'_>, progress: &Progress) -> Result<Vec<Sighting>, LakeError> {
+    let zones = asked.in_zones();
     let tiles = zones
         .iter()
-        .flat_map(|(zone, _, around)| TileId::touched(*zone, *around));
+        .flat_map(|(zone, place)| TileId::touched(*zone, place.bounds_m()));
     let logs = lake.logs_in(tiles)?;
     let mut searches = Vec::new();
-    for (zone, place, around) in zones {
-        for tile in TileId::touched(zone, around) {
+    for (zone, place) in &zones {
+        let around = place.bounds_m();
+        for tile in TileId::touched(*zone, around) {
             let rows = logs
                 .iter()
                 .filter_map(|log| Some((log, log.rows_in(tile)?)));
@@ -82,10 +127,10 @@ pub fn who(
         let name = Lake::rows_name(PINGS, search.tile, &search.log.log);
         let pings = ping_rows::read(&lake.folder().join(name))?;
         progress.advance(1);
-        Ok(sightings(search, &pings, radius_m))
+        Ok(sightings(search, &pings))
     });
     let found: Vec<Vec<Sighting>> = found.collect::<Result<_, LakeError>>()?;
-    // A ping stands in every tile whose ground it saw.
+    // A ping stands in every tile whose ground it saw, with the same ground.
     let mut nearest: BTreeMap<(String, String, i32, Side), Sighting> = BTreeMap::new();
     for one in found.into_iter().flatten() {
         let key = (one.name.clone(), one.log.clone(), one.ping, one.side);
@@ -104,13 +149,11 @@ fn touch(a: [f64; 4], b: [f64; 4]) -> bool {
     a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3]
 }
 
-fn sightings(search: &Search<'_>, pings: &[PingRow], radius_m: f64) -> Vec<Sighting> {
+fn sightings(search: &Search<'_>, pings: &[PingRow]) -> Vec<Sighting> {
     let mut found = Vec::new();
     for ping in pings {
-        for (side, seen) in Side::BOTH
-            .into_iter()
-            .zip(ping.footprint.seen(search.place, radius_m))
-        {
+        let seen = search.place.seen_by(&ping.footprint);
+        for (side, seen) in Side::BOTH.into_iter().zip(seen) {
             found.extend(seen.map(|seen| Sighting {
                 log: search.log.log.clone(),
                 name: search.log.name.clone(),

@@ -2,8 +2,10 @@
 
 use crate::calendar;
 use crate::cli::output;
+use crate::cli::status_line::StatusLine;
+use crate::formats::AreaFile;
 use crate::geo::LonLat;
-use crate::lake::{Lake, Sighting, who};
+use crate::lake::{Asked, Lake, Sighting, who};
 use crate::presentation::text;
 use crate::progress::Progress;
 use serde::Serialize;
@@ -12,12 +14,16 @@ use std::str::FromStr;
 
 /// `bathyscope who DIR LON,LAT[,RADIUS]`.
 #[derive(Debug, clap::Args)]
+#[group(id = "asked", required = true, multiple = false, args = ["place", "area"])]
 pub struct WhoArgs {
     /// Folder of the lake
     lake: PathBuf,
     /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
     #[arg(value_name = "LON,LAT[,RADIUS]", allow_hyphen_values = true)]
-    place: Place,
+    place: Option<Place>,
+    /// Polygon instead of a place: GeoJSON, KML or GPX
+    #[arg(long, value_name = "FILE")]
+    area: Option<PathBuf>,
     /// Print JSON, with every ping
     #[arg(long)]
     json: bool,
@@ -58,8 +64,19 @@ impl FromStr for Place {
 /// Prints who saw the place.
 pub fn run(args: &WhoArgs) -> Result<(), String> {
     let lake = Lake::open(&args.lake).map_err(|error| error.to_string())?;
-    let Place { at, radius_m } = args.place;
-    let found = who(&lake, at, radius_m, &Progress::new()).map_err(|error| error.to_string())?;
+    let area = (args.area.as_deref().map(AreaFile::read))
+        .transpose()
+        .map_err(|error| error.to_string())?;
+    let asked = match (&area, args.place) {
+        (Some(area), _) => Asked::Within(&area.rings),
+        (None, Some(Place { at, radius_m })) => Asked::Around(at, radius_m),
+        (None, None) => return Err("give a place or an area".to_owned()),
+    };
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("rows of pings");
+    let found = who(&lake, asked, &progress).map_err(|error| error.to_string())?;
+    drop(status);
     match args.json {
         true => output::json(&found.iter().map(Printed::new).collect::<Vec<_>>()),
         false => output::results(in_words(&found)),
@@ -74,6 +91,7 @@ struct Printed<'a> {
     ping: i32,
     side: &'static str,
     sample: i32,
+    last_sample: i32,
     range_m: f64,
     distance_m: f64,
     time: Option<String>,
@@ -88,7 +106,8 @@ impl<'a> Printed<'a> {
             name: &one.name,
             ping: one.ping,
             side: one.side.name(),
-            sample: one.seen.sample,
+            sample: one.seen.samples[0],
+            last_sample: one.seen.samples[1],
             range_m: one.seen.range_m,
             distance_m: one.seen.distance_m,
             time: one.unix_us.map(utc),
@@ -131,9 +150,9 @@ fn of_pass(pass: &[&Sighting]) -> String {
     let (Some(first), Some(last)) = (pass.first(), pass.last()) else {
         return String::new();
     };
-    let samples = pass.iter().map(|one| one.seen.sample);
-    let (least, most) = samples.fold((i32::MAX, i32::MIN), |(least, most), sample| {
-        (least.min(sample), most.max(sample))
+    let samples = pass.iter().map(|one| one.seen.samples);
+    let (least, most) = samples.fold((i32::MAX, i32::MIN), |(least, most), [from, to]| {
+        (least.min(from), most.max(to))
     });
     let range = |from: i32, to: i32| match from == to {
         true => from.to_string(),

@@ -4,11 +4,12 @@ use super::{CORNER_M, ZONE, three_logs};
 use crate::cli::{refusal, run};
 use crate::support::Moments;
 use bathyscope::formats;
-use bathyscope::lake::{Lake, who};
+use bathyscope::lake::{Asked, Lake, who};
 use bathyscope::pipeline::{self, Products, Settings};
 use bathyscope::progress::Progress;
 use bathyscope::survey::{Side, Survey};
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::Path;
 
 /// Places asked for.
@@ -86,7 +87,7 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
         let radius_m = [0.0, 0.0, 0.5, 4.0][index % 4];
         let at =
             ZONE.to_lon_lat([0, 1].map(|axis| CORNER_M[axis] + 90.0 * (moments.share() - 0.5)));
-        let found = who(&lake, at, radius_m, &Progress::new()).expect("an answer");
+        let found = who(&lake, Asked::Around(at, radius_m), &Progress::new()).expect("an answer");
         let found: BTreeMap<(String, i32, Side), _> = found
             .into_iter()
             .map(|one| ((one.name.clone(), one.ping, one.side), one))
@@ -118,7 +119,7 @@ fn a_thousand_places_are_answered_as_all_pings_answer_them() {
                         assert!((one.seen.range_m - range_m).abs() < ROUNDING_M);
                         let span = log.survey.span(ping, side).expect("a side");
                         let sample = log.products.reduction().sample_at(span, range_m);
-                        assert!((sample - 0.5 - f64::from(one.seen.sample)).abs() < 0.5 + 1.0);
+                        assert!((sample - 0.5 - f64::from(one.seen.samples[0])).abs() < 0.5 + 1.0);
                     }
                 }
             }
@@ -151,6 +152,7 @@ fn the_command_prints_passes_and_every_ping_as_json() {
         "ping",
         "side",
         "sample",
+        "last_sample",
         "range_m",
         "distance_m",
         "time",
@@ -162,4 +164,63 @@ fn the_command_prints_passes_and_every_ping_as_json() {
     assert!(nobody.contains("no ping"), "{nobody}");
     assert!(refusal(folder, &["who", "none", "9,9"], 1).contains("no lake in this folder"));
     assert!(refusal(folder, &["who", "lake", "9"], 2).contains("longitude and latitude"));
+}
+
+#[test]
+fn an_area_is_seen_by_those_that_see_a_circle_in_it_and_by_no_others_than_see_one_around_it() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    three_logs(folder);
+    // Three metres from the middle to a side.
+    let [x, y] = [CORNER_M[0] - 10.0, CORNER_M[1] + 8.0];
+    let corners = [
+        [-3.0, -3.0],
+        [3.0, -3.0],
+        [3.0, 3.0],
+        [-3.0, 3.0],
+        [-3.0, -3.0],
+    ];
+    let ring: Vec<[f64; 2]> = corners
+        .iter()
+        .map(|[east, north]| {
+            let at = ZONE.to_lon_lat([x + east, y + north]);
+            [at.lon_deg, at.lat_deg]
+        })
+        .collect();
+    let area = serde_json::json!({"type": "Polygon", "coordinates": [ring]});
+    fs::write(folder.join("cove.geojson"), area.to_string()).expect("a file");
+    let sightings = |arguments: &[&str]| -> BTreeMap<(String, i64, String), [i64; 2]> {
+        let all = [&["who", "lake", "--json"], arguments].concat();
+        let found: serde_json::Value = serde_json::from_str(&run(folder, &all)).expect("JSON");
+        let found = found.as_array().expect("a list").iter();
+        found
+            .map(|one| {
+                let number = |key: &str| one[key].as_i64().expect("a number");
+                let text = |key: &str| one[key].as_str().expect("a text").to_owned();
+                let samples = [number("sample"), number("last_sample")];
+                ((text("name"), number("ping"), text("side")), samples)
+            })
+            .collect()
+    };
+    let at = ZONE.to_lon_lat([x, y]);
+    let around = |radius_m: f64| {
+        let place = format!("{},{},{radius_m}", at.lon_deg, at.lat_deg);
+        sightings(&[&place])
+    };
+    let within = sightings(&["--area", "cove.geojson"]);
+    let (inner, outer) = (around(2.99), around(3.0 * 2.0_f64.sqrt() + 0.01));
+    assert!(within.len() > 50, "{}", within.len());
+    assert!(inner.len() < within.len() && within.len() < outer.len());
+    for (one, [nearest, _]) in &inner {
+        let [from, to] = within[one];
+        assert!(
+            from <= *nearest && nearest <= &to,
+            "{one:?} {from} {to} {nearest}"
+        );
+    }
+    assert!(within.keys().all(|one| outer.contains_key(one)));
+    let both = refusal(folder, &["who", "lake", "9,9", "--area", "cove.geojson"], 2);
+    assert!(both.contains("cannot be used with"), "{both}");
+    let none = refusal(folder, &["who", "lake", "--area", "nowhere.geojson"], 1);
+    assert!(none.contains("nowhere.geojson"), "{none}");
 }

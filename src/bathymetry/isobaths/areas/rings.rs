@@ -1,6 +1,7 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
+use crate::geo;
 
 /// An area with holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,16 +117,7 @@ fn surrounds(outline: &[[f64; 2]], ring: &[[f64; 2]]) -> bool {
     let corners = &ring[..ring.len() - 1];
     let inside = corners
         .iter()
-        .filter(|corner| contains(outline, **corner))
+        .filter(|corner| geo::surrounds(outline, **corner))
         .count();
     2 * inside > corners.len()
-}
-
-/// Counts the crossings of a ray to the east.
-fn contains(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
-    let crosses = |step: &&[[f64; 2]]| {
-        let [[x0, y0], [x1, y1]] = [step[0], step[1]];
-        (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
-    };
-    outline.windows(2).filter(crosses).count() % 2 == 1
 }
