@@ -142,6 +142,7 @@ actions! {
     Forward25, "Forward 25 pings", Some("Shift+Right"), "Selects the ping 25 later.";
     FirstPing, "First ping", Some("Home"), "Selects the first ping.";
     LastPing, "Last ping", Some("End"), "Selects the last ping.";
+    NextPass, "Next pass over the selected place", Some("Shift+T"), "Goes from the selected place to the same place in the next pass of the visible logs that saw it.";
     ThresholdDown, "Lower the threshold", Some("["), "Lowers the threshold by 0.01.";
     ThresholdUp, "Raise the threshold", Some("]"), "Raises the threshold by 0.01.";
     FirstReturnLine, "First return on or off", Some("B"), "Shows or hides the first return in the waterfall.";

@@ -341,6 +341,7 @@ impl App {
             Action::BottomIsobaths => self.options.cloud.isobaths = !self.options.cloud.isobaths,
             Action::TurnLight => self.options.cloud.turn_light(),
             Action::ClipBox3d => self.options.cloud.toggle_clip(),
+            Action::NextPass => self.next_pass(),
             Action::Cut3d => self.toggle_cut(),
             Action::Water3d => self.options.cloud.water = !self.options.cloud.water,
             Action::Points3d => self.options.cloud.points = !self.options.cloud.points,

@@ -29,6 +29,7 @@ mod object_table;
 mod objects;
 mod open_log;
 mod options;
+mod passes;
 mod picture;
 mod planning;
 mod preview;
@@ -66,6 +67,7 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
+pub use passes::mark_of;
 pub use planning::{PlanRequest, PlannedLines, Planning};
 pub use print::{Paper, PrintOptions, Sheet};
 pub use print_text::PrintText;

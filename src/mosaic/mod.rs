@@ -28,7 +28,7 @@ pub use altitude::altitudes_m;
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
 pub use joint::{joint_bounds, joint_grid, match_levels};
-pub use layout::{Bounds, Layout, TileIndex, joined_way_m};
+pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
 pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};
 
 use crate::presentation::colours;

@@ -16,6 +16,7 @@ mod growing;
 pub mod joint;
 mod log_settings;
 mod mosaic;
+mod passes;
 mod placing;
 mod processed_log;
 mod products;
@@ -45,6 +46,7 @@ pub use log_settings::{
     LogSettings, SettingValues, from_values, is_of_one_log, is_setting, setting_values, with_values,
 };
 pub use mosaic::{mosaic_layout, mosaic_layout_by};
+pub use passes::{Pass, passes_over, place_of};
 pub use placing::Placing;
 pub use processed_log::ProcessedLog;
 pub use products::{Products, Stage, colour_range_m, run};

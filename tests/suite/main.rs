@@ -47,6 +47,7 @@ mod navigation;
 mod objects_window;
 mod offsets;
 mod outputs;
+mod passes_window;
 mod planning;
 mod planning_window;
 mod point_attributes;

@@ -69,6 +69,7 @@ const STEPS: &[Action] = &[
     Action::Forward25,
     Action::FirstPing,
     Action::LastPing,
+    Action::NextPass,
     Action::Play,
     Action::PlayFaster,
     Action::PlaySlower,

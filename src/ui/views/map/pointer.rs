@@ -3,11 +3,12 @@
 use super::overlay::Scene;
 use super::transform::MapTransform;
 use super::{flat_spots, left_out, objects};
-use crate::app::{App, Command, Leave, LogId, Mark};
+use crate::app::{App, Command, Leave, LogId, Mark, mark_of};
 use crate::calibration::PingRange;
 use crate::geo::{CoordinateFormat, LonLat};
+use crate::pipeline::Pass;
 use crate::ui::views::legend;
-use crate::ui::{ViewContext, left_out_words, place, theme};
+use crate::ui::{ViewContext, left_out_words, place, text, theme};
 use egui::{Align2, Key, PointerButton, Pos2, Response, Ui, vec2};
 
 /// How near the pointer must come to the track, points.
@@ -30,10 +31,19 @@ pub struct Pointer {
     pub banner_height: f32,
     /// The hover in the app is ours to take back.
     hovering: bool,
-    /// Position, log and ping under the pointer when the menu was opened.
-    menu_at: Option<(LonLat, Option<(LogId, usize)>)>,
+    /// What the menu is about, as it was opened.
+    menu_at: Option<MenuAt>,
     /// The numbered stretch that was clicked.
     offered: Option<usize>,
+}
+
+/// What is under the pointer.
+struct MenuAt {
+    position: LonLat,
+    /// The ping of the track that is near, and its log.
+    near: Option<(LogId, usize)>,
+    /// What saw the place.
+    passes: Vec<(LogId, Pass)>,
 }
 
 /// Wheel zooms at the pointer, drag moves, with the main button unless that has something else in hand (`drag_moves`).
@@ -87,7 +97,14 @@ impl Pointer {
         }
         if response.secondary_clicked() {
             let at = response.interact_pointer_pos();
-            self.menu_at = at.map(|at| (scene.position(at), nearest(scene, context.app, at)));
+            self.menu_at = at.map(|at| {
+                let position = scene.position(at);
+                MenuAt {
+                    position,
+                    near: nearest(scene, context.app, at),
+                    passes: context.app.passes_at(position),
+                }
+            });
         }
         self.menu(context, response);
         self.offer(ui, context, scene);
@@ -132,18 +149,24 @@ impl Pointer {
     }
 
     fn menu(&mut self, context: &mut ViewContext<'_>, response: &Response) {
-        let Some((position, near)) = self.menu_at else {
+        let Some(MenuAt {
+            position,
+            near,
+            passes,
+        }) = &self.menu_at
+        else {
             return;
         };
         response.context_menu(|ui| {
             theme::whole_words(ui);
-            let position = place::written(context.app, position);
+            let position = place::written(context.app, *position);
             ui.label(&position);
             if ui.button("Copy position").clicked() {
                 ui.copy_text(position);
                 ui.close();
             }
-            let Some((log, ping)) = near else {
+            passes_menu(ui, context, passes);
+            let Some((log, ping)) = *near else {
                 return;
             };
             ui.separator();
@@ -245,6 +268,30 @@ impl Pointer {
             flat_spots::preview(&painter, scene, &(pings.start..pings.end));
         }
     }
+}
+
+/// The passes that saw the place; each is shown in the other views.
+fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, passes: &[(LogId, Pass)]) {
+    if passes.is_empty() {
+        ui.label("No side-scan saw this place");
+        return;
+    }
+    let seen = text::plural(passes.len(), "pass", "passes");
+    ui.menu_button(format!("Seen by {seen}"), |ui| {
+        egui::ScrollArea::vertical().show(ui, |ui| {
+            for (log, pass) in passes {
+                let [first, last] = pass.pings;
+                let away = context.app.options.units.measure(pass.range_m, 1);
+                let side = pass.side.name();
+                let ping = named_ping(context.app, (*log, first));
+                let name = format!("{ping} to {last}, {side}, slant range {away}");
+                if ui.button(name).clicked() {
+                    context.push(Command::RevealIn(*log, mark_of(pass)));
+                    ui.close();
+                }
+            }
+        });
+    });
 }
 
 /// The nearest ping and its log.
