@@ -244,6 +244,21 @@ const fn contours(
     }
 }
 
+const fn map_tiles(
+    name: &'static str,
+    what: &'static str,
+    brief: &'static str,
+    writer: Writer,
+) -> OutputFile {
+    OutputFile {
+        needs: &[Need::Surface],
+        regardless_of: NOT_OF_ISOBATHS,
+        brief,
+        described: described(what, "tiles", "depth_m"),
+        ..row(name, When::Chosen(Product::MapTiles), writer)
+    }
+}
+
 const fn compared(
     name: &'static str,
     what: &'static str,
@@ -269,7 +284,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 36] = [
+pub const OUTPUT_FILES: [OutputFile; 40] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -463,6 +478,33 @@ pub const OUTPUT_FILES: [OutputFile; 36] = [
         "area and volume below each level",
         Writer::Results(depth::contours::storage),
     ),
+    map_tiles(
+        "map_tiles/depth.mbtiles",
+        "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
+        "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
+        Writer::Results(depth::tiles::chart),
+    ),
+    map_tiles(
+        "map_tiles/depth.pmtiles",
+        "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
+        "depth map for web maps",
+        Writer::Results(depth::tiles::colours),
+    ),
+    map_tiles(
+        "map_tiles/depth_values.pmtiles",
+        "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
+        "depths for web maps, as colours that stand for metres",
+        Writer::Results(depth::tiles::values),
+    ),
+    OutputFile {
+        described: None,
+        ..map_tiles(
+            "map_tiles/index.html",
+            "",
+            "the depth map as a page for browsers, to look at and to send",
+            Writer::Results(depth::tiles::page),
+        )
+    },
     OutputFile {
         needs: &[Need::Agreement],
         regardless_of: NOT_OF_DEPTHS,
