@@ -43,10 +43,10 @@ def open_pmtiles(path):
     header = reader.header()
     assert header["version"] == 3 and header["clustered"] and header["tile_type"] == TileType.PNG
     tiles = dict(all_tiles(MemorySource(content)))
-    assert header["addressed_tiles_count"] == header["tile_entries_count"] == len(tiles)
+    assert header["addressed_tiles_count"] == header["tile_entries_count"] == len(tiles), f"{path.name}: {len(tiles)} tiles"
     assert header["tile_data_offset"] + header["tile_data_length"] == len(content)
     zooms = [zoom for zoom, _, _ in tiles]
-    assert [min(zooms), max(zooms)] == [header["min_zoom"], header["max_zoom"]]
+    assert [min(zooms), max(zooms)] == [header["min_zoom"], header["max_zoom"]], f"{path.name}: zooms {min(zooms)} to {max(zooms)}"
     for place in list(tiles)[:: max(1, len(tiles) // 20)]:
         assert reader.get(*place) == tiles[place], f"{path.name}: {place}"
     return header, reader.metadata(), tiles
@@ -102,7 +102,7 @@ def check_set(folder, depth_at):
     other, said, values = open_pmtiles(folder / "depth_values.pmtiles")
     assert said["encoding"] == "terrarium" and "encoding" not in metadata
     named, chart = open_mbtiles(folder / "depth.mbtiles")
-    assert colours.keys() == values.keys() == chart.keys()
+    assert colours.keys() == values.keys() == chart.keys(), "the archives hold different tiles"
     for key in ("min_zoom", "max_zoom", "min_lon_e7", "min_lat_e7", "max_lon_e7", "max_lat_e7"):
         assert header[key] == other[key], key
     assert named["format"] == "png" and named["type"] == "overlay" and named["name"] == metadata["name"]
@@ -185,5 +185,5 @@ def check_lake(folder):
     _, tiles, count = check_set(folder / "map_tiles", depth_at)
     made = json.loads((folder / "map_tiles/map_tiles.json").read_text())["made"]["tiles"]
     maps = [json.loads(path.read_text()) for path in folder.glob("tiles/*/tile.json")]
-    assert len(made) == sum(bool(one["files"]) for one in maps)
+    assert len(made) == sum(bool(one["files"]) for one in maps), f"made of {len(made)} maps"
     return tiles, count

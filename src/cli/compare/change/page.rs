@@ -9,10 +9,12 @@ use image::{ExtendedColorType, ImageEncoder as _, codecs::png::PngEncoder};
 
 /// Longest side of the picture, pixels.
 const MOST_PIXELS: usize = 900;
+/// A picture of fewer cells is shown in larger squares, about so long, pixels.
+const SHOWN_PIXELS: u32 = 640;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;color:#1b1b1b;margin:24px auto;max-width:960px;padding:0 16px}\
 table{border-collapse:collapse}td,th{border:1px solid #d0d0d0;padding:3px 10px;text-align:left;font-weight:normal}\
-img{max-width:100%;image-rendering:pixelated;border:1px solid #d0d0d0}#bar{height:14px;max-width:480px;border:1px solid #888888}\
+img{max-width:100%;height:auto;image-rendering:pixelated;border:1px solid #d0d0d0}#bar{height:14px;max-width:480px;border:1px solid #888888}\
 #ends{display:flex;justify-content:space-between;max-width:480px;font-size:13px}";
 
 /// A picture on its way into the page: the changes of its pixels, metres, row by row.
@@ -80,13 +82,15 @@ fn figure(shown: &Picture, reach_m: f64) -> String {
     if drawn.is_err() {
         return String::new();
     }
+    let times = (SHOWN_PIXELS / width.max(height).max(1)).max(1);
+    let (wide, tall) = (width * times, height * times);
     let steps = (0..=8).map(|step| {
         let [red, green, blue] = difference_colour(step as f32 / 8.0);
         format!("#{red:02x}{green:02x}{blue:02x}")
     });
     format!(
         "<h2>Where</h2>\n<div id=\"bar\" style=\"background:linear-gradient(90deg,{})\"></div><div id=\"ends\"><span>{:+} m</span><span>0</span><span>{:+} m</span></div>\n\
-         <p><img alt=\"Map of the change: blue where the bottom sank, red where it rose\" width=\"{width}\" height=\"{height}\" src=\"data:image/png;base64,{}\"></p>\n",
+         <p><img alt=\"Map of the change: blue where the bottom sank, red where it rose\" width=\"{wide}\" height=\"{tall}\" src=\"data:image/png;base64,{}\"></p>\n",
         steps.collect::<Vec<String>>().join(","),
         -reach_m,
         reach_m,
