@@ -7,6 +7,7 @@
 //!   ^                 | |                                      ^
 //!   '-- simulation    | |                                      '-- calibration (pixels per metre)
 //!                     | |--bathymetry: surfaces, isobaths, and what they are worth against a reference
+//!                     | |--map_tiles: the depth map as pictures for plotters and the web
 //!                     | |--swath: depth between the lines, from the brightness of the echoes
 //!                     | |--planning: where to sail next, from what the soundings leave in doubt
 //!                     | '--detection: objects on the bottom
@@ -61,6 +62,7 @@ pub mod geo;
 pub mod html_report;
 pub mod lake;
 pub mod manual;
+pub mod map_tiles;
 pub mod mosaic;
 pub mod outputs;
 pub mod picture;

@@ -4,9 +4,10 @@
 //! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
-//! along a line; `coarser` gives it larger cells, `cell_source` says what was measured in each.
+//! along a line; `coarser` gives it larger cells, `change` says what changed between two of them, `cell_source` says what was measured in each.
 
 mod cell_source;
+pub mod change;
 mod coarser;
 pub mod compare;
 pub mod crosslines;

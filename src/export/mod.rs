@@ -2,7 +2,7 @@
 //!
 //! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
-//! on, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
+//! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod aside;
 pub mod avi;
@@ -35,6 +35,7 @@ mod qgis_style;
 mod rings;
 mod sqlite;
 mod summary;
+pub mod tile_sets;
 mod track;
 mod vector;
 

@@ -42,6 +42,24 @@ impl LonLat {
     }
 }
 
+/// West, south, east and north of some positions, degrees; without any, a box that meets no other.
+pub fn bounds_deg(positions: impl Iterator<Item = LonLat>) -> [f64; 4] {
+    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+    positions.fold(start, |[west, south, east, north], at| {
+        [
+            west.min(at.lon_deg),
+            south.min(at.lat_deg),
+            east.max(at.lon_deg),
+            north.max(at.lat_deg),
+        ]
+    })
+}
+
+/// Whether two boxes (west, south, east, north) share a place.
+pub fn boxes_meet(one: [f64; 4], other: [f64; 4]) -> bool {
+    one[0] <= other[2] && one[2] >= other[0] && one[1] <= other[3] && one[3] >= other[1]
+}
+
 /// Metres in an international foot.
 pub const METRES_PER_FOOT: f64 = 0.3048;
 /// Metres a second in a knot.

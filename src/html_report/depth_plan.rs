@@ -4,7 +4,7 @@ use super::frame::{Bounds, Frame};
 use super::{ReportData, raster};
 use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::Isobath;
-use crate::presentation::colours::{depth_colour, depth_share};
+use crate::presentation::colours::{depth_colour, lit_depth_colour};
 use crate::presentation::ticks::ticks;
 use crate::progress::{Cancelled, Progress};
 use std::fmt::Write as _;
@@ -106,8 +106,7 @@ impl Lit<'_> {
         };
         // Level ground keeps its colour.
         let light = shades.mean().unwrap_or(self.level_ground) / self.level_ground;
-        let [r, g, b] = depth_colour(depth_share(depth_m, self.range_m))
-            .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8);
+        let [r, g, b] = lit_depth_colour(depth_m, self.range_m, light);
         [r, g, b, 255]
     }
 }

@@ -11,7 +11,7 @@ use super::tile_files::{DEPTH, TILES, TileRecord, UNCERTAINTY};
 use crate::calendar;
 use crate::export::write_aside;
 use crate::formats::geotiff::NODATA;
-use crate::geo::{Crs, UtmZone};
+use crate::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use crate::printable::xml;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -138,12 +138,10 @@ fn corners(tile: TileId) -> [[f64; 2]; 5] {
     })
 }
 
-fn bounds_deg(tiles: &[TileId]) -> [f64; 4] {
-    let start = [f64::MAX, f64::MAX, f64::MIN, f64::MIN];
+/// West, south, east and north of some tiles, degrees.
+pub(super) fn tile_bounds_deg(tiles: &[TileId]) -> [f64; 4] {
     let all = tiles.iter().flat_map(|tile| corners(*tile));
-    all.fold(start, |[w, s, e, n], [lon, lat]| {
-        [w.min(lon), s.min(lat), e.max(lon), n.max(lat)]
-    })
+    bounds_deg(all.map(|[lon_deg, lat_deg]| LonLat { lon_deg, lat_deg }))
 }
 
 /// An item of STAC 1.1, which must have a time: that of a map is from the first to the last row that it was made from.
@@ -158,7 +156,7 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
         "id": tile.to_string(),
         "collection": "lake",
         "geometry": { "type": "Polygon", "coordinates": [corners(tile)] },
-        "bbox": bounds_deg(&[tile]),
+        "bbox": tile_bounds_deg(&[tile]),
         "properties": {
             "datetime": null,
             "start_datetime": utc(span_unix_s[0]),
@@ -189,7 +187,7 @@ fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
     });
     let bounds = match tiles.is_empty() {
         true => [-180.0, -90.0, 180.0, 90.0],
-        false => bounds_deg(&tiles),
+        false => tile_bounds_deg(&tiles),
     };
     json!({
         "type": "Collection",

@@ -135,10 +135,7 @@ impl LogRecord {
     /// Whether all of its files are there, as long as they were.
     pub(super) fn is_whole(&self, folder: &Path) -> bool {
         let mut files = self.tiles.iter().flat_map(|rows| &rows.files);
-        files.all(|file| {
-            let there = folder.join(&file.file).symlink_metadata();
-            there.is_ok_and(|there| there.is_file() && there.len() == file.bytes)
-        })
+        files.all(|file| file.is_as_long_in(folder))
     }
 
     /// Its rows in a tile, if any.

@@ -8,24 +8,25 @@
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows` and `ping_rows`, laid out by
 //! `spread`. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other, `offsets` is the table of
-//! them. `tile_map` makes the map of a tile, its lines cut by `clip`, and `tile_files` writes it; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
+//! them. `tile_map` makes the map of a tile, its lines cut at its edges, and `tile_files` writes it; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
 mod add;
 mod adjust;
 mod area;
-mod clip;
 mod error;
 mod footprint;
 mod index;
 mod list;
 mod log_record;
+mod map_tiles;
 mod offsets;
 mod ping_rows;
 mod point_rows;
 mod record;
 mod spread;
 mod tile;
+mod tile_content;
 mod tile_files;
 mod tile_map;
 mod who;
@@ -37,6 +38,7 @@ pub use footprint::{Footprint, Seen, SideRange};
 pub use index::write_index;
 pub use list::{TileContent, contents};
 pub use log_record::{LogRecord, TileRows};
+pub use map_tiles::{MapTilesState, write_map_tiles};
 pub use offsets::{OffsetRow, Offsets};
 pub use record::{Lake, LakeRecord};
 pub use tile::{TILE_M, TileId};

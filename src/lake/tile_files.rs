@@ -24,7 +24,7 @@ pub(super) const TILES: &str = "tiles";
 const RECORD: &str = "tile.json";
 pub(super) const DEPTH: &str = "depth.tif";
 pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
-const ISOBATHS: &str = "isobaths.geojson";
+pub(super) const ISOBATHS: &str = "isobaths.geojson";
 /// All of them, the one first that says what the others are.
 const FILES: [&str; 4] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS];
 
@@ -120,10 +120,7 @@ pub fn tile_state(lake: &Lake, tile: TileId, logs: &[LogRecord], offsets: &Offse
         return TileState::Missing;
     };
     let folder = folder_of(lake, tile);
-    let is_whole = record.files.iter().all(|file| {
-        let there = folder.join(&file.file).symlink_metadata();
-        there.is_ok_and(|there| there.is_file() && there.len() == file.bytes)
-    });
+    let is_whole = record.files.iter().all(|file| file.is_as_long_in(&folder));
     match is_whole && record.made == MadeFrom::of(lake, tile, logs, offsets) {
         true => TileState::UpToDate,
         false => TileState::Stale,
@@ -150,7 +147,8 @@ pub fn remove_left_over(lake: &Lake, tiles: &[TileId]) -> Result<Vec<TileId>, La
     Ok(left)
 }
 
-fn remove(path: &Path) -> Result<(), LakeError> {
+/// Removes a file that may not be there.
+pub(super) fn remove(path: &Path) -> Result<(), LakeError> {
     match path.exists() {
         false => Ok(()),
         true => Ok(fs::remove_file(path)

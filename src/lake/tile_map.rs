@@ -1,13 +1,12 @@
 //! The depth map of a tile, from the rows of all logs in it.
 
-use super::clip::clipped;
 use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::point_rows::{self, POINTS};
 use super::record::Lake;
 use super::tile::{TILE_M, TileId};
-use crate::bathymetry::isobaths::{Isobath, IsobathSettings, isobaths, smoothed};
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped, isobaths, smoothed};
 use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, local_surface};
 use crate::geo::UtmZone;
 use crate::progress::Progress;
@@ -143,17 +142,21 @@ fn core_of(window: &Surface) -> Surface {
     }
 }
 
+/// The settings of the isobaths with an interval that is the same in all tiles.
+pub(super) fn isobath_settings(settings: &IsobathSettings) -> IsobathSettings {
+    IsobathSettings {
+        interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
+        ..settings.clone()
+    }
+}
+
 fn lines(
     window: &Surface,
     settings: &IsobathSettings,
     tile: TileId,
     progress: &Progress,
 ) -> Result<Vec<Isobath>, LakeError> {
-    let settings = IsobathSettings {
-        interval_m: settings.interval_m.or(Some(USUAL_INTERVAL_M)),
-        ..settings.clone()
-    };
-    let levels_m = settings
+    let levels_m = isobath_settings(settings)
         .levels_m(window.range_m())
         .map_err(|error| error.to_string())?;
     let drawn = isobaths(window, &levels_m, progress)?;

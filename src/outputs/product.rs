@@ -20,6 +20,8 @@ pub enum Product {
     Bottom,
     /// Lines of equal depth, the areas between them and what lies below each.
     Isobaths,
+    /// The depth map as tiles for plotters and the web, and as a page.
+    MapTiles,
     /// The side-scan mosaic.
     Mosaic,
     /// How the depths agree.
@@ -30,13 +32,14 @@ pub enum Product {
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 9] = [
+    pub const ALL: [Product; 10] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
         Product::Xyz,
         Product::Bottom,
         Product::Isobaths,
+        Product::MapTiles,
         Product::Mosaic,
         Product::Residuals,
         Product::Report,
@@ -51,6 +54,7 @@ impl Product {
             Product::Xyz => "xyz",
             Product::Bottom => "bottom",
             Product::Isobaths => "isobaths",
+            Product::MapTiles => "map-tiles",
             Product::Mosaic => "mosaic",
             Product::Residuals => "residuals",
             Product::Report => "report",

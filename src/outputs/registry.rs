@@ -1,11 +1,17 @@
 //! Every file of a run, one row each. The help of `--products`, what is refused to be written over, what an earlier run has left, what
-//! is out of date and the list in `report.html` follow from these rows.
+//! is out of date and the list in `report.html` follow from these rows. `kinds` has what rows of a kind share.
+
+mod kinds;
 
 use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
 use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
 use crate::outputs::OutputError;
+use kinds::{
+    KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_DEPTHS, NOT_OF_MOSAIC, NOT_OF_POINTS, boxes,
+    cloud, compared, contours, described, footprint, map_tiles, raster, row, track_file,
+};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -117,159 +123,8 @@ pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
     OUTPUT_FILES.iter().find(|row| row.owned_beside(name))
 }
 
-/// What no table or cloud of points depends on.
-const NOT_OF_POINTS: &[&str] = &["detector", "isobaths", "mosaic", "surface"];
-const NOT_OF_TRACK: &[&str] = &[
-    "calibration",
-    "cloud",
-    "detector",
-    "draft_m",
-    "height_offset_m",
-    "first_return",
-    "image",
-    "isobaths",
-    "mosaic",
-    "outliers",
-    "sound_speed",
-    "surface",
-    "water_level",
-];
-const NOT_OF_FOOTPRINT: &[&str] = &["detector", "isobaths"];
-const NOT_OF_DEPTHS: &[&str] = &["detector", "isobaths", "mosaic"];
-const NOT_OF_BODY: &[&str] = &["detector", "isobaths"];
-const NOT_OF_ISOBATHS: &[&str] = &["detector", "mosaic"];
-// Echoes and boxes lie on the bottom that the points tell.
-const NOT_OF_MOSAIC: &[&str] = &["detector", "isobaths"];
-const NOT_OF_BOXES: &[&str] = &["crs", "isobaths", "mosaic"];
-
-const TRACK: &str = "The boat's track, thinned to half a metre, broken where the log paused";
-const FOOTPRINT: &str = "The ground that the side-scan insonified, without turns";
-const KEPT_POINTS: &str =
-    "The points that the outlier filter kept; z is elevation above the transducer";
-const LAS_POINTS: &str = "The points that the outlier filter kept; z is elevation above the transducer, intensity the echo level of the first return times 257";
-const BOXES: &str = "Boxes that the detector proposes, not reviewed";
-
-/// A row with the columns that most rows share.
-const fn row(name: &'static str, when: When, writer: Writer) -> OutputFile {
-    OutputFile {
-        name,
-        companions: &[],
-        when,
-        needs: &[],
-        regardless_of: &[],
-        brief: "",
-        described: None,
-        writer,
-    }
-}
-
-const fn described(
-    what: &'static str,
-    counted: &'static str,
-    measured: &'static str,
-) -> Option<Described> {
-    Some(Described {
-        what,
-        counted,
-        measured,
-    })
-}
-
-const fn cloud(
-    name: &'static str,
-    what: &'static str,
-    brief: &'static str,
-    writer: Writer,
-) -> OutputFile {
-    OutputFile {
-        needs: &[Need::KeptPoints],
-        regardless_of: NOT_OF_POINTS,
-        brief,
-        described: described(what, "points", "z_m"),
-        ..row(name, When::Chosen(Product::Cloud), writer)
-    }
-}
-
-const fn track_file(name: &'static str, counted: &'static str, writer: Writer) -> OutputFile {
-    OutputFile {
-        needs: &[Need::Track],
-        regardless_of: NOT_OF_TRACK,
-        brief: "way of the boat",
-        described: described(TRACK, counted, ""),
-        ..row(name, When::Chosen(Product::Track), writer)
-    }
-}
-
-const fn footprint(name: &'static str, writer: Writer) -> OutputFile {
-    OutputFile {
-        needs: &[Need::Track, Need::Footprint],
-        regardless_of: NOT_OF_FOOTPRINT,
-        brief: "ground that the side-scan covers",
-        described: described(FOOTPRINT, "areas", "area_m2"),
-        ..row(name, When::Chosen(Product::Track), writer)
-    }
-}
-
-const fn raster(
-    name: &'static str,
-    companions: &'static [&'static str],
-    what: &'static str,
-    measured: &'static str,
-    brief: &'static str,
-    writer: Writer,
-) -> OutputFile {
-    OutputFile {
-        companions,
-        needs: &[Need::Surface],
-        regardless_of: NOT_OF_DEPTHS,
-        brief,
-        described: described(what, "cells", measured),
-        ..row(name, When::Chosen(Product::Depth), writer)
-    }
-}
-
-const fn contours(
-    name: &'static str,
-    what: &'static str,
-    counted: &'static str,
-    brief: &'static str,
-    writer: Writer,
-) -> OutputFile {
-    OutputFile {
-        needs: &[Need::Surface, Need::Levels],
-        regardless_of: NOT_OF_ISOBATHS,
-        brief,
-        described: described(what, counted, "depth_m"),
-        ..row(name, When::Chosen(Product::Isobaths), writer)
-    }
-}
-
-const fn compared(
-    name: &'static str,
-    what: &'static str,
-    measured: &'static str,
-    writer: Writer,
-) -> OutputFile {
-    OutputFile {
-        needs: &[Need::Reference],
-        regardless_of: NOT_OF_DEPTHS,
-        brief: "agreement of depths with the reference",
-        described: described(what, "points", measured),
-        ..row(name, When::Compared, writer)
-    }
-}
-
-const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> OutputFile {
-    OutputFile {
-        regardless_of: NOT_OF_BOXES,
-        brief,
-        described: described(BOXES, "boxes", ""),
-        ..row(name, When::Searched, writer)
-    }
-}
-
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 36] = [
+pub const OUTPUT_FILES: [OutputFile; 40] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -463,6 +318,33 @@ pub const OUTPUT_FILES: [OutputFile; 36] = [
         "area and volume below each level",
         Writer::Results(depth::contours::storage),
     ),
+    map_tiles(
+        "map_tiles/depth.mbtiles",
+        "Tiles of the depth map with isobaths in Web Mercator, PNG (MBTiles 1.3)",
+        "depth map with isobaths for plotters and phones (OpenCPN, Locus)",
+        Writer::Results(depth::tiles::chart),
+    ),
+    map_tiles(
+        "map_tiles/depth.pmtiles",
+        "Tiles of the depth map in Web Mercator, PNG (PMTiles 3)",
+        "depth map for web maps",
+        Writer::Results(depth::tiles::colours),
+    ),
+    map_tiles(
+        "map_tiles/depth_values.pmtiles",
+        "Elevations, minus the depths, in Web Mercator as colours of PNG (PMTiles 3): red * 256 + green + blue / 256 - 32768 metres (Terrarium)",
+        "depths for web maps, as colours that stand for metres",
+        Writer::Results(depth::tiles::values),
+    ),
+    OutputFile {
+        described: None,
+        ..map_tiles(
+            "map_tiles/index.html",
+            "",
+            "the depth map as a page for browsers, to look at and to send",
+            Writer::Results(depth::tiles::page),
+        )
+    },
     OutputFile {
         needs: &[Need::Agreement],
         regardless_of: NOT_OF_DEPTHS,

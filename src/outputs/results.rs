@@ -1,5 +1,6 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
+use super::depth::tiles::MapTiles;
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
 use super::objects::{ObjectRows, Shapes, is_left_out};
@@ -18,6 +19,7 @@ use crate::pipeline::{
 };
 use crate::progress::Progress;
 use crate::survey::Survey;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// What a file cannot be made without.
@@ -65,6 +67,7 @@ pub(super) struct Results<'a> {
     ground: OnceLock<Ground>,
     depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, String>>,
+    map_tiles: OnceLock<MapTiles>,
     comparisons: OnceLock<Vec<NamedComparison>>,
     crossings: OnceLock<Option<Crosslines>>,
     agreement: OnceLock<Option<Agreement>>,
@@ -105,6 +108,7 @@ impl<'a> Results<'a> {
             ground: OnceLock::new(),
             depth_map: OnceLock::new(),
             contours: OnceLock::new(),
+            map_tiles: OnceLock::new(),
             comparisons: OnceLock::new(),
             crossings: OnceLock::new(),
             agreement: OnceLock::new(),
@@ -119,6 +123,7 @@ impl<'a> Results<'a> {
         self.track.take();
         self.ground.take();
         self.contours.take();
+        self.map_tiles.take();
     }
 
     /// Whether something is missing, and why.
@@ -279,6 +284,12 @@ impl<'a> Results<'a> {
                 (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
             }
         })
+    }
+
+    /// The tiles of the depth map; on the way they take room beside a file of theirs.
+    pub fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
+        let folder = file.parent().unwrap_or(file);
+        once(&self.map_tiles, || MapTiles::new(self, folder))
     }
 
     /// How side-scan agrees with the soundings, over all logs.

@@ -237,6 +237,7 @@ fn step(when: When) -> &'static str {
     match when {
         When::Always | When::Chosen(Product::Cloud) => "writing",
         When::Chosen(Product::Track) => "track",
+        When::Chosen(Product::MapTiles) => "map tiles",
         When::Chosen(Product::Mosaic) => "mosaic",
         When::Chosen(Product::Report) => "report",
         When::Chosen(

@@ -50,14 +50,16 @@ impl Fingerprint {
         })
     }
 
+    /// Whether there is a file of that name and size in `folder`, whatever it holds.
+    pub fn is_as_long_in(&self, folder: &Path) -> bool {
+        let there = folder.join(&self.file).symlink_metadata();
+        there.is_ok_and(|there| there.is_file() && there.len() == self.bytes)
+    }
+
     /// Whether the file of that name in `folder` is still this one.
     pub fn is_unchanged(&self, folder: &Path) -> bool {
-        let path = folder.join(&self.file);
-        let as_long = path
-            .symlink_metadata()
-            .is_ok_and(|there| there.is_file() && there.len() == self.bytes);
         let again = || Self::of(folder, &self.file, &Progress::new());
-        as_long && again().is_ok_and(|again| again == *self)
+        self.is_as_long_in(folder) && again().is_ok_and(|again| again == *self)
     }
 }
 

@@ -10,6 +10,7 @@ import clouds
 import meshes
 import rasters
 import tables
+import tiles
 import vectors
 
 # Of the run as a whole.
@@ -41,6 +42,7 @@ def check(folder):
     clouds.check(folder, made, points)
     rasters.check(folder, made, points)
     meshes.check(folder, made)
+    tiles.check(folder, made)
     vectors.check(folder, made, points)
     tables.check_found(folder, made)
     return len(made)

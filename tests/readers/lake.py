@@ -15,6 +15,7 @@ import pystac
 import pystac.validation
 import rasterio
 import shapely
+import tiles
 from rasters import check_cloud_optimized
 
 TILE_M = 512
@@ -76,12 +77,12 @@ def check_partitions(folder, logs):
 
 def check_maps(folder):
     """Maps against their records and the VRT; which tiles they are of."""
-    tiles = set()
+    mapped = set()
     for path in sorted(folder.glob("tiles/*/tile.json")):
         record, tile = json.loads(path.read_text()), path.parent.name
         if not record["files"]:
             continue
-        tiles.add(tile)
+        mapped.add(tile)
         epsg, west, south = system(tile)
         for name in ("depth.tif", "uncertainty.tif"):
             check_cloud_optimized(name, path.parent / name)
@@ -96,7 +97,7 @@ def check_maps(folder):
             window = rasterio.windows.from_bounds(west, south, west + TILE_M, south + TILE_M, whole.transform)
             assert numpy.ma.allequal(whole.read(1, masked=True, window=window), depth), f"{tile}: the VRT shows another map"
         check_isobaths(path.parent / "isobaths.geojson", epsg, (west, south), record["isobaths"])
-    return tiles
+    return mapped
 
 
 def check_isobaths(path, epsg, corner, count):
@@ -132,7 +133,11 @@ def check(folder):
     # An item must have a time, which some recorders do not know.
     timed = {rows["tile"] for log in logs for rows in log["tiles"] if rows["unix_s"]}
     assert maps and items == maps & timed, f"maps of {sorted(maps)}, items of {sorted(items)}"
-    print(f"{files} files of rows of {len(logs)} logs, {len(maps)} maps and their index agree with the records")
+    pictures, pixels = tiles.check_lake(folder)
+    print(
+        f"{files} files of rows of {len(logs)} logs, {len(maps)} maps and their index agree with the records, "
+        f"{pixels} pixels of {pictures} map tiles with the maps"
+    )
 
 
 if __name__ == "__main__":

@@ -2,8 +2,10 @@
 """The checks must be able to fail: each spoils a copy of a folder that passes in one small way."""
 
 import hashlib
+import io
 import json
 import shutil
+import sqlite3
 import struct
 import sys
 import tempfile
@@ -11,7 +13,9 @@ from pathlib import Path
 
 import lake
 import rasterio
+import tiles
 from check import check
+from PIL import Image
 
 
 def edit(name, change):
@@ -95,7 +99,40 @@ def other_zone(folder):
     path.write_text(path.read_text().replace("-81", "-87"))
 
 
+def move_a_tile(folder):
+    """Gives a tile of the database the place of its neighbour's neighbour."""
+    with sqlite3.connect(folder / "map_tiles/depth.mbtiles") as base:
+        base.execute("update tiles set tile_column = tile_column + 9 where rowid = (select max(rowid) from tiles)")
+
+
+def other_zoom(folder):
+    """Says of an archive that it reaches one zoom farther."""
+    path = folder / "map_tiles/depth.pmtiles"
+    content = bytearray(path.read_bytes())
+    content[101] += 1
+    path.write_bytes(content)
+
+
+def flatten_tiles(folder):
+    """Shows the depths a metre deeper in all tiles: the second colour is metres."""
+    path = folder / "map_tiles/depth_values.pmtiles"
+    _, _, found = tiles.open_pmtiles(path)
+    content = path.read_bytes()
+    for picture in found.values():
+        values = tiles.rgba(picture).astype("uint8")
+        values[..., 1][values[..., 3] > 0] -= 1
+        packed = io.BytesIO()
+        Image.fromarray(values).save(packed, "PNG", optimize=True, compress_level=9)
+        packed = packed.getvalue()
+        if len(packed) <= len(picture):
+            content = content.replace(picture, packed + bytes(len(picture) - len(packed)))
+    path.write_bytes(content)
+
+
 SPOILERS = {
+    "a tile at another place": hashed(move_a_tile, "map_tiles/depth.mbtiles"),
+    "a zoom that the archive does not have": hashed(other_zoom, "map_tiles/depth.pmtiles"),
+    "tiles that are a metre deeper": hashed(flatten_tiles, "map_tiles/depth_values.pmtiles"),
     "a wrong count": edit_entry("points/cloud.laz", lambda record: record["count"].update(points=1)),
     "a wrong system": edit_entry("mosaic/mosaic.tif", lambda record: record["crs"].update(epsg=32616)),
     "a wrong extent": edit_entry("isobaths/isobaths.shp", lambda record: record["extent"].update(west=0.0)),
@@ -154,6 +191,9 @@ LAKE_SPOILERS = {
     "a map of other depths": edit_first("tiles/*/tile.json", lambda tile: tile.update(depth_m=[0.0, 99.0])),
     "a VRT with a tile at another place": move_in_vrt,
     "an isobath too few": edit_first("tiles/*/isobaths.geojson", lambda lines: lines["features"].pop()),
+    "map tiles of a map that is not there": edit(
+        "map_tiles/map_tiles.json", lambda record: record["made"]["tiles"].update(more=[])
+    ),
     "an item too few": edit_first("index/collection.json", lambda index: index.update(links=[])),
 }
 

@@ -16,6 +16,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("calibration", &["survey", "first_return"]),
     ("cloud", &["survey", "first_return", "calibration"]),
     ("bathymetry", &["survey", "cloud", "presentation"]),
+    ("map_tiles", &["geo", "bathymetry", "presentation"]),
     ("planning", &["bathymetry"]),
     ("swath", &["survey", "bathymetry"]),
     (
@@ -54,6 +55,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "bathymetry",
             "planning",
             "detection",
+            "map_tiles",
+            "presentation",
         ],
     ),
     (
@@ -107,6 +110,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pipeline",
             "presentation",
             "html_report",
+            "map_tiles",
         ],
     ),
     (
@@ -121,6 +125,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "mosaic",
             "pipeline",
             "presentation",
+            "map_tiles",
         ],
     ),
     (

@@ -5,6 +5,7 @@ use crate::bathymetry::Surface;
 use crate::progress::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 
 /// A line of equal depth.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,9 +69,9 @@ fn cuts(surface: &Surface, level_m: f64, progress: &Progress) -> Result<Vec<[Edg
 }
 
 /// Cuts joined at the edges that they share. On every edge at most one cut ends and one begins.
-fn join(cuts: &[[Edge; 2]]) -> Vec<Vec<Edge>> {
-    let mut next: HashMap<Edge, Edge> = cuts.iter().map(|[from, to]| (*from, *to)).collect();
-    let ends: HashSet<Edge> = cuts.iter().map(|[_, to]| *to).collect();
+pub(super) fn join<E: Copy + Eq + Hash>(cuts: &[[E; 2]]) -> Vec<Vec<E>> {
+    let mut next: HashMap<E, E> = cuts.iter().map(|[from, to]| (*from, *to)).collect();
+    let ends: HashSet<E> = cuts.iter().map(|[_, to]| *to).collect();
     let begins = || cuts.iter().map(|[from, _]| *from);
     let mut lines = Vec::new();
     // Open lines first, so that what is left is rings.

@@ -1,5 +1,6 @@
-//! `bathyscope compare`: residual statistics of points, or of a log, against a reference.
+//! `bathyscope compare`: residual statistics of points, or of a log, against a reference; and what changed between two depth maps.
 
+mod change;
 mod logs;
 mod plane;
 
@@ -49,6 +50,9 @@ pub struct CompareArgs {
     /// Also write each matched point with its reference and difference into a CSV file
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
+    /// What changed between two depth maps
+    #[command(flatten)]
+    change: change::ChangeArgs,
     /// How logs are processed
     #[command(flatten)]
     settings: SettingsArgs,
@@ -98,6 +102,9 @@ const SIGN: &str = "measured minus reference elevation, metres; positive is shal
 
 /// Compares and prints the statistics.
 pub fn run(args: CompareArgs) -> Result<(), String> {
+    if let Some(folder) = args.change.folder() {
+        return change::run(&args, folder);
+    }
     refuse_overwrite_of_inputs(&args)?;
     match is_named_as_elevations(&args.measured) {
         true => points(&args),

@@ -3,10 +3,13 @@
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
 use crate::cli::output;
+use crate::cli::status_line::StatusLine;
 use crate::lake::{
-    Lake, LakeError, TileId, TileState, contents, remove_left_over, tile_state, write_index,
+    Lake, LakeError, MapTilesState, TileId, TileState, contents, remove_left_over, tile_state,
+    write_index, write_map_tiles,
 };
 use crate::presentation::text;
+use crate::progress::Progress;
 use std::path::PathBuf;
 
 /// `bathyscope lake DIR`.
@@ -35,6 +38,16 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
         ))?;
     }
     write_index(&lake, &logs, &all).map_err(in_words)?;
+    let progress = Progress::new();
+    let status = StatusLine::new(&progress);
+    status.step("map tiles");
+    let joined = write_map_tiles(&lake, &all, &progress).map_err(in_words)?;
+    drop(status);
+    if joined == MapTilesState::Made {
+        output::results(
+            "wrote map_tiles/index.html, depth.mbtiles, depth.pmtiles, depth_values.pmtiles",
+        )?;
+    }
     output::results(format_args!(
         "{} of {} made, the others are up to date; the index is index/depth_*.vrt and index/collection.json",
         due.len(),

@@ -8,6 +8,7 @@ mod tree;
 
 pub use record::Value;
 
+use std::io::{self, Cursor, Seek, Write};
 use tree::{Cell, Pages};
 
 /// Bytes of a page.
@@ -29,42 +30,85 @@ pub struct Table {
     pub keys: &'static [&'static [usize]],
 }
 
-/// The bytes of a database with these tables; `None` of an index that does not fit into a page, which a table of rows must not ask for.
+/// The bytes of a database with these tables; `None` of a key that does not fit into a page, which a table of rows must not ask for.
 /// `application` says what kind of file it is, `version` which version of that.
 pub fn database(application: u32, version: u32, tables: &[Table]) -> Option<Vec<u8>> {
-    let mut pages = Pages::new();
-    let mut schema: Vec<Vec<Value>> = Vec::new();
-    let mut entry = |kind: &str, name: String, table: &str, root: u32, sql: Option<&str>| {
-        schema.push(vec![
+    let made = || {
+        let mut database = Database::new(Cursor::new(Vec::new()))?;
+        for table in tables {
+            let rows = table.rows.iter().cloned().map(Ok);
+            database.add(table.name, table.sql, table.keys, rows)?;
+        }
+        database.finish(application, version)
+    };
+    made().ok().map(Cursor::into_inner)
+}
+
+/// A database on its way into a file, table by table: no table has to be in memory.
+pub struct Database<W> {
+    pages: Pages<W>,
+    schema: Vec<Vec<Value>>,
+}
+
+impl<W: Write + Seek> Database<W> {
+    /// An empty one.
+    ///
+    /// # Errors
+    /// When the file cannot be written, as of all that follows.
+    pub fn new(out: W) -> io::Result<Self> {
+        Ok(Self {
+            pages: Pages::new(out)?,
+            schema: Vec::new(),
+        })
+    }
+
+    /// Adds a table ([`Table`] says what of) whose rows come one by one.
+    pub fn add(
+        &mut self,
+        name: &str,
+        sql: &str,
+        keys: &[&[usize]],
+        rows: impl Iterator<Item = io::Result<(i64, Vec<Value>)>>,
+    ) -> io::Result<()> {
+        let mut entries: Vec<Vec<Vec<Value>>> = vec![Vec::new(); keys.len()];
+        let cells = rows.map(|row| {
+            let (id, row) = row?;
+            for (entries, columns) in entries.iter_mut().zip(keys) {
+                let values = columns
+                    .iter()
+                    .filter_map(|column| row.get(*column).cloned());
+                entries.push(values.chain([Value::Integer(id)]).collect());
+            }
+            Ok(Cell::of_row(id, &row))
+        });
+        let root = self.pages.add_table(cells)?;
+        self.entry("table", name.to_owned(), name, root, Some(sql));
+        for (number, entries) in (1..).zip(entries) {
+            let root = self.pages.add_index(entries)?;
+            let index = format!("sqlite_autoindex_{name}_{number}");
+            self.entry("index", index, name, root, None);
+        }
+        Ok(())
+    }
+
+    fn entry(&mut self, kind: &str, name: String, table: &str, root: u32, sql: Option<&str>) {
+        self.schema.push(vec![
             Value::Text(kind.to_owned()),
             Value::Text(name),
             Value::Text(table.to_owned()),
             Value::Integer(i64::from(root)),
             sql.map_or(Value::Null, |sql| Value::Text(sql.to_owned())),
         ]);
-    };
-    for table in tables {
-        let cells = table.rows.iter().map(|(id, row)| Cell::of_row(*id, row));
-        let root = pages.add_table(cells);
-        entry(
-            "table",
-            table.name.to_owned(),
-            table.name,
-            root,
-            Some(table.sql),
-        );
-        for (number, columns) in (1..).zip(table.keys) {
-            let root = pages.add_index(&table.rows, columns)?;
-            let name = format!("sqlite_autoindex_{}_{number}", table.name);
-            entry("index", name, table.name, root, None);
-        }
     }
-    let rows = (1..).zip(&schema).map(|(id, row)| Cell::of_row(id, row));
-    pages.set_schema(rows);
-    let mut file = pages.into_bytes();
-    let count = (file.len() / PAGE) as u32;
-    file[..HEADER].copy_from_slice(&header(application, version, count));
-    Some(file)
+
+    /// Ends the file; `application` and `version` as of [`database`].
+    pub fn finish(self, application: u32, version: u32) -> io::Result<W> {
+        let rows = (1..)
+            .zip(&self.schema)
+            .map(|(id, row)| Cell::of_row(id, row));
+        self.pages
+            .finish(rows, |count| header(application, version, count))
+    }
 }
 
 /// The header of the file.

@@ -196,3 +196,73 @@ fn the_index_of_a_key_is_sorted_and_said_in_the_schema() {
     assert_eq!(entry(0), [text("a"), Value::Integer(2)]);
     assert_eq!(entry(1), [text("b"), Value::Integer(1)]);
 }
+
+/// All entries of an index in their order, and how many levels it has.
+fn entries(reader: &Reader<'_>, page: u32) -> (Vec<Vec<Value>>, usize) {
+    let cells = reader.u16(page, 3);
+    let start = |header: usize, cell: usize| reader.u16(page, header + 2 * cell);
+    let values = |at: usize| {
+        let bytes = &reader.page(page)[at..];
+        let (length, first) = Reader::varint(bytes);
+        Reader::values(&bytes[first..first + length as usize])
+    };
+    assert!(cells > 0, "page {page} is empty");
+    match reader.page(page)[0] {
+        0x0a => ((0..cells).map(|cell| values(start(8, cell))).collect(), 1),
+        0x02 => {
+            let (mut all, mut levels) = (Vec::new(), 0);
+            for cell in 0..cells {
+                let at = start(12, cell);
+                let (before, below) = entries(reader, reader.u32(page, at));
+                all.extend(before);
+                all.push(values(at + 4));
+                levels = below;
+            }
+            let (behind, below) = entries(reader, reader.u32(page, 8));
+            assert!(levels == below, "leaves of different depths");
+            all.extend(behind);
+            (all, levels + 1)
+        }
+        kind => panic!("page {page} is of kind {kind}"),
+    }
+}
+
+#[test]
+fn an_index_of_many_rows_has_pages_above_its_leaves() {
+    for (count, levels) in [(1, 1), (80, 1), (120, 2), (4_000, 2), (60_000, 3)] {
+        let row = |index: i64| {
+            let key = (index * 7_919) % count;
+            (
+                index + 1,
+                vec![Value::Integer(key % 20), Value::Integer(key)],
+            )
+        };
+        let rows: Vec<(i64, Vec<Value>)> = (0..count).map(row).collect();
+        let keyed = Table {
+            name: "t",
+            sql: "CREATE TABLE t (a INTEGER, b INTEGER, PRIMARY KEY (a, b))",
+            rows,
+            keys: &[&[0, 1]],
+        };
+        let file = database(7, 3, &[keyed]).unwrap();
+        let reader = Reader(&file);
+        let (found, high) = entries(&reader, reader.root("sqlite_autoindex_t_1"));
+        assert_eq!(
+            (found.len(), high),
+            (count as usize, levels),
+            "{count} rows"
+        );
+        let number = |value: &Value| match value {
+            Value::Integer(number) => *number,
+            _ => panic!("no number"),
+        };
+        let keys: Vec<[i64; 2]> = found
+            .iter()
+            .map(|one| [number(&one[0]), number(&one[1])])
+            .collect();
+        assert!(keys.is_sorted(), "{count} rows");
+        let mut ids: Vec<i64> = found.iter().map(|one| number(&one[2])).collect();
+        ids.sort_unstable();
+        assert!(ids.into_iter().eq(1..=count), "{count} rows");
+    }
+}

@@ -34,12 +34,36 @@ const LARGEST_BLOCK: usize = 256 << 20;
 /// Tag in which GDAL keeps what it adds to a band.
 const GDAL_METADATA: u16 = 42_112;
 
+/// The cells of a raster as they lie, row by row.
+pub struct RasterValues {
+    /// Cells from west to east.
+    pub columns: usize,
+    /// Cells from north to south.
+    pub rows: usize,
+    /// From columns and rows to the coordinates of the system, whole numbers being the middles of cells.
+    pub placing: Placing,
+    /// What is stored, NaN where that is nothing.
+    pub values: Vec<f32>,
+    /// EPSG number of the system, where the raster names one.
+    pub epsg: Option<u16>,
+    /// As [`RasterPoints::downwards`].
+    pub downwards: bool,
+}
+
 /// Reads the first image of a file.
 ///
 /// # Errors
 /// When the file cannot be read, or holds no heights with a place.
 pub fn read_cells(path: &Path) -> Result<RasterPoints, CellsError> {
-    catch_panic(|| read_open(path)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+    catch_panic(|| points(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+}
+
+/// The same as a raster, where its rows run from west to east and the first lies in the north.
+///
+/// # Errors
+/// As [`read_cells`], and where the raster is turned.
+pub fn read_values(path: &Path) -> Result<RasterValues, CellsError> {
+    catch_panic(|| values(Open::new(path)?)).unwrap_or(Err(CellsError::Damaged("it is damaged")))
 }
 
 /// Why a raster gives no points, in a sentence without the path.
@@ -75,57 +99,118 @@ pub enum CellsError {
     /// It has no transform.
     #[error("the TIFF does not say where it lies; write a GeoTIFF")]
     Nowhere,
+    /// Its rows do not run from west to east.
+    #[error(
+        "the GeoTIFF is turned or upside down; bring it into rows from west to east, north first"
+    )]
+    Turned,
     /// Its cells hold no number that a height could be.
     #[error("the GeoTIFF holds no heights: its numbers have one or more than four bytes")]
     NoHeights,
 }
 
-fn read_open(path: &Path) -> Result<RasterPoints, CellsError> {
-    let file = regular_file::open(path)?;
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = LARGEST_BLOCK;
-    let decoder = Decoder::new(BufReader::new(file))?;
-    let mut decoder = decoder.with_limits(limits);
-    let (columns, rows) = decoder.dimensions()?;
-    if u64::from(columns) * u64::from(rows) > MOST_CELLS {
-        return Err(CellsError::TooManyCells { columns, rows });
+/// A raster whose cells are about to be read.
+struct Open {
+    decoder: Decoder<BufReader<File>>,
+    size: [u32; 2],
+    keys: GeoKeys,
+    place: Placing,
+    nodata: Option<f64>,
+    downwards: bool,
+}
+
+impl Open {
+    fn new(path: &Path) -> Result<Self, CellsError> {
+        let file = regular_file::open(path)?;
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = LARGEST_BLOCK;
+        let decoder = Decoder::new(BufReader::new(file))?;
+        let mut decoder = decoder.with_limits(limits);
+        let (columns, rows) = decoder.dimensions()?;
+        if u64::from(columns) * u64::from(rows) > MOST_CELLS {
+            return Err(CellsError::TooManyCells { columns, rows });
+        }
+        let colours = decoder.colortype()?;
+        if !matches!(colours, tiff::ColorType::Gray(_)) {
+            return Err(CellsError::Picture);
+        }
+        let keys = GeoKeys::read(&mut decoder);
+        let place = Placing::read(&mut decoder, &keys)
+            .ok_or(CellsError::Nowhere)?
+            .of_middles();
+        let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
+        let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
+        let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
+        Ok(Self {
+            decoder,
+            size: [columns, rows],
+            keys,
+            place,
+            nodata,
+            downwards: metadata.is_ok_and(|text| counts_downwards(&text)),
+        })
     }
-    let colours = decoder.colortype()?;
-    if !matches!(colours, tiff::ColorType::Gray(_)) {
-        return Err(CellsError::Picture);
+
+    /// Hands over column, row and value of every cell that has one.
+    fn each_known(
+        &mut self,
+        mut take: impl FnMut([usize; 2], f64) -> Result<(), CellsError>,
+    ) -> Result<(), CellsError> {
+        let nodata = self.nodata;
+        let known = |value: f64| value.is_finite() && nodata != Some(value);
+        each_block(
+            &mut self.decoder,
+            self.size,
+            |[column, row], width, values| {
+                let cells = values.iter().enumerate();
+                let mut cells = cells.filter(|(_, value)| known(**value));
+                cells.try_for_each(|(index, value)| {
+                    take([column + index % width, row + index / width], *value)
+                })
+            },
+        )
     }
-    let keys = GeoKeys::read(&mut decoder);
-    let place = Placing::read(&mut decoder, &keys)
-        .ok_or(CellsError::Nowhere)?
-        .of_middles();
-    let nodata = decoder.get_tag_ascii_string(Tag::GdalNodata).ok();
-    let nodata = nodata.and_then(|text| text.trim_matches(['\0', ' ']).parse::<f64>().ok());
-    let metadata = decoder.get_tag_ascii_string(Tag::Unknown(GDAL_METADATA));
-    let downwards = metadata.is_ok_and(|text| counts_downwards(&text));
-    let known = |value: f64| value.is_finite() && nodata != Some(value);
+}
+
+fn points(mut raster: Open) -> Result<RasterPoints, CellsError> {
     let mut points = Vec::new();
-    each_block(
-        &mut decoder,
-        [columns, rows],
-        |[column, row], width, values| {
-            for (index, value) in values.iter().enumerate() {
-                if known(*value) {
-                    let at = [column + index % width, row + index / width];
-                    let [x, y] = place.at(at.map(|index| index as f64));
-                    points.push([x, y, *value]);
-                }
-            }
-            match points.len() > MOST_POINTS {
-                true => Err(CellsError::TooManyPoints),
-                false => Ok(()),
-            }
-        },
-    )?;
+    let place = raster.place;
+    raster.each_known(|at, value| {
+        let [x, y] = place.at(at.map(|index| index as f64));
+        points.push([x, y, value]);
+        match points.len() > MOST_POINTS {
+            true => Err(CellsError::TooManyPoints),
+            false => Ok(()),
+        }
+    })?;
     Ok(RasterPoints {
         points,
-        is_degrees: keys.is_geographic(),
-        projected: keys.projected(),
-        downwards,
+        is_degrees: raster.keys.is_geographic(),
+        projected: raster.keys.projected(),
+        downwards: raster.downwards,
+    })
+}
+
+fn values(mut raster: Open) -> Result<RasterValues, CellsError> {
+    let [columns, rows] = raster.size.map(|count| count as usize);
+    let is_upright = raster.place.per_column[0] > 0.0 && raster.place.per_row[1] < 0.0;
+    if !is_upright || raster.place.per_column[1] != 0.0 || raster.place.per_row[0] != 0.0 {
+        return Err(CellsError::Turned);
+    }
+    let mut values = vec![f32::NAN; columns * rows];
+    raster.each_known(|[column, row], value| {
+        let cell = values.get_mut(row * columns + column);
+        *cell.ok_or(CellsError::Damaged("it has cells beyond its edge"))? = value as f32;
+        Ok(())
+    })?;
+    let keys = &raster.keys;
+    Ok(RasterValues {
+        columns,
+        rows,
+        placing: raster.place,
+        values,
+        epsg: keys.projected().or_else(|| keys.geographic()),
+        downwards: raster.downwards,
     })
 }
 

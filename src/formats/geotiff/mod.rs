@@ -10,7 +10,7 @@
 //! ```
 //!
 //! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
-//! back as points; `placing` is where its cells lie, also for the pixels of a base map.
+//! back, as points or cell by cell; `placing` is where its cells lie, also for the pixels of a base map.
 
 mod cells;
 mod directory;
@@ -22,7 +22,7 @@ mod scratch;
 mod statistics;
 mod writer;
 
-pub use cells::{CellsError, RasterPoints, read_cells};
+pub use cells::{CellsError, RasterPoints, RasterValues, read_cells, read_values};
 pub use placing::{GeoKeys, Placing};
 
 use crate::geo::Crs;

@@ -161,7 +161,7 @@ fn summary(plane: &Plane<'_>, grid: &Grid, values: &[f32]) -> Summary {
 }
 
 /// What was and was not corrected, and how the cells were filled.
-fn applied(products: &Products, surface: &Surface) -> String {
+pub(super) fn applied(products: &Products, surface: &Surface) -> String {
     let settings = &products.settings;
     format!(
         "{} By {} in cells of {} m, none farther than {} m from a depth.",

@@ -37,6 +37,12 @@ pub fn depth_colour(share: f32) -> Rgb {
     ramp(&DEEP, share)
 }
 
+/// Colour of a depth under a light that leaves level ground as it is.
+pub fn lit_depth_colour(depth_m: f32, range_m: [f32; 2], light: f32) -> Rgb {
+    depth_colour(depth_share(depth_m, range_m))
+        .map(|channel| (f32::from(channel) * light).round().min(255.0) as u8)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

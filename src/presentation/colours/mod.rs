@@ -4,7 +4,7 @@ mod depth;
 mod difference;
 mod echo;
 
-pub use depth::{depth_colour, depth_share};
+pub use depth::{depth_colour, depth_share, lit_depth_colour};
 pub use difference::{difference_colour, difference_reach_m};
 use echo::VIRIDIS;
 pub use echo::{Palette, copper, gold, grey, inverse_grey, palette, viridis};

@@ -1,6 +1,7 @@
 //! Many logs over one water, in the tiles of a lake.
 
 mod killed;
+mod map_tiles;
 mod maps;
 mod offsets;
 mod rows;

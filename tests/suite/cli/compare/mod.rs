@@ -1,5 +1,7 @@
 //! `bathyscope compare` against numpy and scipy (`make.py` shows how their figures were made).
 
+mod change;
+
 use super::{refusal, run};
 use serde_json::Value;
 use std::fs;

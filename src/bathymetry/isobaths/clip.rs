@@ -1,13 +1,14 @@
-//! Lines cut at the edges of a tile.
+//! Lines cut at the edges of tiles, and put together again.
 
-use crate::bathymetry::isobaths::Isobath;
+use super::lines::{Isobath, join};
+use std::collections::HashMap;
 
 /// Parts shorter than this, metres, are left out: rounded to the millimetre of the files, they are no lines any more.
 const LEAST_LENGTH_M: f64 = 0.01;
 
 /// The parts of a line that lie in a box (west, south, east, north). Where a line leaves a box and enters the next one the place is the same
 /// number in both.
-pub(super) fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
+pub fn clipped(line: &Isobath, bounds: [f64; 4]) -> Vec<Isobath> {
     let mut parts: Vec<Vec<[f64; 2]>> = Vec::new();
     for step in line.points.windows(2) {
         let Some([from, to]) = within([step[0], step[1]], bounds) else {
@@ -70,6 +71,39 @@ fn within(
     (entry.0 < exit.0).then(|| [at(entry, from), at(exit, to)])
 }
 
+/// Where a piece begins or ends, and its depth, bit by bit.
+type End = [u64; 3];
+
+/// The lines that pieces make: one that ends where another of its depth begins goes on there. Pieces that begin at the same place stay apart.
+pub fn joined(pieces: Vec<Isobath>) -> Vec<Isobath> {
+    let end = |depth_m: f64, [x, y]: [f64; 2]| -> End { [depth_m, x, y].map(f64::to_bits) };
+    let (mut by_begin, mut links, mut lines) = (HashMap::new(), Vec::new(), Vec::new());
+    for piece in pieces {
+        let (Some(&first), Some(&last)) = (piece.points.first(), piece.points.last()) else {
+            continue;
+        };
+        let [begin, end] = [first, last].map(|place| end(piece.depth_m, place));
+        match begin == end || by_begin.contains_key(&begin) {
+            true => lines.push(piece),
+            false => {
+                links.push([begin, end]);
+                by_begin.insert(begin, piece);
+            }
+        }
+    }
+    for ends in join(&links) {
+        let mut parts = ends.iter().filter_map(|begin| by_begin.remove(begin));
+        let Some(mut line) = parts.next() else {
+            continue;
+        };
+        for part in parts {
+            line.points.extend(part.points.into_iter().skip(1));
+        }
+        lines.push(line);
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,5 +136,46 @@ mod tests {
             points: vec![[1.0, 1.0], [1.001, 1.0]],
         };
         assert_eq!(clipped(&short, [0.0, 0.0, 20.0, 20.0]), []);
+    }
+
+    #[test]
+    fn what_was_cut_is_joined_again() {
+        let line = Isobath {
+            depth_m: 2.0,
+            points: vec![[1.0, 1.0], [9.3, 4.7], [21.7, 5.9], [8.0, 8.0], [7.0, 9.0]],
+        };
+        let ring = Isobath {
+            depth_m: 2.0,
+            points: vec![[3.0, 3.0], [17.0, 3.0], [17.0, 7.0], [3.0, 3.0]],
+        };
+        let boxes = [
+            [20.0, 0.0, 30.0, 10.0],
+            [0.0, 0.0, 10.0, 10.0],
+            [10.0, 0.0, 20.0, 10.0],
+        ];
+        let cut = |line: &Isobath| -> Vec<Isobath> {
+            boxes.iter().flat_map(|tile| clipped(line, *tile)).collect()
+        };
+        let pieces = cut(&line);
+        assert_eq!(pieces.len(), 5);
+        let back = joined(pieces);
+        assert_eq!(back.len(), 1);
+        assert!((back[0].length_m() - line.length_m()).abs() < 1e-9);
+        assert_eq!(
+            (back[0].points[0], back[0].points.last()),
+            ([1.0, 1.0], Some(&[7.0, 9.0]))
+        );
+        let back = joined(cut(&ring));
+        assert_eq!(back.len(), 1);
+        assert!(back[0].is_ring() && (back[0].length_m() - ring.length_m()).abs() < 1e-9);
+        let other = Isobath {
+            depth_m: 3.0,
+            points: vec![[7.0, 9.0], [1.0, 9.0]],
+        };
+        assert_eq!(
+            joined(vec![line.clone(), other.clone(), ring.clone()]).len(),
+            3
+        );
+        assert_eq!(joined(vec![line.clone(), line]).len(), 2);
     }
 }

@@ -1,0 +1,235 @@
+//! The depth maps of either side of a change: of a run, of a lake, or of any program.
+
+use crate::formats::geotiff::{Cells, RasterSpec, RasterValues, read_values};
+use crate::geo::{Crs, MapPlane, bounds_deg, boxes_meet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What `process` and `lake` call the depths, and their standard deviations beside them.
+const DEPTH: &str = "depth.tif";
+const UNCERTAINTY: &str = "uncertainty.tif";
+
+/// A depth map in one file, or in many.
+pub struct DepthMaps {
+    path: PathBuf,
+    files: Vec<PathBuf>,
+}
+
+impl DepthMaps {
+    /// The map that an argument names: a GeoTIFF, the folder of a run, or a lake.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let of_run = path.join("depth").join(DEPTH);
+        let files = match (path.is_dir(), of_run.is_file()) {
+            (false, _) => vec![path.to_owned()],
+            (true, true) => vec![of_run],
+            (true, false) => tiles(path)?,
+        };
+        if files.is_empty() {
+            return Err(format!(
+                "there is no depth map in this folder; give a folder of `bathyscope process`, a lake with maps, or a GeoTIFF: {}",
+                path.display()
+            ));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            files,
+        })
+    }
+
+    /// What was named.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether the standard deviations of the depths are there.
+    pub fn has_errors(&self) -> bool {
+        self.files.iter().all(|file| errors_of(file).is_some())
+    }
+
+    /// Every part of the map, one after the other.
+    pub fn parts(&self) -> impl Iterator<Item = Result<DepthPart, String>> {
+        self.files.iter().map(|file| DepthPart::read(file))
+    }
+
+    /// The parts that lie around another one.
+    pub fn around(&self, other: &DepthPart) -> Result<Vec<DepthPart>, String> {
+        let own = other.bounds_deg();
+        let parts = self.files.iter().map(|file| {
+            let part = DepthPart::read(file)?;
+            let meets = boxes_meet(own, part.bounds_deg());
+            Ok(meets.then_some(part))
+        });
+        parts.filter_map(Result::transpose).collect()
+    }
+}
+
+/// The maps of a lake's tiles, in the order of their names.
+fn tiles(lake: &Path) -> Result<Vec<PathBuf>, String> {
+    let folder = lake.join("tiles");
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let fail = |error| format!("cannot read the folder: {error}: {}", folder.display());
+    let entries = fs::read_dir(&folder).map_err(fail)?;
+    let files = entries.map(|entry| Ok(entry.map_err(fail)?.path().join(DEPTH)));
+    let mut files: Vec<PathBuf> = files.collect::<Result<_, String>>()?;
+    files.retain(|file| file.is_file());
+    files.sort_unstable();
+    Ok(files)
+}
+
+/// The standard deviations beside depths, of a map that this program wrote.
+fn errors_of(depths: &Path) -> Option<PathBuf> {
+    let beside = depths.with_file_name(UNCERTAINTY);
+    (depths.file_name()? == DEPTH && beside.is_file()).then_some(beside)
+}
+
+/// Depths of one file, with their standard deviations.
+pub struct DepthPart {
+    raster: RasterValues,
+    sigma_m: Option<Vec<f32>>,
+    crs: Crs,
+    /// What its results are called: the tile's name in a lake, nothing otherwise.
+    pub name: String,
+}
+
+/// Depth and its standard deviation, metres.
+pub type Depth = [f64; 2];
+
+impl DepthPart {
+    fn read(path: &Path) -> Result<Self, String> {
+        let fail = |error: &dyn std::fmt::Display| format!("{error}: {}", path.display());
+        let mut raster = read_values(path).map_err(|error| fail(&error))?;
+        if !raster.downwards {
+            raster.values.iter_mut().for_each(|value| *value = -*value);
+        }
+        let epsg = raster
+            .epsg
+            .ok_or_else(|| fail(&"the raster does not name its system by an EPSG number"))?;
+        let crs = Crs::from_epsg(epsg).map_err(|error| fail(&error))?;
+        let sigma_m = match errors_of(path) {
+            None => None,
+            Some(beside) => {
+                let errors = read_values(&beside)
+                    .map_err(|error| format!("{error}: {}", beside.display()))?;
+                let fits = [errors.columns, errors.rows] == [raster.columns, raster.rows];
+                Some(fits.then_some(errors.values).ok_or_else(|| {
+                    format!(
+                        "it has other cells than the depths beside it: {}",
+                        beside.display()
+                    )
+                })?)
+            }
+        };
+        let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
+        let is_tile = path
+            .ancestors()
+            .nth(2)
+            .is_some_and(|up| up.ends_with("tiles"));
+        Ok(Self {
+            raster,
+            sigma_m,
+            crs,
+            name: match is_tile {
+                true => folder.to_string_lossy().into_owned(),
+                false => String::new(),
+            },
+        })
+    }
+
+    /// Cells from west to east and from north to south.
+    pub fn size(&self) -> [usize; 2] {
+        [self.raster.columns, self.raster.rows]
+    }
+
+    fn bounds_deg(&self) -> [f64; 4] {
+        let [columns, rows] = self.size().map(|count| count as f64 - 0.5);
+        let corners = [[-0.5, -0.5], [columns, -0.5], [-0.5, rows], [columns, rows]];
+        let corners = corners.into_iter();
+        bounds_deg(corners.map(|at| self.crs.to_lon_lat(self.raster.placing.at(at))))
+    }
+
+    /// Square metres of a cell on the ground, in the middle of the map.
+    pub fn cell_area_m2(&self) -> f64 {
+        let middle = self.size().map(|count| 0.5 * count as f64);
+        let middle = self.crs.to_lon_lat(self.raster.placing.at(middle));
+        let plane = MapPlane::new(self.crs.clone(), middle);
+        let placing = &self.raster.placing;
+        let cell_m2 =
+            placing.per_column[0] * -placing.per_row[1] / (plane.units[0] * plane.units[1]);
+        cell_m2 / plane.area_scale_at(plane.place(middle))
+    }
+
+    /// What is known of a cell.
+    pub fn cell(&self, cell: usize) -> Option<Depth> {
+        let depth_m = *self.raster.values.get(cell)?;
+        let sigma_m = self
+            .sigma_m
+            .as_ref()
+            .map_or(Some(0.0), |sigmas| sigmas.get(cell).copied())?;
+        (!(depth_m + sigma_m).is_nan()).then(|| [depth_m, sigma_m].map(f64::from))
+    }
+
+    /// What is known at the middle of a cell of another map: between the middles of its own cells, or `None` where one of those that count
+    /// is unknown.
+    pub fn at_cell_of(&self, other: &Self, [column, row]: [usize; 2]) -> Option<Depth> {
+        let there = other.raster.placing.at([column as f64, row as f64]);
+        let place = match other.crs == self.crs {
+            true => there,
+            false => self.crs.place(other.crs.to_lon_lat(there)),
+        };
+        let placing = &self.raster.placing;
+        let at = [
+            (place[0] - placing.origin[0]) / placing.per_column[0],
+            (place[1] - placing.origin[1]) / placing.per_row[1],
+        ];
+        self.between(at)
+    }
+
+    /// Bilinear between cells; in the outer half of the outermost ones what is known of these.
+    fn between(&self, at: [f64; 2]) -> Option<Depth> {
+        let about = |axis: usize| {
+            let count = self.size()[axis];
+            let inside = (-0.5..count as f64 - 0.5).contains(&at[axis]);
+            let held = at[axis].clamp(0.0, count.saturating_sub(1) as f64);
+            // A hair off a middle is on it.
+            let held = if (held - held.round()).abs() < 1e-6 {
+                held.round()
+            } else {
+                held
+            };
+            inside.then(|| (held as usize, held.fract()))
+        };
+        let ((column, right), (row, down)) = (about(0)?, about(1)?);
+        let mut sum = [0.0; 2];
+        for (row, down) in [(row, 1.0 - down), (row + 1, down)] {
+            for (column, right) in [(column, 1.0 - right), (column + 1, right)] {
+                let share = down * right;
+                if share > 0.0 {
+                    let [depth_m, sigma_m] = self.cell(row * self.raster.columns + column)?;
+                    sum[0] += share * depth_m;
+                    // Neighbours err together.
+                    sum[1] += share * sigma_m;
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// Where a raster of its cells lies; of nothing yet.
+    pub fn spec(&self) -> RasterSpec {
+        let placing = &self.raster.placing;
+        let [west, north] = placing.at([-0.5, -0.5]);
+        RasterSpec {
+            columns: self.raster.columns,
+            rows: self.raster.rows,
+            west,
+            north,
+            cell: [placing.per_column[0], -placing.per_row[1]],
+            crs: self.crs.clone(),
+            cells: Cells::Metres,
+            band: None,
+            description: String::new(),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! What changed, in figures: for scripts, for a terminal, and for the page.
+
+use crate::bathymetry::change::{ChangeErrors, ChangeSum, ChangeTotals};
+use serde::Serialize;
+use std::path::Path;
+
+const SIGN: &str = "newer minus older elevation, metres; positive where the bottom rose (fill)";
+
+/// The figures of a change.
+#[derive(Serialize)]
+pub struct ChangeRecord {
+    /// The newer map.
+    pub newer: String,
+    /// The older map.
+    pub older: String,
+    sign: &'static str,
+    /// How sure the level of detection and the intervals are.
+    confidence: f64,
+    /// Standard deviation of what is the same everywhere, metres.
+    pub systematic_m: f64,
+    /// Depths farther apart err independently, metres.
+    pub error_range_m: f64,
+    /// The median change, metres.
+    pub median_m: Option<f64>,
+    /// The median level of detection, metres.
+    pub detection_level_m: Option<f64>,
+    /// Where a change is detected and the bottom rose.
+    pub fill: Volume,
+    /// Where it sank.
+    pub cut: Volume,
+    /// Both together.
+    pub net: Volume,
+    /// All cells that both maps know, whatever is detected.
+    pub all: Volume,
+    /// The scale of colours reaches so far either way, metres.
+    #[serde(skip)]
+    pub reach_m: f64,
+}
+
+/// Area and volume of some cells.
+#[derive(Clone, Copy, Serialize)]
+pub struct Volume {
+    cells: usize,
+    area_m2: f64,
+    volume_m3: f64,
+    /// Standard deviation by errors that vary from place to place.
+    random_sigma_m3: f64,
+    /// Standard deviation by errors that are the same everywhere.
+    systematic_sigma_m3: f64,
+    /// Half the width of the interval of 95 %.
+    within_95_m3: f64,
+}
+
+impl Volume {
+    fn new(sum: &ChangeSum, errors: &ChangeErrors) -> Self {
+        let [random_sigma_m3, systematic_sigma_m3] = sum.sigma_m3(errors);
+        Self {
+            cells: sum.cells,
+            area_m2: sum.area_m2,
+            volume_m3: sum.volume_m3,
+            random_sigma_m3,
+            systematic_sigma_m3,
+            within_95_m3: sum.within_95_m3(errors),
+        }
+    }
+
+    /// `12.3 m3 ± 1.2 m3 on 45 m2`.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{:+.2} m3 ± {:.2} m3 on {:.1} m2",
+            self.volume_m3, self.within_95_m3, self.area_m2
+        )
+    }
+}
+
+impl ChangeRecord {
+    /// Of two maps, the newer one first.
+    pub fn new([newer, older]: [&Path; 2], totals: &ChangeTotals, errors: ChangeErrors) -> Self {
+        let volume = |sum| Volume::new(sum, &errors);
+        Self {
+            newer: newer.display().to_string(),
+            older: older.display().to_string(),
+            sign: SIGN,
+            confidence: 0.95,
+            systematic_m: errors.systematic_m,
+            error_range_m: errors.range_m,
+            median_m: totals.median_rise_m(),
+            detection_level_m: totals.median_level_m(),
+            fill: volume(&totals.fill),
+            cut: volume(&totals.cut),
+            net: volume(&totals.net),
+            all: volume(&totals.all),
+            reach_m: totals.reach_m(),
+        }
+    }
+
+    /// The record as a file holds it.
+    pub fn json(&self) -> Result<String, String> {
+        let text = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
+        Ok(text + "\n")
+    }
+
+    /// Names and figures, a line each.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let metres =
+            |value: Option<f64>| value.map_or_else(String::new, |metres| format!("{metres:+.3} m"));
+        let level = self.detection_level_m.unwrap_or_default();
+        vec![
+            ("fill", self.fill.in_words()),
+            ("cut", self.cut.in_words()),
+            ("net", self.net.in_words()),
+            ("all cells", self.all.in_words()),
+            ("median", metres(self.median_m)),
+            (
+                "detection",
+                format!("{level:.3} m in the median cell (95 %)"),
+            ),
+            (
+                "errors",
+                format!(
+                    "{} m the same everywhere, the depths' own independent beyond {} m",
+                    self.systematic_m, self.error_range_m
+                ),
+            ),
+        ]
+    }
+
+    /// The rows for a terminal.
+    pub fn table(&self) -> String {
+        let first =
+            "newer minus older (up is positive); fill, cut and net where the change is detected"
+                .to_owned();
+        let rows = self
+            .rows()
+            .into_iter()
+            .map(|(name, text)| format!("{name:<9} {text}"));
+        std::iter::once(first)
+            .chain(rows)
+            .collect::<Vec<String>>()
+            .join("\n")
+    }
+}

@@ -1,0 +1,21 @@
+//! A depth map as the square pictures that web maps and plotters show: Web Mercator, 256 pixels a side, each zoom twice as fine as the one before.
+//!
+//! ```text
+//! depths of a run or a lake --TileSource--> finest pixels --pyramid--> coarser ones --> pictures: colours, chart, depths
+//! ```
+//!
+//! `web_tile` says where tiles lie, `lit_surface` what is known at a place, `pixels` holds what is known of a tile and colours it, `chart` draws isobaths over that, their depths by `label`
+//! and both by `stroke`; `pyramid` walks from the finest zoom to the coarsest, so that no more than a few tiles are in memory.
+
+mod chart;
+mod label;
+mod lit_surface;
+mod pixels;
+mod pyramid;
+mod stroke;
+mod web_tile;
+
+pub use lit_surface::LitSurface;
+pub use pixels::{Pixel, Pixels, TILE_PIXELS};
+pub use pyramid::{MapScales, Picture, TileSource, pyramid};
+pub use web_tile::{WebTile, ZoomRange, web_pixel};

@@ -1,0 +1,146 @@
+//! `bathyscope compare --change`: what changed between two depth maps, on a pond to which a known mound was added.
+
+use super::super::{refusal, run};
+use bathyscope::formats::geotiff::{RasterValues, read_values};
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+/// A mound of a Gaussian's shape: its volume is 2 pi times height and radius squared.
+const HEIGHT_M: f64 = 0.6;
+const RADIUS_M: f64 = 3.0;
+
+const POND: &str = "longitude_deg = -82.11\nlatitude_deg = 29.41\nscattered_objects = 0\n\
+    [track]\nlines = 9\nlength_m = 40.0\nspacing_m = 3.5\ncross_lines = 2\ncross_length_m = 26.0\nping_rate_hz = 12.0\n\
+    [artefacts]\nweed_m = 0.0\n[bed]\nseed = 5\nmean_depth_m = 3.0\n";
+
+/// Surveys the pond, with a mound or without, into a folder of that name.
+fn survey(folder: &Path, name: &str, mound: bool, seed: &str) {
+    let mound = match mound {
+        true => format!(
+            "mounds = [{{ east_m = 1.0, north_m = 0.5, radius_m = {RADIUS_M:?}, height_m = {HEIGHT_M:?} }}]\n"
+        ),
+        false => String::new(),
+    };
+    fs::write(folder.join("scene.toml"), format!("{POND}{mound}")).expect("a scene");
+    run(
+        folder,
+        &["simulate", "scene.toml", "-o", name, "--seed", seed],
+    );
+    let log = format!("{name}.sl2");
+    let products = [
+        "--no-objects",
+        "--products",
+        "depth",
+        "--set",
+        "surface.cell_m=0.5",
+    ];
+    run(
+        folder,
+        &[&["process", &log, "-o", name][..], &products].concat(),
+    );
+}
+
+fn change(folder: &Path, newer: &str, older: &str) -> Value {
+    let args = ["compare", newer, older, "--change", "change", "--json"];
+    serde_json::from_str(&run(folder, &args)).expect("JSON on stdout")
+}
+
+fn number(record: &Value, part: &str, key: &str) -> f64 {
+    record[part][key].as_f64().expect("a number")
+}
+
+#[test]
+fn a_mound_is_found_with_its_volume_and_nothing_where_nothing_changed() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    survey(folder, "before", false, "1");
+    survey(folder, "after", true, "2");
+    survey(folder, "again", false, "3");
+    let truth_m3 = TAU * RADIUS_M * RADIUS_M * HEIGHT_M;
+
+    let record = change(folder, "after", "before");
+    let (fill_m3, within_m3) = (
+        number(&record, "fill", "volume_m3"),
+        number(&record, "fill", "within_95_m3"),
+    );
+    // Of a Gaussian mound, what lies where it is higher than the level of detection.
+    let level_m = record["detection_level_m"].as_f64().expect("a level");
+    let detected_m3 = truth_m3 * (1.0 - level_m / HEIGHT_M);
+    assert!((fill_m3 - detected_m3).abs() < 0.05 * truth_m3, "{record}");
+    assert!(
+        (fill_m3 - truth_m3).abs() < within_m3 && within_m3 < 0.5 * truth_m3,
+        "{record}"
+    );
+    let all_m3 = number(&record, "all", "volume_m3");
+    assert!((all_m3 - truth_m3).abs() < 0.1 * truth_m3, "{record}");
+    assert!(
+        number(&record, "cut", "volume_m3").abs() < 0.02 * truth_m3,
+        "{record}"
+    );
+    assert!(
+        record["median_m"]
+            .as_f64()
+            .is_some_and(|metres| metres.abs() < 0.04),
+        "{record}"
+    );
+    assert_eq!(
+        record,
+        serde_json::from_str::<Value>(
+            &fs::read_to_string(folder.join("change/change.json")).expect("a file")
+        )
+        .expect("JSON")
+    );
+    rasters_hold(&folder.join("change"), &record);
+    let page = fs::read_to_string(folder.join("change/change.html")).expect("a page");
+    assert!(page.contains("data:image/png") && !page.contains("http"));
+
+    let turned = change(folder, "before", "after");
+    assert!(
+        (number(&turned, "cut", "volume_m3") + fill_m3).abs() < 0.02 * truth_m3,
+        "{turned}"
+    );
+    let same = change(folder, "again", "before");
+    let moved_m3 = number(&same, "fill", "volume_m3") - number(&same, "cut", "volume_m3");
+    assert!(moved_m3 < 0.05 * truth_m3, "{same}");
+}
+
+/// The volumes are those of the cells of the rasters.
+fn rasters_hold(folder: &Path, record: &Value) {
+    let read = |name: &str| -> RasterValues { read_values(&folder.join(name)).expect("a raster") };
+    let (rise, level) = (read("difference.tif"), read("detection_level.tif"));
+    let cells = rise.values.iter().zip(&level.values);
+    let detected = cells
+        .filter(|(rise, level)| rise.abs() > **level)
+        .map(|(rise, _)| f64::from(*rise));
+    let (fill, cut): (Vec<f64>, Vec<f64>) = detected.partition(|rise| *rise > 0.0);
+    for (cells, part) in [(fill, "fill"), (cut, "cut")] {
+        assert_eq!(cells.len() as f64, number(record, part, "cells"));
+        // Half a metre of the zone is half a metre on the ground to a few parts in ten thousand.
+        let volume_m3 = 0.25 * cells.iter().sum::<f64>();
+        assert!(
+            (volume_m3 - number(record, part, "volume_m3")).abs() < 2e-3 * volume_m3.abs() + 1e-9
+        );
+    }
+    for name in ["difference.qml", "detection_level.qml"] {
+        assert!(folder.join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_map_or_lies_elsewhere_is_refused_in_a_sentence() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    fs::create_dir(folder.join("empty")).expect("a folder");
+    fs::write(folder.join("text.tif"), "no raster").expect("a file");
+    for (newer, says) in [
+        ("empty", "no depth map"),
+        ("text.tif", "GeoTIFF"),
+        ("missing", "cannot be read"),
+    ] {
+        let sentence = refusal(folder, &["compare", newer, newer, "--change", "change"], 1);
+        assert!(sentence.contains(says), "{sentence}");
+    }
+    assert!(!folder.join("change").exists());
+}

@@ -1,0 +1,56 @@
+//! The maps of a lake joined to one map of the web.
+
+use super::{add, files, sail, scene};
+use crate::cli::run;
+use std::fs;
+
+const FILES: [&str; 5] = [
+    "depth.mbtiles",
+    "depth.pmtiles",
+    "depth_values.pmtiles",
+    "index.html",
+    "map_tiles.json",
+];
+
+#[test]
+fn they_are_made_of_all_tiles_whatever_the_order_of_the_logs_and_only_when_one_changed() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let [one, other] = ["one", "other"].map(|name| temporary.path().join(name));
+    for (folder, order) in [(&one, [0, 1]), (&other, [1, 0])] {
+        fs::create_dir(folder).expect("a folder");
+        for log in order {
+            sail(folder, log, &scene(log, [3.0, -4.0], 0.0));
+            add(folder, &[&format!("log-{log}.sl2")]);
+        }
+    }
+    assert!(run(&one, &["lake", "lake"]).contains("wrote map_tiles/index.html"));
+    run(&other, &["lake", "lake"]);
+    let made = files(&one.join("lake/map_tiles"));
+    assert!(
+        made.keys().map(String::as_str).eq(FILES),
+        "{:?}",
+        made.keys()
+    );
+    assert!(made == files(&other.join("lake/map_tiles")), "other bytes");
+
+    assert!(
+        !run(&one, &["lake", "lake"]).contains("map_tiles"),
+        "nothing had changed"
+    );
+    fs::remove_file(one.join("lake/map_tiles/depth.pmtiles")).expect("a file");
+    assert!(run(&one, &["lake", "lake"]).contains("wrote map_tiles"));
+    assert!(made == files(&one.join("lake/map_tiles")), "other bytes");
+
+    sail(&one, 2, &scene(2, [9.0, -4.0], 0.0));
+    add(&one, &["log-2.sl2"]);
+    assert!(run(&one, &["lake", "lake"]).contains("wrote map_tiles"));
+    let grown = files(&one.join("lake/map_tiles"));
+    assert!(FILES.iter().all(|name| grown[*name] != made[*name]));
+
+    // Without a log no tile has a map.
+    for name in files(&one.join("lake/logs")).keys() {
+        fs::remove_file(one.join("lake/logs").join(name)).expect("a file");
+    }
+    run(&one, &["lake", "lake"]);
+    assert!(files(&one.join("lake/map_tiles")).is_empty());
+}
