@@ -78,8 +78,10 @@ fn refuse<'a>(
 ) -> Result<(), OutputError> {
     let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+        // The ending of `cloud.copc.laz` has two parts.
+        let stem = stem.strip_suffix(".copc").unwrap_or(&stem);
         // On top lie the files of a version without subfolders, which a run takes away.
-        let folders = folders_of(&stem).chain(is_stem_of_output(&stem).then_some(""));
+        let folders = folders_of(stem).chain(is_stem_of_output(stem).then_some(""));
         let mut there =
             folders.map(|of| folder.join(of).join(input.file_name().unwrap_or_default()));
         there.any(|there| is_same_file(&there, input))

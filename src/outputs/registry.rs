@@ -299,10 +299,10 @@ pub const OUTPUT_FILES: [OutputFile; 36] = [
         )
     },
     cloud(
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         LAS_POINTS,
-        "kept points for GIS and point cloud programs",
-        Writer::Results(clouds::laz),
+        "kept points for GIS and point cloud programs (COPC, which is LAZ)",
+        Writer::Results(clouds::copc),
     ),
     OutputFile {
         needs: &[Need::PlainLas, Need::KeptPoints],

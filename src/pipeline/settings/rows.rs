@@ -378,7 +378,7 @@ rows! {
     POINTS_LAS: "points.las", "Plain LAS", "plain LAS",
         "Whether the kept points are written as plain LAS beside LAZ, for programs that cannot unpack LAZ.",
         choice!(points.las, [
-            "false", "LAZ alone", "points/cloud.laz alone.";
+            "false", "LAZ alone", "points/cloud.copc.laz alone.";
             "true", "LAZ and LAS", "points/cloud.las too: the same points, four to five times as large.";
         ]);
     REPORT_PROPOSALS: "report.proposals", "Proposals", "proposals in the report",
