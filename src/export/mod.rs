@@ -56,7 +56,9 @@ pub use footprint::footprint_geojson;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
 pub use grid_raster::{grid_raster, metres_raster};
-pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
+pub use isobaths::{
+    DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
+};
 pub use log_points::LogPoints;
 pub use objects::{
     ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
@@ -75,6 +77,11 @@ pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
 pub use crate::printable::xml;
 
 use crate::cloud::PointSource;
+
+/// Rounded to the millimetre.
+fn millimetres(metres: f64) -> f64 {
+    (metres * 1e3).round() / 1e3
+}
 
 /// Colours of the paper: soundings black, starboard red, port blue.
 fn colour(source: PointSource) -> [u8; 3] {

@@ -269,7 +269,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 36] = [
+pub const OUTPUT_FILES: [OutputFile; 37] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -456,6 +456,16 @@ pub const OUTPUT_FILES: [OutputFile; 36] = [
         "areas between them",
         Writer::Results(depth::contours::depth_areas),
     ),
+    OutputFile {
+        needs: &[Need::Surface],
+        ..contours(
+            "isobaths/spot_soundings.geojson",
+            "The shoalest depths of their surroundings",
+            "points",
+            "depths as a chart prints them, shoal first",
+            Writer::Results(depth::contours::spot_soundings),
+        )
+    },
     contours(
         "isobaths/storage.csv",
         "Area and volume below each depth",

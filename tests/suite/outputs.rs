@@ -278,6 +278,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
             "isobaths/isobaths.kmz",
             "isobaths/isobaths.shp",
             "isobaths/depth_areas.geojson",
+            "isobaths/spot_soundings.geojson",
             "isobaths/storage.csv",
             "report.html",
             "report.json",
