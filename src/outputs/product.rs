@@ -24,13 +24,15 @@ pub enum Product {
     Mosaic,
     /// How the depths agree.
     Residuals,
+    /// All lines, areas and objects in one file.
+    Geopackage,
     /// The page that shows what was made.
     Report,
 }
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 9] = [
+    pub const ALL: [Product; 10] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
@@ -39,6 +41,7 @@ impl Product {
         Product::Isobaths,
         Product::Mosaic,
         Product::Residuals,
+        Product::Geopackage,
         Product::Report,
     ];
 
@@ -53,6 +56,7 @@ impl Product {
             Product::Isobaths => "isobaths",
             Product::Mosaic => "mosaic",
             Product::Residuals => "residuals",
+            Product::Geopackage => "geopackage",
             Product::Report => "report",
         }
     }

@@ -4,7 +4,9 @@
 use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
-use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
+use super::{
+    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, track,
+};
 use crate::outputs::OutputError;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -269,7 +271,7 @@ const fn boxes(name: &'static str, brief: &'static str, writer: Writer) -> Outpu
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 37] = [
+pub const OUTPUT_FILES: [OutputFile; 38] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -548,6 +550,20 @@ pub const OUTPUT_FILES: [OutputFile; 37] = [
             "objects/chips",
             "folder: a picture of each object",
             Writer::Results(detections::chips),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Track],
+        brief: "all lines, areas and objects in one file, with styles for QGIS",
+        described: described(
+            "Track, footprint, isobaths, depth areas and objects, a layer each, with styles for QGIS",
+            "features",
+            "",
+        ),
+        ..row(
+            "survey.gpkg",
+            When::Chosen(Product::Geopackage),
+            Writer::Results(geopackage::write),
         )
     },
     OutputFile {

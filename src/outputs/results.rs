@@ -1,8 +1,10 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
+use super::Product;
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
 use super::objects::{ObjectRows, Shapes, is_left_out};
+use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
 use crate::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
@@ -116,8 +118,11 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Lets go of what only the files of one group are made from: it may be large.
+    /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
     pub fn end_group(&mut self) {
+        if self.order.asks_for(When::Chosen(Product::Geopackage)) {
+            return;
+        }
         self.track.take();
         self.ground.take();
         self.contours.take();

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import clouds
 import meshes
+import packages
 import rasters
 import tables
 import vectors
@@ -42,6 +43,7 @@ def check(folder):
     rasters.check(folder, made, points)
     meshes.check(folder, made)
     vectors.check(folder, made, points)
+    packages.check(folder, made, points)
     tables.check_found(folder, made)
     return len(made)
 

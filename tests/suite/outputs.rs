@@ -280,6 +280,7 @@ fn the_window_says_which_files_are_older_than_the_settings() {
             "isobaths/depth_areas.geojson",
             "isobaths/spot_soundings.geojson",
             "isobaths/storage.csv",
+            "survey.gpkg",
             "report.html",
             "report.json",
             "manifest.json"
