@@ -1,7 +1,7 @@
 //! Depth maps from soundings: repeated positions merged, and sampled only where something was measured.
 //!
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` and `smooth` find the
-//! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `hill_shade` lights them, `isobaths` draws through them,
+//! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
 //! the depths of one log off from those of others, `transect` looks at them
 //! along a line; `coarser` gives it larger cells, `change` says what changed between two of them, `cell_source` says what was measured in each.
@@ -21,6 +21,7 @@ mod local;
 mod nodes;
 mod smooth;
 mod soundings;
+mod spot_soundings;
 mod surface;
 #[cfg(test)]
 mod testing;
@@ -34,6 +35,7 @@ pub use local::{LOCAL_MARGIN_CELLS, local_reach_m, local_surface};
 pub use nodes::{Node, merge_repeated};
 pub use smooth::{SigmaByDistance, sigma_by_distance};
 pub use soundings::{DepthPoint, depth_points, depth_range};
+pub use spot_soundings::{spot_radius_m, spot_soundings};
 pub use surface::{Shading, Spread, Surface, SurfaceMethod, SurfaceSettings, SwathDepth, surface};
 pub use tin::{Between, Tin, TinSampler};
 pub use transect::{Corner, Station, transect};

@@ -108,16 +108,7 @@ fn fill_spreads(nodes: &mut [Node], typical_m: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
-        DepthPoint {
-            east_m,
-            north_m,
-            depth_m,
-            weight: 1.0,
-            is_sounding: true,
-        }
-    }
+    use crate::bathymetry::testing::point;
 
     #[test]
     fn repeated_places_give_their_median() {

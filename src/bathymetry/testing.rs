@@ -1,6 +1,17 @@
-//! Sixty scattered soundings of a smooth bed, and what others make of them.
+//! A depth, and sixty scattered soundings of a smooth bed with what others make of them.
 
 use super::{DepthPoint, Node, merge_repeated};
+
+/// A recorded depth at a place.
+pub(super) fn point(east_m: f64, north_m: f64, depth_m: f64) -> DepthPoint {
+    DepthPoint {
+        east_m,
+        north_m,
+        depth_m,
+        weight: 1.0,
+        is_sounding: true,
+    }
+}
 
 pub(super) struct Golden {
     pub place: [f64; 2],
@@ -35,13 +46,7 @@ pub(super) fn golden_points() -> Vec<DepthPoint> {
         .map(|i| {
             let x = along(i, 0.754_877_666_246_692_7);
             let y = along(i, 0.569_840_290_998_053_2);
-            DepthPoint {
-                east_m: x,
-                north_m: y,
-                depth_m: 3.0 + 0.5 * (x / 2.0).sin() + 0.3 * (y / 1.7).cos(),
-                weight: 1.0,
-                is_sounding: true,
-            }
+            point(x, y, 3.0 + 0.5 * (x / 2.0).sin() + 0.3 * (y / 1.7).cos())
         })
         .collect()
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// `bathyscope filter CLOUD -o CLOUD --radius R --min-neighbors N`.
 #[derive(Debug, clap::Args)]
 pub struct FilterArgs {
-    /// The points: xyz, csv, txt, ply, las or laz; FILE.csv:x,y,z names its columns
+    /// The points: xyz, csv, txt, ply, las, laz or copc.laz; FILE.csv:x,y,z names its columns
     cloud: OsString,
     /// Where the kept points go; the suffix decides the format
     #[arg(short, long, value_name = "CLOUD")]

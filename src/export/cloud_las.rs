@@ -1,12 +1,14 @@
-//! `cloud.laz` and `cloud.las`: kept points in a map's coordinates, for survey programs.
+//! `cloud.copc.laz` and `cloud.las`: kept points in a map's coordinates, for survey programs.
 
 use super::gps_time::adjusted_standard_s;
 use super::{ExportError, LogPoints, Summary, colour, extra_bytes, write_aside};
 use crate::cloud::CloudPoint;
-use crate::formats::points::{LasWriter, transforms};
+use crate::formats::points::{LasWriter, transforms, write_copc};
 use crate::geo::Crs;
 use las::point::{Classification, Format};
-use las::{Builder, Color, GpsTimeType, Header, Point, Transform, Vector, Version};
+use las::{
+    Builder, Color, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version,
+};
 use rayon::prelude::*;
 use std::io;
 use std::path::Path;
@@ -23,13 +25,13 @@ const BATHYMETRIC: u8 = 40;
 /// Whether points are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LasPacking {
-    /// LAZ: a fraction of the size.
-    Packed,
+    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
+    Copc,
     /// LAS, for programs that cannot unpack.
     Plain,
 }
 
-/// Writes the kept points as LAZ or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
+/// Writes the kept points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
 ///
 /// Intensity is the echo level of the first return, 0 to 255 times 257; 0 for soundings, of which the level is not known. Colours are
@@ -66,36 +68,39 @@ pub fn cloud_las(
         let [x, y] = origin.map_or([0.0; 2], |origin| crs.place(origin));
         let finest = [resolution, resolution, RESOLUTION_M];
         let transforms = transforms(places, [x, y, 0.0], finest)?;
-        let header = las_header(packing, knows_time, crs, transforms).map_err(io::Error::other)?;
-        let mut writer = LasWriter::new(file, header)?;
+        let header = las_header(knows_time, crs, transforms).map_err(io::Error::other)?;
+        let (format, transforms) = (*header.point_format(), *header.transforms());
         let mut summary = Summary::default();
+        let mut records = Vec::with_capacity(points.len() * usize::from(format.len()));
         for (source, log, point, at) in points {
             summary.add(at, point.z_m);
             let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
-            let written = las_point(log, start_unix_s, point, at);
-            writer.point(Point {
-                point_source_id: source,
-                ..written.map_err(io::Error::other)?
-            })?;
+            las_point(log, start_unix_s, source, point, at)
+                .and_then(|point| point.into_raw(&transforms))
+                .and_then(|raw| raw.write_to(&mut records, &format))
+                .map_err(io::Error::other)?;
         }
-        writer.finish()?;
+        let data = PointDataBuilder::new().for_header(&header);
+        let data = data.build_from_bytes(records).map_err(io::Error::other)?;
+        match packing {
+            LasPacking::Copc => write_copc(file, header, &data)?,
+            LasPacking::Plain => {
+                let mut writer = LasWriter::new(file, header)?;
+                writer.points(&data)?;
+                writer.finish()?;
+            }
+        }
         Ok(summary)
     })
 }
 
-fn las_header(
-    packing: LasPacking,
-    knows_time: bool,
-    crs: &Crs,
-    transforms: Vector<Transform>,
-) -> las::Result<Header> {
+fn las_header(knows_time: bool, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
     let mut builder = Builder::from(Version::new(1, 4));
     builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
     if knows_time {
         builder.gps_time_type = GpsTimeType::Standard;
     }
     builder.point_format = Format::new(FORMAT)?;
-    builder.point_format.is_compressed = packing == LasPacking::Packed;
     builder.point_format.extra_bytes = extra_bytes::LENGTH;
     builder.vlrs.push(extra_bytes::record());
     builder.transforms = transforms;
@@ -107,6 +112,7 @@ fn las_header(
 fn las_point(
     log: &LogPoints<'_>,
     start_unix_s: Option<f64>,
+    point_source_id: u16,
     point: &CloudPoint,
     [x, y]: [f64; 2],
 ) -> las::Result<Point> {
@@ -133,6 +139,7 @@ fn las_point(
         number_of_returns: 1,
         classification: Classification::new(BATHYMETRIC)?,
         user_data: point.source as u8,
+        point_source_id,
         gps_time: Some(gps_time_s),
         color: Some(Color { red, green, blue }),
         extra_bytes: extra_bytes::values(point, range_m),

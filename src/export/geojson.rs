@@ -1,7 +1,7 @@
 //! What GeoJSON files (RFC 7946) have in common.
 
 use super::Summary;
-use super::rings::on_lattice;
+use super::rings::rounded;
 use crate::bathymetry::isobaths::Polygon;
 use crate::geo::LonLat;
 use serde_json::Value;
@@ -30,7 +30,7 @@ pub(super) fn collection<T>(
 
 /// Longitude and latitude to a millimetre.
 pub(super) fn position(at: LonLat) -> [f64; 2] {
-    steps(at).map(|steps| steps as f64 / STEPS)
+    [at.lon_deg, at.lat_deg].map(|degrees| (degrees * STEPS).round() as i64 as f64 / STEPS)
 }
 
 /// A line's positions, none twice in a row.
@@ -45,18 +45,9 @@ pub(super) fn areas(
     shapes: &[Polygon],
     place: &impl Fn([f64; 2]) -> LonLat,
 ) -> Vec<Vec<Vec<[f64; 2]>>> {
-    let rounded = on_lattice(shapes, |at| steps(place(at)));
-    let degrees = |corner: [i64; 2]| corner.map(|steps| steps as f64 / STEPS);
-    let rings = |polygon: Vec<Vec<[i64; 2]>>| {
-        let rings = polygon.into_iter();
-        rings.map(|ring| ring.into_iter().map(degrees).collect())
+    let degrees = |at| {
+        let LonLat { lon_deg, lat_deg } = place(at);
+        [lon_deg, lat_deg]
     };
-    rounded
-        .into_iter()
-        .map(|polygon| rings(polygon).collect())
-        .collect()
-}
-
-fn steps(at: LonLat) -> [i64; 2] {
-    [at.lon_deg, at.lat_deg].map(|degrees| (degrees * STEPS).round() as i64)
+    rounded(shapes, STEPS, degrees)
 }

@@ -1,33 +1,64 @@
-//! `isobaths.geojson`, `depth_areas.geojson` (RFC 7946) and `storage.csv`.
+//! `isobaths.geojson`, `depth_areas.geojson`, `spot_soundings.geojson` (RFC 7946) and `storage.csv`.
 
-use super::geojson::{areas as areas_of, collection, positions};
-use super::{ExportError, Summary, write_aside};
-use crate::bathymetry::isobaths::{DepthArea, Isobath, Storage, smoothed};
+use super::geojson::{areas as areas_of, collection, position, positions};
+use super::{ExportError, Summary, millimetres, write_aside};
+use crate::bathymetry::DepthPoint;
+use crate::bathymetry::isobaths::{DepthArea, Isobath, IsobathSettings, Storage, smoothed};
 use crate::geo::LonLat;
 use serde_json::json;
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-/// Writes lines of equal depth, their corners cut `smooth` times; `place` gives where a point of them lies.
+/// Lines of equal depth as they are drawn.
+#[derive(Clone, Copy)]
+pub struct DrawnLines<'a> {
+    /// The lines as they run through the cells of their surface.
+    pub lines: &'a [Isobath],
+    /// How they are rounded, and what their depths are written in.
+    pub settings: &'a IsobathSettings,
+    /// The depths whose lines are thick and labelled.
+    pub index_levels_m: &'a [f64],
+}
+
+impl DrawnLines<'_> {
+    /// The points of a line, its corners cut.
+    pub(super) fn points(&self, line: &Isobath) -> Vec<[f64; 2]> {
+        smoothed(&line.points, self.settings.smoothing())
+    }
+
+    /// Whether a line is thick and labelled.
+    pub(super) fn is_index(&self, line: &Isobath) -> bool {
+        self.index_levels_m.contains(&line.depth_m)
+    }
+}
+
+/// Writes lines of equal depth; `place` gives where a point of them lies.
 pub fn isobaths_geojson(
     path: &Path,
-    lines: &[Isobath],
-    smooth: u32,
+    drawn: &DrawnLines<'_>,
     place: impl Fn([f64; 2]) -> LonLat,
 ) -> Result<Summary, ExportError> {
     let feature = |line: &Isobath, summary: &mut Summary| {
-        let points = smoothed(&line.points, smooth);
+        let points = drawn.points(line);
         let points = positions(points.iter().map(|point| place(*point)));
         summary.count += 1;
         summary.value(line.depth_m);
+        let depth = drawn.settings.in_unit(line.depth_m);
         points.iter().for_each(|point| summary.reach(*point));
         json!({
             "type": "Feature",
             "geometry": { "type": "LineString", "coordinates": points },
-            "properties": { "depth_m": line.depth_m, "label": format!("{}", line.depth_m), "ring": line.is_ring() },
+            "properties": {
+                "depth_m": line.depth_m,
+                "depth": depth,
+                "unit": drawn.settings.unit.symbol(),
+                "label": depth.to_string(),
+                "is_index": drawn.is_index(line),
+                "ring": line.is_ring(),
+            },
         })
     };
-    write_aside(path, |file| collection(file, lines.iter(), feature))
+    write_aside(path, |file| collection(file, drawn.lines.iter(), feature))
 }
 
 /// Writes the areas between depths. A square metre of the polygons is `ground` square metres on the ground.
@@ -58,6 +89,33 @@ pub fn depth_areas_geojson(
     write_aside(path, |file| collection(file, filled, feature))
 }
 
+/// Writes depths as points with the figures that a chart prints; `place` gives where they lie.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn spot_soundings_geojson(
+    path: &Path,
+    soundings: &[DepthPoint],
+    settings: &IsobathSettings,
+    place: impl Fn([f64; 2]) -> LonLat,
+) -> Result<Summary, ExportError> {
+    let feature = |point: &DepthPoint, summary: &mut Summary| {
+        let at = position(place([point.east_m, point.north_m]));
+        summary.add(at, point.depth_m);
+        json!({
+            "type": "Feature",
+            "geometry": { "type": "Point", "coordinates": at },
+            "properties": {
+                "depth_m": millimetres(point.depth_m),
+                "unit": settings.unit.symbol(),
+                "label": settings.charted(point.depth_m),
+                "is_sounding": point.is_sounding,
+            },
+        })
+    };
+    write_aside(path, |file| collection(file, soundings.iter(), feature))
+}
+
 /// Writes what lies below each level: depth, area, volume. A square metre of the table is `ground` square metres on the ground.
 ///
 /// # Errors
@@ -74,8 +132,4 @@ pub fn storage_csv(path: &Path, table: &[Storage], ground: f64) -> Result<Summar
         out.flush()?;
         Ok(summary)
     })
-}
-
-fn millimetres(metres: f64) -> f64 {
-    (metres * 1e3).round() / 1e3
 }

@@ -20,6 +20,7 @@ mod figure;
 mod first_returns;
 mod footprint;
 mod geojson;
+mod geopackage;
 mod geotiff;
 mod glb;
 mod gps_time;
@@ -32,9 +33,11 @@ mod plan;
 mod points;
 mod profile_csv;
 mod qgis_style;
+mod qgis_vector;
 mod rings;
 mod sqlite;
 mod summary;
+mod survey_layers;
 pub mod tile_sets;
 mod track;
 mod vector;
@@ -54,14 +57,17 @@ pub use differences_csv::differences_csv;
 pub use figure::{MeasuredFigure, figure_csv, figure_geojson};
 pub use first_returns::first_returns_csv;
 pub use footprint::footprint_geojson;
+pub use geopackage::geopackage;
 pub use geotiff::{RasterError, geotiff};
 pub use glb::{TexturedMesh, glb};
 pub use grid_raster::{grid_raster, metres_raster};
-pub use isobaths::{depth_areas_geojson, isobaths_geojson, storage_csv};
+pub use isobaths::{
+    DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
+};
 pub use log_points::LogPoints;
 pub use objects::{
-    ObjectLog, ObjectRow, objects_csv, objects_geojson, objects_gpkg, objects_gpx, objects_kml,
-    shapes_ply,
+    ObjectLog, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx,
+    objects_kml, shapes_ply,
 };
 pub use picture_boxes::picture_boxes_csv;
 pub use plan::{PlanFormat, PlanFormatError, PlannedWay};
@@ -69,6 +75,9 @@ pub use points::kept_points;
 pub use profile_csv::{profile_csv, write_profile_csv};
 pub use qgis_style::{qgis_classes, qgis_style};
 pub use summary::Summary;
+pub use survey_layers::{
+    Placed, depth_area_layer, footprint_layer, isobath_layer, spot_sounding_layer, track_layer,
+};
 pub use track::{TrackPiece, TrackPoint, track, track_geojson, track_gpx};
 pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
 
@@ -76,6 +85,11 @@ pub use vector::{Line, areas_kmz, lines_kmz, lines_shapefile};
 pub use crate::printable::xml;
 
 use crate::cloud::PointSource;
+
+/// Rounded to the millimetre.
+fn millimetres(metres: f64) -> f64 {
+    (metres * 1e3).round() / 1e3
+}
 
 /// Colours of the paper: soundings black, starboard red, port blue.
 fn colour(source: PointSource) -> [u8; 3] {

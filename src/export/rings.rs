@@ -5,17 +5,33 @@ use crate::bathymetry::isobaths::{Polygon, polygons};
 use std::collections::{BTreeMap, HashMap};
 
 /// A corner, counted in steps of the lattice that corners are rounded to.
-pub(super) type Corner = [i64; 2];
+type Corner = [i64; 2];
+
+/// Polygons with their corners rounded to so many steps a unit, each an outline and its holes; `place` gives where a corner lies.
+pub(super) fn rounded(
+    shapes: &[Polygon],
+    steps: f64,
+    place: impl Fn([f64; 2]) -> [f64; 2],
+) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let corner = |at| place(at).map(|value| (value * steps).round() as i64);
+    let back = |ring: Vec<Corner>| {
+        let corners = ring.into_iter();
+        corners
+            .map(|at| at.map(|value| value as f64 / steps))
+            .collect()
+    };
+    let polygons = on_lattice(shapes, corner).into_iter();
+    polygons
+        .map(|rings| rings.into_iter().map(back).collect())
+        .collect()
+}
 
 /// Puts polygons on a lattice and makes them valid again: sides that fall onto each other go, and a ring that touches itself
 /// becomes several, whose areas touch in that corner. Rings stay counter-clockwise around the area, holes clockwise.
 ///
 /// The sides that are left are walked with the area on the left, turning left as sharply as possible where several meet, so that
 /// a ring bounds one connected area; what a ring closes on its way at a corner it has been at is a ring of its own.
-pub(super) fn on_lattice(
-    shapes: &[Polygon],
-    corner: impl Fn([f64; 2]) -> Corner,
-) -> Vec<Vec<Vec<Corner>>> {
+fn on_lattice(shapes: &[Polygon], corner: impl Fn([f64; 2]) -> Corner) -> Vec<Vec<Vec<Corner>>> {
     let mut sides = Sides::default();
     for shape in shapes {
         for ring in std::iter::once(&shape.outline).chain(&shape.holes) {

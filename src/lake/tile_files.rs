@@ -8,8 +8,9 @@ use super::offsets::Offsets;
 use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
+use crate::bathymetry::isobaths::IsobathSettings;
 use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
-use crate::export::{isobaths_geojson, metres_raster};
+use crate::export::{DrawnLines, isobaths_geojson, metres_raster};
 use crate::formats::geotiff::{Band, Cells, RasterSpec};
 use crate::geo::Crs;
 use crate::pipeline::Fingerprint;
@@ -259,7 +260,19 @@ fn write_files(
         metres_raster(&folder.join(file), &spec, grid, values_m, progress)?;
     }
     let place = |at| tile.zone.to_lon_lat(at);
-    isobaths_geojson(&folder.join(ISOBATHS), &made.isobaths, 0, place)?;
+    let settings = IsobathSettings {
+        // They were rounded before they were cut at the edges.
+        smooth: 0,
+        ..lake.record.settings()?.isobaths
+    };
+    let mut levels_m: Vec<f64> = made.isobaths.iter().map(|line| line.depth_m).collect();
+    levels_m.dedup();
+    let drawn = DrawnLines {
+        lines: &made.isobaths,
+        settings: &settings,
+        index_levels_m: &settings.index_levels_m(&levels_m),
+    };
+    isobaths_geojson(&folder.join(ISOBATHS), &drawn, place)?;
     Ok(())
 }
 

@@ -6,7 +6,9 @@ use super::offsets::Offsets;
 use super::point_rows::{self, POINTS};
 use super::record::Lake;
 use super::tile::{TILE_M, TileId};
-use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped, isobaths, smoothed};
+use crate::bathymetry::isobaths::{
+    Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
+};
 use crate::bathymetry::{DepthPoint, Grid, LOCAL_MARGIN_CELLS, Surface, local_surface};
 use crate::geo::UtmZone;
 use crate::progress::Progress;
@@ -67,11 +69,13 @@ pub fn tile_map(
     let points = depth_points(lake, tile, logs, offsets, progress)?;
     let grid = with_margin(tile, lake.record.cell_m);
     let mut window = local_surface(&points, grid, settings.surface.max_gap_m, progress)?;
-    drop(points);
     blank_other_zones(&mut window, tile);
     let surface = core_of(&window);
     if surface.depth_m.iter().all(|depth| depth.is_nan()) {
         return Ok(None);
+    }
+    if settings.isobaths.shoal_safe {
+        window = with_shoalest(&window, &points);
     }
     let isobaths = lines(&window, &settings.isobaths, tile, progress)?;
     Ok(Some(TileMap { surface, isobaths }))
@@ -162,7 +166,7 @@ fn lines(
     let drawn = isobaths(window, &levels_m, progress)?;
     let cut = drawn.into_iter().flat_map(|line| {
         let rounded = Isobath {
-            points: smoothed(&line.points, settings.smooth),
+            points: smoothed(&line.points, settings.smoothing()),
             ..line
         };
         clipped(&rounded, tile.bounds_m())

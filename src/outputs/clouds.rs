@@ -21,9 +21,9 @@ pub fn table(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
         .map_err(OutputError::from)
 }
 
-/// Writes the kept points to `cloud.laz`, in the system of the map.
-pub fn laz(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
-    las_file(results, path, LasPacking::Packed)
+/// Writes the kept points to `cloud.copc.laz`, in the system of the map.
+pub fn copc(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    las_file(results, path, LasPacking::Copc)
 }
 
 /// Writes the kept points to `cloud.las`, in the system of the map.

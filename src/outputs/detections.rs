@@ -164,6 +164,27 @@ fn placed_in(rows: &[ObjectRow<'_>]) -> Summary {
     summary
 }
 
+/// Of each log the boxes that were decided about, or else those that a search found, as objects; `None` where nobody looked.
+pub fn known_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
+    let order = results.order;
+    let model = order.search.filter(|_| order.asks_for(When::Searched));
+    let found = model.zip(results.found()?);
+    let mut all = ObjectRows::default();
+    let mut is_known = false;
+    for (index, log) in order.logs.iter().enumerate() {
+        match (order.review(index), found) {
+            (Some(review), _) => all.add_reviewed(index, log, review, results.progress)?,
+            (None, Some((model, found))) => {
+                all.add_found(index, log, model.names(), &found[index]);
+            }
+            (None, None) => continue,
+        }
+        is_known = true;
+    }
+    all.group();
+    Ok(is_known.then_some(all))
+}
+
 /// The boxes that a model found in all logs; `None` where none searched.
 pub fn found_rows<'a>(results: &'a Results<'_>) -> Result<Option<ObjectRows<'a>>, OutputError> {
     let Some((model, found)) = results.order.search.zip(results.found()?) else {

@@ -14,6 +14,7 @@ mod depth;
 mod detections;
 mod earlier_run;
 mod error;
+mod geopackage;
 mod logs;
 mod manifest;
 mod mosaic;

@@ -10,9 +10,12 @@ use crate::pipeline::Reference;
 use crate::survey::Survey;
 use std::path::{Path, PathBuf};
 
-/// Whether a run may write a file whose name, without its ending, is this one.
+/// Whether a run may write a file whose name, without its ending, is this one. What lies on top and holds data is of later versions than
+/// those that wrote all files there: `survey.gpkg` is no danger to `survey.sl2`.
 pub(super) fn is_stem_of_output(stem: &str) -> bool {
-    let stems = OUTPUT_FILES.iter().map(|row| row.stem());
+    let is_new = |row: &&OutputFile| row.folder().is_empty() && row.described.is_some();
+    let rows = OUTPUT_FILES.iter().filter(|row| !is_new(row));
+    let stems = rows.map(OutputFile::stem);
     let manifests = EARLIER_MANIFESTS
         .iter()
         .map(|name| name.trim_end_matches(".json"));
@@ -27,6 +30,7 @@ fn folders_of(stem: &str) -> impl Iterator<Item = &'static str> {
         .iter()
         .filter(move |row| row.stem().eq_ignore_ascii_case(stem));
     rows.map(OutputFile::folder)
+        .filter(|folder| !folder.is_empty())
 }
 
 /// Refuses a folder in which a file of a run would be written over an input: `track.gpx` of another receiver, `depth.tif` that the
@@ -78,10 +82,14 @@ fn refuse<'a>(
 ) -> Result<(), OutputError> {
     let at_risk = |input: &&Path| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy();
+        // The ending of `cloud.copc.laz` has two parts.
+        let stem = stem.strip_suffix(".copc").unwrap_or(&stem);
         // On top lie the files of a version without subfolders, which a run takes away.
-        let folders = folders_of(&stem).chain(is_stem_of_output(&stem).then_some(""));
-        let mut there =
-            folders.map(|of| folder.join(of).join(input.file_name().unwrap_or_default()));
+        let name = input.file_name().unwrap_or_default();
+        let is_name = |row: &OutputFile| row.name.eq_ignore_ascii_case(&name.to_string_lossy());
+        let is_on_top = is_stem_of_output(stem) || OUTPUT_FILES.iter().any(is_name);
+        let folders = folders_of(stem).chain(is_on_top.then_some(""));
+        let mut there = folders.map(|of| folder.join(of).join(name));
         there.any(|there| is_same_file(&there, input))
     };
     match inputs.find(at_risk) {

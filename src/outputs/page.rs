@@ -1,5 +1,6 @@
 //! `report.html`: what was made, on one page.
 
+use super::detections::known_rows;
 use super::objects::ObjectRows;
 use super::registry::When;
 use super::results::Results;
@@ -66,29 +67,22 @@ impl<'a> Boxes<'a> {
     fn of(results: &'a Results<'_>) -> Result<Option<Self>, OutputError> {
         let order = results.order;
         let model = order.search.filter(|_| order.asks_for(When::Searched));
-        let found = model.zip(results.found()?);
-        let mut all = ObjectRows::default();
+        let Some(mut all) = known_rows(results)? else {
+            return Ok(None);
+        };
         let mut rasters = Vec::with_capacity(order.logs.len());
         let mut reviews: Vec<(&str, &Review)> = Vec::new();
         for (index, log) in order.logs.iter().enumerate() {
             let raster = |pixel_m| Raster::new(&log.survey, &log.products.navigation, pixel_m);
-            rasters.push(match (order.review(index), found) {
+            rasters.push(match (order.review(index), model) {
                 (Some(review), _) => {
-                    all.add_reviewed(index, log, review, results.progress)?;
                     reviews.push((&results.names[index], review));
                     Some(raster(PIXEL_M))
                 }
-                (None, Some((model, found))) => {
-                    all.add_found(index, log, model.names(), &found[index]);
-                    Some(raster(model.pixel_m()))
-                }
+                (None, Some(model)) => Some(raster(model.pixel_m())),
                 (None, None) => None,
             });
         }
-        if rasters.iter().all(Option::is_none) {
-            return Ok(None);
-        }
-        all.group();
         let shapes = match reviews.is_empty() {
             // The same boxes as in the tables of the search.
             true => results.found_shapes(&all)?.clone(),
@@ -98,7 +92,7 @@ impl<'a> Boxes<'a> {
         let seen = all.objects.iter().map(|object| seen(results, &all, object));
         Ok(Some(Self {
             seen: seen.collect(),
-            origin: origin(&reviews, order.logs.len(), found.is_some()),
+            origin: origin(&reviews, order.logs.len(), model.is_some()),
             all,
             rasters,
         }))

@@ -26,13 +26,15 @@ pub enum Product {
     Mosaic,
     /// How the depths agree.
     Residuals,
+    /// All lines, areas and objects in one file.
+    Geopackage,
     /// The page that shows what was made.
     Report,
 }
 
 impl Product {
     /// All of them.
-    pub const ALL: [Product; 10] = [
+    pub const ALL: [Product; 11] = [
         Product::Cloud,
         Product::Track,
         Product::Depth,
@@ -42,6 +44,7 @@ impl Product {
         Product::MapTiles,
         Product::Mosaic,
         Product::Residuals,
+        Product::Geopackage,
         Product::Report,
     ];
 
@@ -57,6 +60,7 @@ impl Product {
             Product::MapTiles => "map-tiles",
             Product::Mosaic => "mosaic",
             Product::Residuals => "residuals",
+            Product::Geopackage => "geopackage",
             Product::Report => "report",
         }
     }

@@ -6,7 +6,9 @@ mod kinds;
 use super::manifest::FileContent;
 use super::results::{Need, Results};
 use super::write::Run;
-use super::{Product, clouds, comparison, depth, detections, mosaic, page, residuals, track};
+use super::{
+    Product, clouds, comparison, depth, detections, geopackage, mosaic, page, residuals, track,
+};
 use crate::outputs::OutputError;
 use kinds::{
     KEPT_POINTS, LAS_POINTS, NOT_OF_BODY, NOT_OF_DEPTHS, NOT_OF_MOSAIC, NOT_OF_POINTS, boxes,
@@ -124,7 +126,7 @@ pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 40] = [
+pub const OUTPUT_FILES: [OutputFile; 42] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -154,10 +156,10 @@ pub const OUTPUT_FILES: [OutputFile; 40] = [
         )
     },
     cloud(
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         LAS_POINTS,
-        "kept points for GIS and point cloud programs",
-        Writer::Results(clouds::laz),
+        "kept points for GIS and point cloud programs (COPC, which is LAZ)",
+        Writer::Results(clouds::copc),
     ),
     OutputFile {
         needs: &[Need::PlainLas, Need::KeptPoints],
@@ -311,6 +313,16 @@ pub const OUTPUT_FILES: [OutputFile; 40] = [
         "areas between them",
         Writer::Results(depth::contours::depth_areas),
     ),
+    OutputFile {
+        needs: &[Need::Surface],
+        ..contours(
+            "isobaths/spot_soundings.geojson",
+            "The shoalest depths of their surroundings",
+            "points",
+            "depths as a chart prints them, shoal first",
+            Writer::Results(depth::contours::spot_soundings),
+        )
+    },
     contours(
         "isobaths/storage.csv",
         "Area and volume below each depth",
@@ -420,6 +432,20 @@ pub const OUTPUT_FILES: [OutputFile; 40] = [
             "objects/chips",
             "folder: a picture of each object",
             Writer::Results(detections::chips),
+        )
+    },
+    OutputFile {
+        needs: &[Need::Track],
+        brief: "all lines, areas and objects in one file, with styles for QGIS",
+        described: described(
+            "Track, footprint, isobaths, depth areas and objects, a layer each, with styles for QGIS",
+            "features",
+            "",
+        ),
+        ..row(
+            "survey.gpkg",
+            When::Chosen(Product::Geopackage),
+            Writer::Results(geopackage::write),
         )
     },
     OutputFile {

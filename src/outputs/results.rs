@@ -1,12 +1,14 @@
 //! What the files of a run are made from: each is computed once, when the first file asks for it.
 
+use super::Product;
 use super::depth::tiles::MapTiles;
 use super::logs::{log_names, log_points, survey_name};
 use super::mosaic::grid;
 use super::objects::{ObjectRows, Shapes, is_left_out};
+use super::registry::When;
 use super::track::Ground;
 use super::write::Order;
-use crate::bathymetry::Surface;
+use crate::bathymetry::{DepthPoint, Surface, spot_radius_m, spot_soundings};
 use crate::detection::{Detection, find};
 use crate::export::{self, LogPoints, ObjectLog, TrackPiece};
 use crate::geo::LonLat;
@@ -68,6 +70,7 @@ pub(super) struct Results<'a> {
     depth_map: OnceLock<Option<Arc<DepthMap>>>,
     contours: OnceLock<Result<Contours, String>>,
     map_tiles: OnceLock<MapTiles>,
+    spot_soundings: OnceLock<Vec<DepthPoint>>,
     comparisons: OnceLock<Vec<NamedComparison>>,
     crossings: OnceLock<Option<Crosslines>>,
     agreement: OnceLock<Option<Agreement>>,
@@ -109,6 +112,7 @@ impl<'a> Results<'a> {
             depth_map: OnceLock::new(),
             contours: OnceLock::new(),
             map_tiles: OnceLock::new(),
+            spot_soundings: OnceLock::new(),
             comparisons: OnceLock::new(),
             crossings: OnceLock::new(),
             agreement: OnceLock::new(),
@@ -118,12 +122,16 @@ impl<'a> Results<'a> {
         })
     }
 
-    /// Lets go of what only the files of one group are made from: it may be large.
+    /// Lets go of what only the files of one group are made from: it may be large. A file with all lines and areas needs it again.
     pub fn end_group(&mut self) {
+        if self.order.asks_for(When::Chosen(Product::Geopackage)) {
+            return;
+        }
         self.track.take();
         self.ground.take();
         self.contours.take();
         self.map_tiles.take();
+        self.spot_soundings.take();
     }
 
     /// Whether something is missing, and why.
@@ -275,11 +283,12 @@ impl<'a> Results<'a> {
     /// Isobaths, the areas between them and what lies below each; why there are none.
     pub fn contours(&self) -> Result<&Result<Contours, String>, OutputError> {
         once(&self.contours, || {
-            let (surface, isobaths) = (self.surface()?, self.isobaths()?);
-            match (surface, isobaths) {
-                (Some(surface), Ok(isobaths)) => Contours::new(surface, isobaths, self.progress)
-                    .map(Ok)
-                    .map_err(OutputError::from),
+            let (depth_map, isobaths) = (self.depth_map()?, self.isobaths()?);
+            match (depth_map, isobaths) {
+                (Some(depth_map), Ok(isobaths)) => {
+                    let made = Contours::new(depth_map, isobaths, self.progress);
+                    made.map(Ok).map_err(OutputError::from)
+                }
                 (_, Err(why)) => Ok(Err(why)),
                 (None, Ok(_)) => Ok(Err("there is no depth map".to_owned())),
             }
@@ -290,6 +299,19 @@ impl<'a> Results<'a> {
     pub fn map_tiles(&self, file: &Path) -> Result<&MapTiles, OutputError> {
         let folder = file.parent().unwrap_or(file);
         once(&self.map_tiles, || MapTiles::new(self, folder))
+    }
+
+    /// The depths that a chart prints, in the plane of the map; none without a depth map.
+    pub fn spot_soundings(&self) -> Result<&[DepthPoint], OutputError> {
+        let made = once(&self.spot_soundings, || {
+            let Some(depth_map) = self.depth_map()? else {
+                return Ok(Vec::new());
+            };
+            let points = depth_map.depth_points(self.progress)?;
+            let radius_m = spot_radius_m(&self.products.settings.isobaths, &points);
+            Ok(radius_m.map_or_else(Vec::new, |radius_m| spot_soundings(&points, radius_m)))
+        });
+        made.map(Vec::as_slice)
     }
 
     /// How side-scan agrees with the soundings, over all logs.

@@ -16,7 +16,7 @@ pub struct Ground {
     /// Its outlines, in the plane of the map; empty without side-scan.
     pub shapes: Vec<Polygon>,
     /// Its area on the ground, square metres.
-    area_m2: f64,
+    pub area_m2: f64,
 }
 
 impl Ground {

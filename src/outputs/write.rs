@@ -236,7 +236,7 @@ fn first_missing(row: &OutputFile, results: &Results<'_>) -> Result<Option<Missi
 fn step(when: When) -> &'static str {
     match when {
         When::Always | When::Chosen(Product::Cloud) => "writing",
-        When::Chosen(Product::Track) => "track",
+        When::Chosen(Product::Track | Product::Geopackage) => "track",
         When::Chosen(Product::MapTiles) => "map tiles",
         When::Chosen(Product::Mosaic) => "mosaic",
         When::Chosen(Product::Report) => "report",

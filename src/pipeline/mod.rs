@@ -33,7 +33,7 @@ pub use agreement::{
 pub use background::{Background, Same};
 pub use depth::{
     Choice, Contours, Crosslines, NamedComparison, Plane, choices, comparisons, crosslines,
-    joint_depth_surface, log_echoes,
+    joint_depth_points, joint_depth_surface, log_echoes,
 };
 pub use derived::{
     Bottom, BottomColour, BottomCorner, BottomKey, DepthMap, DepthMapKey, Derived, FINEST,

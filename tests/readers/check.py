@@ -8,6 +8,7 @@ from pathlib import Path
 
 import clouds
 import meshes
+import packages
 import rasters
 import tables
 import tiles
@@ -44,6 +45,7 @@ def check(folder):
     meshes.check(folder, made)
     tiles.check(folder, made)
     vectors.check(folder, made, points)
+    packages.check(folder, made, points)
     tables.check_found(folder, made)
     return len(made)
 

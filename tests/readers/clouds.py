@@ -1,7 +1,10 @@
-"""cloud.laz by laspy, cloud.ply by plyfile, cloud.xyz by numpy, against cloud.csv."""
+"""cloud.copc.laz by laspy, as LAZ and as COPC, cloud.ply by plyfile, cloud.xyz by numpy, against cloud.csv."""
+
+import copy
 
 import laspy
 import numpy
+import octree
 import plyfile
 from common import check_count, check_extent, check_values, into, same, system, tolerance
 
@@ -9,8 +12,8 @@ COLOURS = numpy.array([[0, 0, 0], [0, 0, 255], [255, 0, 0]])
 
 
 def check(folder, made, points):
-    if "cloud.laz" in made:
-        check_laz(folder / "points/cloud.laz", made["cloud.laz"], points)
+    if "cloud.copc.laz" in made:
+        check_laz(folder / "points/cloud.copc.laz", made["cloud.copc.laz"], points)
         check_ply(folder / "points/cloud.ply", made["cloud.ply"], points)
         check_xyz(folder / "points/cloud.xyz", made["cloud.xyz"], points)
 
@@ -21,24 +24,35 @@ def check_record(name, record, xyz):
     check_values(name, record, xyz[:, 2].min(), xyz[:, 2].max(), 0.001)
 
 
+def in_order(points):
+    """The points by side and ping, of which no two are the same: COPC has an order of its own."""
+    order = numpy.lexsort((points.ping, points.source))
+    sorted_points = copy.copy(points)
+    for name in ("source", "ping", "lon", "lat", "z", "range", "level", "confidence"):
+        setattr(sorted_points, name, getattr(points, name)[order])
+    return sorted_points
+
+
 def check_laz(path, record, points):
     las = laspy.read(path)
     header = las.header
+    octree.check(path)
+    points, las = in_order(points), las[numpy.lexsort((las.ping, las.side))]
     assert (header.version.major, header.version.minor) == (1, 4)
     assert header.global_encoding.wkt, "the bit for WKT is not set"
     assert header.parse_crs().to_epsg() == record["crs"]["epsg"], header.parse_crs()
     assert not system(record).is_geographic == (record["crs"]["unit"] == "metre")
     xyz = numpy.array([las.x, las.y, las.z]).T
-    check_record("cloud.laz", record, xyz)
-    same("x, y of cloud.laz", xyz[:, :2], into(record, points.lon, points.lat), tolerance(record, 0.002))
-    same("z of cloud.laz", las.z, points.z, 0.0011)
-    same("colour of cloud.laz", numpy.array([las.red, las.green, las.blue]).T // 257, COLOURS[points.source], 0)
+    check_record("cloud.copc.laz", record, xyz)
+    same("x, y of cloud.copc.laz", xyz[:, :2], into(record, points.lon, points.lat), tolerance(record, 0.002))
+    same("z of cloud.copc.laz", las.z, points.z, 0.0011)
+    same("colour of cloud.copc.laz", numpy.array([las.red, las.green, las.blue]).T // 257, COLOURS[points.source], 0)
     assert list(header.point_format.extra_dimension_names) == ["source", "ping", "side", "confidence", "range_m"]
-    same("source of cloud.laz", las.source, points.source > 0, 0)
-    same("ping of cloud.laz", las.ping, points.ping, 0)
-    same("side of cloud.laz", las.side, points.source, 0)
-    same("confidence of cloud.laz", las.confidence, points.confidence, 0.00051)
-    same("range of cloud.laz", las.range_m, points.range, 0.00051)
+    same("source of cloud.copc.laz", las.source, points.source > 0, 0)
+    same("ping of cloud.copc.laz", las.ping, points.ping, 0)
+    same("side of cloud.copc.laz", las.side, points.source, 0)
+    same("confidence of cloud.copc.laz", las.confidence, points.confidence, 0.00051)
+    same("range of cloud.copc.laz", las.range_m, points.range, 0.00051)
     check_intensity(las, points)
     check_time(las, record, points)
     no_data = header.point_format.dimension_by_name("confidence").no_data
@@ -49,7 +63,7 @@ def check_intensity(las, points):
     """Echo levels of one byte in the upper range of two; soundings have none."""
     intensity = numpy.asarray(las.intensity)
     of_side_scan = intensity[points.source > 0]
-    same("intensity of cloud.laz", intensity, 257 * points.level, 0)
+    same("intensity of cloud.copc.laz", intensity, 257 * points.level, 0)
     assert (of_side_scan > 0).mean() > 0.99 and len(numpy.unique(of_side_scan)) > 20, "the intensity says nothing"
 
 
@@ -62,7 +76,7 @@ def check_time(las, record, points):
     if start:
         leaps = 15 + sum(start >= since for since in (1341100800, 1435708800, 1483228800))
         times += start - 315964800 + leaps - 1e9
-    same("GPS time of cloud.laz", las.gps_time[of_ping], times, 0.00051)
+    same("GPS time of cloud.copc.laz", las.gps_time[of_ping], times, 0.00051)
 
 
 def check_ply(path, record, points):

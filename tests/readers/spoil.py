@@ -129,11 +129,21 @@ def flatten_tiles(folder):
     path.write_bytes(content)
 
 
+def move_a_node(folder):
+    """Has the first node of the octree begin a byte later; its table is the first record behind the points."""
+    path = folder / "points/cloud.copc.laz"
+    content = bytearray(path.read_bytes())
+    at = struct.unpack_from("<Q", content, 235)[0] + 60 + 16
+    struct.pack_into("<Q", content, at, struct.unpack_from("<Q", content, at)[0] + 1)
+    path.write_bytes(content)
+
+
 SPOILERS = {
     "a tile at another place": hashed(move_a_tile, "map_tiles/depth.mbtiles"),
     "a zoom that the archive does not have": hashed(other_zoom, "map_tiles/depth.pmtiles"),
     "tiles that are a metre deeper": hashed(flatten_tiles, "map_tiles/depth_values.pmtiles"),
-    "a wrong count": edit_entry("points/cloud.laz", lambda record: record["count"].update(points=1)),
+    "a node of the octree at another place": hashed(move_a_node, "points/cloud.copc.laz"),
+    "a wrong count": edit_entry("points/cloud.copc.laz", lambda record: record["count"].update(points=1)),
     "a wrong system": edit_entry("mosaic/mosaic.tif", lambda record: record["crs"].update(epsg=32616)),
     "a wrong extent": edit_entry("isobaths/isobaths.shp", lambda record: record["extent"].update(west=0.0)),
     "a wrong hash": lambda folder: (folder / "report.html").write_bytes(b"<p>"),

@@ -93,7 +93,14 @@ def check_levels(folder, made):
         return
     depths = [feature["properties"]["depth_m"] for feature in found]
     check_values("isobaths.geojson", made["isobaths.geojson"], min(depths), max(depths), 1e-9)
-    assert not made["isobaths.geojson"]["settings"]["isobaths"]["smooth"], "the check is for lines as measured"
+    settings = made["isobaths.geojson"]["settings"]["isobaths"]
+    for feature in found:
+        said = feature["properties"]
+        unit_m = {"m": 1.0, "ft": 0.3048, "fm": 1.8288}[said["unit"]]
+        assert abs(said["depth"] * unit_m - said["depth_m"]) < 1e-4 and float(said["label"]) == said["depth"], said
+    if settings["shoal_safe"]:
+        return
+    assert not settings["smooth"], "the check is for lines as measured"
     with rasterio.open(folder / "depth/depth.tif") as raster:
         grid, to_cell = raster.read(1).astype(float), ~raster.transform
     worst = 0.0

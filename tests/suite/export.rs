@@ -36,7 +36,7 @@ fn refusal(path: &Path, bytes: &[u8]) -> String {
 #[test]
 fn points_survive_every_pair_of_formats() {
     let folder = folder();
-    let names = ["a.xyz", "a.csv", "a.ply", "a.las", "a.laz"];
+    let names = ["a.xyz", "a.csv", "a.ply", "a.las", "a.laz", "a.copc.laz"];
     let first = folder.path().join("first.csv");
     let lines = POINTS.map(|[x, y, z]| format!("{x},{y},{z}\n"));
     fs::write(&first, format!("x,y,z\n{}", lines.concat())).expect("a written file");
@@ -48,7 +48,18 @@ fn points_survive_every_pair_of_formats() {
         let file = read(&from);
         assert_eq!(file.points, POINTS, "{}", from.display());
         for to in names {
+            let is_old = ["a.las", "a.laz"].iter().any(|old| from.ends_with(old));
+            let is_copc = to == "a.copc.laz";
             let to = folder.path().join(format!("kept-{to}"));
+            if is_old && is_copc {
+                let refused = kept_points(&to, PointFormat::Copc, &file, &KEPT);
+                let refused = refused.expect_err("an old format").to_string();
+                assert!(
+                    refused.contains("these have format 0; write .laz"),
+                    "{refused}"
+                );
+                continue;
+            }
             write(&file, &to, &KEPT);
             let kept = read(&to).points;
             let expected: Vec<[f64; 3]> = POINTS

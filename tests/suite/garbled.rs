@@ -226,7 +226,7 @@ fn process(opened: Result<Survey, formats::OpenError>, settings: &Settings) {
     assert_eq!(rows("points/first_returns.csv", 15), survey.side_scan.len());
     assert_eq!(rows("points/cloud.csv", 10), products.cloud.points.len());
     let kept = products.kept.iter().filter(|&&kept| kept).count();
-    for name in ["points/cloud.ply", "points/cloud.laz"] {
+    for name in ["points/cloud.ply", "points/cloud.copc.laz"] {
         if kept == 0 {
             assert!(!folder.path().join(name).exists(), "{name}");
             continue;

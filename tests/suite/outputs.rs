@@ -117,7 +117,10 @@ fn help_and_panel_name_the_files_of_the_registry() {
         files(Product::Track),
         "track/track.gpx, .geojson, .kmz, .shp; track/footprint.geojson, .kmz"
     );
-    assert_eq!(files(Product::Cloud), "points/cloud.laz, .las, .ply, .xyz");
+    assert_eq!(
+        files(Product::Cloud),
+        "points/cloud.copc.laz, .las, .ply, .xyz"
+    );
     assert_eq!(
         files(Product::Depth),
         "depth/depth.tif, .qml; depth/uncertainty.tif, .qml; depth/distance.tif, .qml; depth/source.tif, .qml; depth/hardness.tif, .qml (colours for QGIS)"
@@ -275,7 +278,9 @@ fn the_window_says_which_files_are_older_than_the_settings() {
             "isobaths/isobaths.kmz",
             "isobaths/isobaths.shp",
             "isobaths/depth_areas.geojson",
+            "isobaths/spot_soundings.geojson",
             "isobaths/storage.csv",
+            "survey.gpkg",
             "report.html",
             "report.json",
             "manifest.json"

@@ -371,7 +371,7 @@ fn check_products(out: &Path, turn: [usize; 2], offsets: &[f64]) {
     assert_eq!(report["counts"]["left_out_pings"], turn[1] + 1 - turn[0]);
     for name in [
         "depth/depth.tif",
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         "isobaths/isobaths.geojson",
         "mosaic/mosaic.tif",
     ] {

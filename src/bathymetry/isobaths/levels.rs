@@ -1,8 +1,12 @@
 //! Which depths isobaths are drawn at.
 
+use super::Smoothing;
 use crate::presentation::ticks;
+use crate::presentation::units::LengthUnit;
 use serde::{Deserialize, Serialize};
 
+/// Every so many isobaths one is thick and labelled, counted from depth 0.
+pub const INDEX: f64 = 5.0;
 /// More isobaths than this are a mistake, not a map.
 const MOST_LEVELS: f64 = 1000.0;
 /// About so many are drawn where nobody says how many.
@@ -12,14 +16,21 @@ const TARGET_LEVELS: f64 = 10.0;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IsobathSettings {
-    /// Metres from one isobath to the next, counted from depth 0; when not given, 1, 2 or 5 times a power of ten that makes
-    /// about ten.
+    /// What the depths of the isobaths are round in, and are written in along the lines.
+    pub unit: LengthUnit,
+    /// Metres from one isobath to the next, counted from depth 0, rounded to two digits of the unit; when not given, 1, 2 or 5 times a
+    /// power of ten of the unit that makes about ten.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_m: Option<f64>,
     /// Depths of the isobaths, metres; when there are any, the interval does not count.
     pub depths_m: Vec<f64>,
     /// How often the corners of the lines are cut; 0 leaves them as measured.
     pub smooth: u32,
+    /// Whether every depth that is shallower than a line lies on its shallow side.
+    pub shoal_safe: bool,
+    /// No spot sounding is nearer to another than this, metres; when not given, a round distance by the extent of the map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot_radius_m: Option<f64>,
 }
 
 /// The interval would draw more isobaths than anybody can read.
@@ -45,11 +56,79 @@ pub fn evenly_apart_m(levels_m: &[f64]) -> Option<[f64; 2]> {
 
 impl IsobathSettings {
     /// The same with an interval that is round in a unit of so many metres, where it is left to the depths between two.
-    pub fn round_in(&self, unit_m: f64, [least_m, most_m]: [f64; 2]) -> Self {
-        let chosen_m = || unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m);
+    pub fn round_in(&self, unit_m: f64, range_m: [f64; 2]) -> Self {
+        // A unit of the settings counts for files and window alike.
+        let unit_m = match self.unit {
+            LengthUnit::Metres => unit_m,
+            other => other.metres(),
+        };
+        let chosen_m = || usual_interval_m(unit_m, range_m);
         Self {
             interval_m: Some(self.interval_m.unwrap_or_else(chosen_m)),
             ..self.clone()
+        }
+    }
+
+    /// The interval that is given, round in the unit: 1.52 m are 5 feet.
+    fn given_m(&self) -> Option<f64> {
+        let unit_m = self.unit.metres();
+        let interval_m = self.interval_m?;
+        Some(match self.unit {
+            LengthUnit::Metres => interval_m,
+            _ => unit_m * two_digits(interval_m / unit_m),
+        })
+    }
+
+    /// How the lines are rounded.
+    pub fn smoothing(&self) -> Smoothing {
+        Smoothing {
+            passes: self.smooth,
+            toward_deep: self.shoal_safe,
+        }
+    }
+
+    /// A depth in the unit of the lines, to a ten thousandth of it.
+    pub fn in_unit(&self, depth_m: f64) -> f64 {
+        // No depth is minus zero.
+        (depth_m / self.unit.metres() * 1e4).round() / 1e4 + 0.0
+    }
+
+    /// A depth as charts print it: to a tenth of a metre or of a fathom or a whole foot, and never deeper than it is.
+    pub fn charted(&self, depth_m: f64) -> String {
+        let decimals = match self.unit {
+            LengthUnit::Metres | LengthUnit::Fathoms => 1,
+            LengthUnit::Feet => 0,
+        };
+        let steps = 10f64.powi(decimals);
+        // What a quotient is off by should cost no step; and no depth is minus zero.
+        let whole = (depth_m / self.unit.metres() * steps + 1e-6).floor() / steps + 0.0;
+        format!("{whole:.*}", decimals as usize)
+    }
+
+    /// Whether an isobath is one of every fifth, so many metres from one to the next.
+    pub fn is_index(depth_m: f64, step_m: f64) -> bool {
+        let count = (depth_m / step_m).round();
+        (count / INDEX).fract() == 0.0
+    }
+
+    /// Metres from one isobath to the next; `None` where their depths were listed.
+    pub fn step_m(&self, levels_m: &[f64]) -> Option<f64> {
+        if !self.depths_m.is_empty() {
+            return None;
+        }
+        let first_two = levels_m.first().zip(levels_m.get(1));
+        self.given_m()
+            .or(first_two.map(|(first, second)| second - first))
+    }
+
+    /// Those of some levels that a map makes thick and labels: every fifth; where none of them is one, or their depths were listed, all.
+    pub fn index_levels_m(&self, levels_m: &[f64]) -> Vec<f64> {
+        let step_m = self.step_m(levels_m);
+        let fifth = |level_m: &&f64| step_m.is_some_and(|step_m| Self::is_index(**level_m, step_m));
+        let index: Vec<f64> = levels_m.iter().filter(fifth).copied().collect();
+        match index.is_empty() {
+            true => levels_m.to_vec(),
+            false => index,
         }
     }
 
@@ -61,9 +140,8 @@ impl IsobathSettings {
             levels_m.dedup();
             return Ok(levels_m);
         }
-        let interval_m = self
-            .interval_m
-            .unwrap_or_else(|| readable((most_m - least_m) / TARGET_LEVELS));
+        let usual_m = || usual_interval_m(self.unit.metres(), [least_m, most_m]);
+        let interval_m = self.given_m().unwrap_or_else(usual_m);
         let [first, last] = [(least_m / interval_m).ceil(), (most_m / interval_m).floor()];
         if last - first >= MOST_LEVELS {
             return Err(TooManyLevels {
@@ -80,6 +158,20 @@ impl IsobathSettings {
         Ok((0..count)
             .map(|step| tidy((first + step as f64) * interval_m))
             .collect())
+    }
+}
+
+/// An interval that is round in a unit of so many metres, and makes about ten levels between two depths.
+fn usual_interval_m(unit_m: f64, [least_m, most_m]: [f64; 2]) -> f64 {
+    unit_m * readable((most_m - least_m) / TARGET_LEVELS / unit_m)
+}
+
+/// A number to two digits.
+fn two_digits(value: f64) -> f64 {
+    let one = 10f64.powf(value.abs().log10().floor() - 1.0);
+    match one.is_normal() {
+        true => (value / one).round() * one,
+        false => value,
     }
 }
 
@@ -116,6 +208,20 @@ mod tests {
     }
 
     #[test]
+    fn every_fifth_isobath_is_thick_counted_from_zero() {
+        let levels_m: Vec<f64> = (-3..12).map(|count| 0.2 * f64::from(count)).collect();
+        let mut settings = IsobathSettings::default();
+        assert_eq!(settings.index_levels_m(&levels_m), [0.0, 1.0, 2.0]);
+        assert_eq!(
+            settings.index_levels_m(&levels_m[4..7]).len(),
+            3,
+            "none is a fifth"
+        );
+        settings.depths_m = vec![1.0, 2.5];
+        assert_eq!(settings.index_levels_m(&settings.depths_m), [1.0, 2.5]);
+    }
+
+    #[test]
     fn without_one_there_are_about_ten() {
         assert_eq!(levels(None, [1.03, 3.02]).len(), 10);
         assert_eq!(levels(None, [1.0, 8.9])[..2], [1.0, 2.0]);
@@ -133,6 +239,54 @@ mod tests {
             metres.levels_m(range_m),
             IsobathSettings::default().levels_m(range_m)
         );
+    }
+
+    #[test]
+    fn the_unit_of_the_settings_rounds_what_is_given_and_what_is_not() {
+        let mut settings = IsobathSettings {
+            unit: LengthUnit::Feet,
+            interval_m: Some(1.52),
+            ..IsobathSettings::default()
+        };
+        let in_feet = |settings: &IsobathSettings| -> Vec<f64> {
+            let levels_m = settings.levels_m([1.0, 8.9]).unwrap();
+            levels_m
+                .iter()
+                .map(|level_m| settings.in_unit(*level_m))
+                .collect()
+        };
+        assert_eq!(in_feet(&settings), [5.0, 10.0, 15.0, 20.0, 25.0]);
+        assert_eq!(
+            settings.step_m(&[]).map(|step_m| settings.in_unit(step_m)),
+            Some(5.0)
+        );
+        settings.interval_m = None;
+        assert_eq!(in_feet(&settings)[..2], [5.0, 10.0]);
+        // The window's unit does not count then.
+        let shown = settings.round_in(1.0, [1.0, 8.9]);
+        assert_eq!(in_feet(&shown), in_feet(&settings));
+        settings.unit = LengthUnit::Fathoms;
+        assert_eq!(in_feet(&settings)[..2], [1.0, 1.5]);
+        assert_eq!([two_digits(0.0), two_digits(4.987)], [0.0, 5.0]);
+    }
+
+    #[test]
+    fn a_charted_depth_is_never_deeper_than_the_depth() {
+        let charted = |unit: LengthUnit, depth_m: f64| {
+            let settings = IsobathSettings {
+                unit,
+                ..IsobathSettings::default()
+            };
+            settings.charted(depth_m)
+        };
+        let metres = |depth_m| charted(LengthUnit::Metres, depth_m);
+        assert_eq!(
+            [metres(2.39), metres(2.3), metres(-0.02)],
+            ["2.3", "2.3", "-0.1"]
+        );
+        assert_eq!(charted(LengthUnit::Feet, 3.0), "9");
+        assert_eq!(charted(LengthUnit::Feet, 3.048), "10");
+        assert_eq!(charted(LengthUnit::Fathoms, 1.8288), "1.0");
     }
 
     #[test]

@@ -1,20 +1,22 @@
 //! Lines of equal depth, the areas between them, and what lies below a level.
 //!
 //! `march` cuts the squares between the centres of cells, `lines` joins the cuts to isobaths, `areas` to polygons, `levels`
-//! chooses the depths, `smooth` rounds lines where that is asked for, `clip` cuts lines at the edges of tiles, and `storage` counts area
-//! and volume.
+//! chooses the depths, `shoalest` keeps lines from understating a shoal, `smooth` rounds lines where that is asked for, `clip` cuts lines at
+//! the edges of tiles, and `storage` counts area and volume.
 
 mod areas;
 mod clip;
 mod levels;
 mod lines;
 mod march;
+mod shoalest;
 mod smooth;
 mod storage;
 
 pub use areas::{DepthArea, Polygon, depth_areas, polygons};
 pub use clip::{clipped, joined};
-pub use levels::{IsobathSettings, TooManyLevels, evenly_apart_m};
+pub use levels::{INDEX, IsobathSettings, TooManyLevels, evenly_apart_m};
 pub use lines::{Isobath, isobaths};
-pub use smooth::smoothed;
+pub use shoalest::with_shoalest;
+pub use smooth::{Smoothing, smoothed};
 pub use storage::{Storage, storage};

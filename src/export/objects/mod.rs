@@ -9,7 +9,7 @@ mod shapes_ply;
 
 pub use csv_table::objects_csv;
 pub use geojson::objects_geojson;
-pub use geopackage::objects_gpkg;
+pub use geopackage::{object_layers, objects_gpkg};
 pub use gpx::objects_gpx;
 pub use kml::objects_kml;
 pub use shapes_ply::shapes_ply;

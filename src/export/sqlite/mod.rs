@@ -21,23 +21,43 @@ const WRITER: u32 = 3_045_000;
 /// A table with its rows.
 pub struct Table {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// The statement that makes it.
-    pub sql: &'static str,
+    pub sql: String,
     /// Row numbers, growing, and the values of their columns. The column that is the number of its row has [`Value::Null`].
     pub rows: Vec<(i64, Vec<Value>)>,
     /// The columns of each index that SQLite makes by itself for a key of the statement, in the order in which the statement names them.
     pub keys: &'static [&'static [usize]],
 }
 
-/// The bytes of a database with these tables; `None` of a key that does not fit into a page, which a table of rows must not ask for.
+/// What the schema names that has no page of its own: a virtual table, a trigger.
+pub struct SchemaEntry {
+    /// `table` or `trigger`.
+    pub kind: &'static str,
+    /// Its name.
+    pub name: String,
+    /// The table that it is of.
+    pub table: String,
+    /// The statement that makes it.
+    pub sql: String,
+}
+
+/// The bytes of a database with these tables, and with what else its schema names; `None` of a key that does not fit into a page, which a table of rows must not ask for.
 /// `application` says what kind of file it is, `version` which version of that.
-pub fn database(application: u32, version: u32, tables: &[Table]) -> Option<Vec<u8>> {
+pub fn database(
+    application: u32,
+    version: u32,
+    tables: &[Table],
+    more: &[SchemaEntry],
+) -> Option<Vec<u8>> {
     let made = || {
         let mut database = Database::new(Cursor::new(Vec::new()))?;
         for table in tables {
             let rows = table.rows.iter().cloned().map(Ok);
-            database.add(table.name, table.sql, table.keys, rows)?;
+            database.add(&table.name, &table.sql, table.keys, rows)?;
+        }
+        for one in more {
+            database.entry(one.kind, one.name.clone(), &one.table, 0, Some(&one.sql));
         }
         database.finish(application, version)
     };

@@ -18,6 +18,11 @@ pub enum Value {
 }
 
 impl Value {
+    /// A number of things.
+    pub fn count(number: usize) -> Self {
+        Value::Integer(i64::try_from(number).unwrap_or(i64::MAX))
+    }
+
     /// The code of its type, which says how long it is.
     fn code(&self) -> u64 {
         match self {

@@ -128,8 +128,8 @@ impl Reader<'_> {
 
 fn table(rows: Vec<(i64, Vec<Value>)>) -> Table {
     Table {
-        name: "t",
-        sql: "CREATE TABLE t (id INTEGER PRIMARY KEY NOT NULL, name TEXT)",
+        name: "t".to_owned(),
+        sql: "CREATE TABLE t (id INTEGER PRIMARY KEY NOT NULL, name TEXT)".to_owned(),
         rows,
         keys: &[],
     }
@@ -151,7 +151,7 @@ fn rows_come_back_however_many_and_however_long() {
                 (2 * index - 1, row)
             })
             .collect();
-        let file = database(7, 3, &[table(rows.clone())]).unwrap();
+        let file = database(7, 3, &[table(rows.clone())], &[]).unwrap();
         assert_eq!(file.len() % PAGE, 0);
         let reader = Reader(&file);
         assert_eq!(reader.u32(1, 28) as usize, file.len() / PAGE);
@@ -165,11 +165,11 @@ fn a_schema_that_is_longer_than_a_page_has_pages_under_the_first() {
     const LONG: &str = "CREATE TABLE t (id INTEGER PRIMARY KEY NOT NULL /* 0123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890123456789 */)";
     let tables: Vec<Table> = (0..60)
         .map(|index| Table {
-            sql: LONG,
+            sql: LONG.to_owned(),
             ..table(vec![(index, vec![Value::Null])])
         })
         .collect();
-    let file = database(7, 3, &tables).unwrap();
+    let file = database(7, 3, &tables, &[]).unwrap();
     let schema = Reader(&file).rows(1);
     assert_eq!(schema.len(), 60);
     assert_eq!(schema[59].1[4], Value::Text(LONG.to_owned()));
@@ -180,10 +180,10 @@ fn the_index_of_a_key_is_sorted_and_said_in_the_schema() {
     let text = |text: &str| Value::Text(text.to_owned());
     let keyed = Table {
         keys: &[&[0]],
-        sql: "CREATE TABLE t (name TEXT NOT NULL PRIMARY KEY)",
+        sql: "CREATE TABLE t (name TEXT NOT NULL PRIMARY KEY)".to_owned(),
         ..table(vec![(1, vec![text("b")]), (2, vec![text("a")])])
     };
-    let file = database(7, 3, &[keyed]).unwrap();
+    let file = database(7, 3, &[keyed], &[]).unwrap();
     let reader = Reader(&file);
     let root = reader.root("sqlite_autoindex_t_1");
     assert_eq!(reader.page(root)[0], 0x0a);
@@ -239,12 +239,12 @@ fn an_index_of_many_rows_has_pages_above_its_leaves() {
         };
         let rows: Vec<(i64, Vec<Value>)> = (0..count).map(row).collect();
         let keyed = Table {
-            name: "t",
-            sql: "CREATE TABLE t (a INTEGER, b INTEGER, PRIMARY KEY (a, b))",
+            name: "t".to_owned(),
+            sql: "CREATE TABLE t (a INTEGER, b INTEGER, PRIMARY KEY (a, b))".to_owned(),
             rows,
             keys: &[&[0, 1]],
         };
-        let file = database(7, 3, &[keyed]).unwrap();
+        let file = database(7, 3, &[keyed], &[]).unwrap();
         let reader = Reader(&file);
         let (found, high) = entries(&reader, reader.root("sqlite_autoindex_t_1"));
         assert_eq!(

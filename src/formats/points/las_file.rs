@@ -1,8 +1,11 @@
-//! Points in LAS and LAZ.
+//! Points in LAS, LAZ and COPC.
 
+use super::PointFormat;
+use super::copc::{remove_packing, write_copc};
 use super::las_claims;
 use super::las_writer::{LasWriter, transforms};
 use crate::catch_panic::catch_panic;
+use las::point::Format;
 use las::{Builder, Header, Point, PointData, PointDataBuilder, Reader};
 use std::fs::File;
 use std::io;
@@ -60,53 +63,74 @@ impl LasFile {
     }
 
     /// Writes the kept points with all their attributes and the header's records.
-    pub(super) fn write_kept(&self, file: File, kept: &[bool], compressed: bool) -> io::Result<()> {
-        let mut flags = kept.iter();
+    pub(super) fn write_kept(
+        &self,
+        file: File,
+        kept: &[bool],
+        format: PointFormat,
+    ) -> io::Result<()> {
         let mut builder = Builder::from(self.header.clone());
-        builder.point_format.is_compressed = compressed;
+        builder.point_format.is_compressed = format != PointFormat::Las;
+        // How the input was packed: the output is packed anew.
+        remove_packing(&mut builder);
         let header = builder.into_header().map_err(io::Error::other)?;
-        let mut writer = LasWriter::new(file, header)?;
-        for batch in &self.batches {
+        let form = PointDataBuilder::new().for_header(&header);
+        let points = |records| {
+            let points = form.clone().build_from_bytes(records);
+            points.map_err(io::Error::other)
+        };
+        let mut flags = kept.iter();
+        let mut batches = self.batches.iter().map(|batch| {
             let records = batch.raw_bytes().chunks(batch.record_len());
-            let kept: Vec<u8> = records
-                .zip(flags.by_ref())
-                .filter(|(_, kept)| **kept)
-                .flat_map(|(record, _)| record.iter().copied())
-                .collect();
-            let kept = PointDataBuilder::new()
-                .with_format(*writer.header()?.point_format())
-                .with_transforms(*writer.header()?.transforms())
-                .build_from_bytes(kept)
-                .map_err(io::Error::other)?;
-            writer.points(&kept)?;
+            let kept = records.zip(flags.by_ref()).filter(|(_, kept)| **kept);
+            kept.flat_map(|(record, _)| record.iter().copied())
+                .collect::<Vec<u8>>()
+        });
+        if format == PointFormat::Copc {
+            return write_copc(file, header, &points(batches.flatten().collect())?);
         }
+        let mut writer = LasWriter::new(file, header)?;
+        batches.try_for_each(|batch| writer.points(&points(batch)?))?;
         writer.finish()
     }
 }
 
 /// Coordinates are stored to a tenth of a millimetre, unless they lie too far apart for it.
 const RESOLUTION_M: f64 = 1e-4;
+/// The plainest of the point formats that COPC holds.
+const COPC_FORMAT: u8 = 6;
 
 /// Writes bare coordinates.
 pub(super) fn write<'a>(
     file: File,
     points: impl Iterator<Item = &'a [f64; 3]> + Clone,
-    compressed: bool,
+    format: PointFormat,
 ) -> io::Result<()> {
     let first = points.clone().next().copied().unwrap_or_default();
     let transforms = transforms(points.clone().copied(), first, [RESOLUTION_M; 3])?;
     let mut builder = Builder::from((1, 4));
-    builder.point_format.is_compressed = compressed;
     builder.transforms = transforms;
+    let bare = |&[x, y, z]: &[f64; 3]| Point {
+        x,
+        y,
+        z,
+        ..Point::default()
+    };
+    if format == PointFormat::Copc {
+        builder.point_format = Format::new(COPC_FORMAT).map_err(io::Error::other)?;
+        let header = builder.into_header().map_err(io::Error::other)?;
+        // These formats have a time, which bare coordinates have not.
+        let timed = points.map(|point| Point {
+            gps_time: Some(0.0),
+            ..bare(point)
+        });
+        let records = PointDataBuilder::new().for_header(&header);
+        let records = records.build_from_points(timed).map_err(io::Error::other)?;
+        return write_copc(file, header, &records);
+    }
+    builder.point_format.is_compressed = format == PointFormat::Laz;
     let header = builder.into_header().map_err(io::Error::other)?;
     let mut writer = LasWriter::new(file, header)?;
-    for &[x, y, z] in points {
-        writer.point(Point {
-            x,
-            y,
-            z,
-            ..Point::default()
-        })?;
-    }
+    points.map(bare).try_for_each(|point| writer.point(point))?;
     writer.finish()
 }

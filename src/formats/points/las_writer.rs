@@ -16,11 +16,6 @@ impl LasWriter {
         Ok(Self(Some(writer)))
     }
 
-    /// The header as it is written.
-    pub fn header(&self) -> io::Result<&Header> {
-        self.0.as_ref().map(Writer::header).ok_or_else(closed)
-    }
-
     /// Writes a point.
     pub fn point(&mut self, point: Point) -> io::Result<()> {
         let writer = self.0.as_mut().ok_or_else(closed)?;

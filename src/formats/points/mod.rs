@@ -1,8 +1,9 @@
-//! Point files of other programs: text, PLY, LAS and LAZ; as elevations also GeoTIFF and GeoJSON.
+//! Point files of other programs: text, PLY, LAS, LAZ and COPC; as elevations also GeoTIFF and GeoJSON.
 //!
 //! A filtered file keeps all that the input said about a point when it is written in the input's own format; between
 //! formats only the coordinates go over.
 
+mod copc;
 mod elevations;
 mod geojson_file;
 mod las_claims;
@@ -11,9 +12,11 @@ mod las_writer;
 mod ply_file;
 mod text_file;
 
+pub use copc::write_copc;
 pub use elevations::{Elevations, Plane, read_elevations};
 pub use las_writer::{LasWriter, transforms};
 
+use copc::is_named_copc;
 use las_file::LasFile;
 use ply_file::PlyFile;
 use std::ffi::OsStr;
@@ -69,6 +72,8 @@ pub enum PointFormat {
     Las,
     /// LAS, compressed.
     Laz,
+    /// LAS, compressed, by the nodes of an octree: `.copc.laz`.
+    Copc,
 }
 
 impl PointFormat {
@@ -82,6 +87,7 @@ impl PointFormat {
             "xyz" | "txt" => Ok(Self::Xyz),
             "ply" => Ok(Self::Ply),
             "las" => Ok(Self::Las),
+            "laz" if is_named_copc(path) => Ok(Self::Copc),
             "laz" => Ok(Self::Laz),
             _ => Err(PointFileError {
                 what: "a point file ends in .xyz, .csv, .txt, .ply, .las or .laz".to_owned(),
@@ -178,7 +184,7 @@ fn read_format(
             let (file, points) = ply_file::read(path)?;
             bare(Rows::Ply(file), points)
         }
-        PointFormat::Las | PointFormat::Laz => {
+        PointFormat::Las | PointFormat::Laz | PointFormat::Copc => {
             let (file, points) = las_file::read(path)?;
             PointFile {
                 epsg: file.epsg(),
@@ -199,19 +205,18 @@ impl PointFile {
             let points = self.points.iter().zip(kept);
             points.filter(|(_, kept)| **kept).map(|(point, _)| point)
         };
-        let compressed = format == PointFormat::Laz;
         match (&self.rows, format) {
             (Rows::Text(rows), PointFormat::Csv | PointFormat::Xyz) => rows.write_kept(out, kept),
             (Rows::Ply(rows), PointFormat::Ply) => rows.write_kept(out, kept),
-            (Rows::Las(rows), PointFormat::Las | PointFormat::Laz) => {
-                rows.write_kept(out, kept, compressed)
+            (Rows::Las(rows), PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
+                rows.write_kept(out, kept, format)
             }
             (_, PointFormat::Csv | PointFormat::Xyz) => {
                 write_lines(out, format == PointFormat::Csv, kept_points())
             }
             (_, PointFormat::Ply) => ply_file::write(out, kept_points()),
-            (_, PointFormat::Las | PointFormat::Laz) => {
-                las_file::write(out, kept_points(), compressed)
+            (_, PointFormat::Las | PointFormat::Laz | PointFormat::Copc) => {
+                las_file::write(out, kept_points(), format)
             }
         }
     }

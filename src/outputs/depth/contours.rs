@@ -1,7 +1,7 @@
 //! Isobaths, the areas between them and what lies below each, in the formats of other programs.
 
-use crate::bathymetry::isobaths::smoothed;
-use crate::export::{self, ExportError, Line, Summary};
+use crate::bathymetry::isobaths::{IsobathSettings, smoothed};
+use crate::export::{self, DrawnLines, ExportError, Line, Summary};
 use crate::outputs::OutputError;
 use crate::outputs::manifest::{Coordinates, FileContent};
 use crate::outputs::results::Results;
@@ -11,23 +11,37 @@ use std::path::Path;
 /// Colours of the shallowest and the deepest line: light enough for a picture of the earth, dark enough for a map.
 const COLOURS: [[f64; 3]; 2] = [[120.0, 200.0, 255.0], [8.0, 48.0, 160.0]];
 /// What is drawn, and how.
-struct Drawn<'a> {
-    contours: &'a Contours,
-    /// Rounds of smoothing.
-    smooth: u32,
+pub(in crate::outputs) struct Drawn<'a> {
+    /// The lines and the areas between them.
+    pub contours: &'a Contours,
+    settings: &'a IsobathSettings,
+    index_levels_m: Vec<f64>,
     /// Square metres on the ground that one on the map is: a map's are not quite those of the ground.
-    ground: f64,
+    pub ground: f64,
 }
 
 impl<'a> Drawn<'a> {
-    fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
+    /// Of a survey that has a depth map.
+    pub fn of(results: &'a Results<'_>) -> Result<Self, OutputError> {
         let grid = &results.surface()?.ok_or(super::NO_SURFACE)?.grid;
         let middle = grid.centre(grid.rows / 2, grid.columns / 2);
+        let settings = &results.products.settings.isobaths;
+        let contours = results.contours()?.as_ref()?;
         Ok(Self {
-            contours: results.contours()?.as_ref()?,
-            smooth: results.products.settings.isobaths.smooth,
+            contours,
+            settings,
+            index_levels_m: settings.index_levels_m(&contours.isobaths.levels_m),
             ground: results.plane.map.area_scale_at(middle).recip(),
         })
+    }
+
+    /// Its lines.
+    pub fn lines(&self) -> DrawnLines<'_> {
+        DrawnLines {
+            lines: &self.contours.isobaths.lines,
+            settings: self.settings,
+            index_levels_m: &self.index_levels_m,
+        }
     }
 }
 
@@ -44,8 +58,7 @@ fn content(
 pub fn isobaths_geojson(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
     let place = |at| results.to_lon_lat(at);
-    let written =
-        export::isobaths_geojson(path, &drawn.contours.isobaths.lines, drawn.smooth, place);
+    let written = export::isobaths_geojson(path, &drawn.lines(), place);
     content(Coordinates::Degrees, written)
 }
 
@@ -72,6 +85,15 @@ pub fn depth_areas(results: &Results<'_>, path: &Path) -> Result<FileContent, Ou
     content(Coordinates::Degrees, written)
 }
 
+/// Writes `spot_soundings.geojson`.
+pub fn spot_soundings(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
+    let place = |at| results.to_lon_lat(at);
+    let settings = &results.products.settings.isobaths;
+    let soundings = results.spot_soundings()?;
+    let written = export::spot_soundings_geojson(path, soundings, settings, place);
+    content(Coordinates::Degrees, written)
+}
+
 /// Writes `storage.csv`.
 pub fn storage(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputError> {
     let drawn = Drawn::of(results)?;
@@ -89,10 +111,11 @@ fn named_lines(drawn: &Drawn<'_>, results: &Results<'_>) -> Vec<Line> {
     let named = lines.iter().map(|line| {
         let share = (line.depth_m - least_m) / (most_m - least_m).max(f64::MIN_POSITIVE);
         let [light, dark] = COLOURS;
-        let points = smoothed(&line.points, drawn.smooth);
+        let points = smoothed(&line.points, drawn.settings.smoothing());
+        let depth = drawn.settings.in_unit(line.depth_m);
         Line {
             points: points.iter().map(|at| results.to_lon_lat(*at)).collect(),
-            label: format!("{} m", line.depth_m),
+            label: format!("{depth} {}", drawn.settings.unit.symbol()),
             numbers: vec![line.depth_m, ground * line.length_m()],
             colour: [0, 1, 2].map(|part| (light[part] + share * (dark[part] - light[part])) as u8),
         }

@@ -2,7 +2,7 @@
 
 use crate::bathymetry::Surface;
 use crate::bathymetry::isobaths::{DepthArea, Storage, depth_areas, storage};
-use crate::pipeline::Isobaths;
+use crate::pipeline::{DepthMap, Isobaths};
 use crate::progress::{Cancelled, Progress};
 use std::sync::Arc;
 
@@ -18,20 +18,21 @@ pub struct Contours {
 }
 
 impl Contours {
-    /// Between and below the lines of a surface.
+    /// Between and below the lines of a depth map. The areas are bounded by the lines; what lies below counts by the depth map itself.
     ///
     /// # Errors
     /// When the work was cancelled.
     pub fn new(
-        surface: &Surface,
+        depth_map: &DepthMap,
         isobaths: Arc<Isobaths>,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let with_ends = with_ends(&isobaths.levels_m, surface.range_m());
+        let levels_of = |surface: &Surface| with_ends(&isobaths.levels_m, surface.range_m());
+        let (surface, drawn) = (&depth_map.surface, isobaths.surface(depth_map, progress)?);
         Ok(Self {
+            areas: depth_areas(drawn, &levels_of(drawn), progress)?,
+            table: storage(surface, &levels_of(surface)),
             isobaths,
-            areas: depth_areas(surface, &with_ends, progress)?,
-            table: storage(surface, &with_ends),
         })
     }
 }

@@ -14,5 +14,5 @@ pub use contours::Contours;
 pub use crosslines::{Crosslines, crosslines};
 pub use plane::{Plane, depth_points};
 pub use residuals::{NamedComparison, comparisons};
-pub use surface::joint_depth_surface;
+pub use surface::{joint_depth_points, joint_depth_surface};
 pub use swath::log_echoes;

@@ -2,7 +2,7 @@
 
 use super::plane::Plane;
 use super::swath::log_echoes;
-use crate::bathymetry::{Shading, Surface, SwathDepth, surface};
+use crate::bathymetry::{DepthPoint, Shading, Surface, SwathDepth, surface};
 use crate::geo::MapPlane;
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
@@ -24,12 +24,7 @@ pub fn joint_depth_surface(
         return Ok(None);
     };
     let settings = &first.products.settings.surface;
-    let mut points = Vec::new();
-    for log in logs {
-        progress.check()?;
-        let plane = Plane::new(&log.survey, &log.products, map.clone());
-        points.append(&mut plane.depth_points(&log.products));
-    }
+    let points = joint_depth_points(logs, map, progress)?;
     if settings.swath == SwathDepth::Off {
         return surface(points, settings, progress);
     }
@@ -41,6 +36,24 @@ pub fn joint_depth_surface(
         made.shading = Shading::Impossible(why.in_words());
     }
     Ok(Some(made))
+}
+
+/// The kept points of all logs of a survey that count for its surface, in the plane of a map.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn joint_depth_points(
+    logs: &[ProcessedLog],
+    map: &MapPlane,
+    progress: &Progress,
+) -> Result<Vec<DepthPoint>, Cancelled> {
+    let mut points = Vec::new();
+    for log in logs {
+        progress.check()?;
+        let plane = Plane::new(&log.survey, &log.products, map.clone());
+        points.append(&mut plane.depth_points(&log.products));
+    }
+    Ok(points)
 }
 
 fn echoes_of<'a>(log: &'a ProcessedLog, map: &MapPlane) -> LogEchoes<'a> {

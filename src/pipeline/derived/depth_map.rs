@@ -1,9 +1,12 @@
 //! The depth map of a survey, as the files hold it and the window draws it.
 
-use crate::bathymetry::{self, Light, Surface, SurfaceSettings, hill_shade};
+use crate::bathymetry::isobaths::with_shoalest;
+use crate::bathymetry::{self, DepthPoint, Light, Surface, SurfaceSettings, hill_shade};
 use crate::cloud::PointCloud;
 use crate::geo::{CrsChoice, MapPlane};
-use crate::pipeline::{Plane, ProcessedLog, Same, colour_range_m, joint_depth_surface};
+use crate::pipeline::{
+    Plane, ProcessedLog, Same, colour_range_m, joint_depth_points, joint_depth_surface,
+};
 use crate::progress::{Cancelled, Progress};
 use crate::survey::{Navigation, Survey};
 use std::sync::{Arc, OnceLock};
@@ -53,6 +56,8 @@ pub struct DepthMap {
     pub gap_m: f64,
     bounds_m: OnceLock<[f64; 4]>,
     shade: OnceLock<Vec<u8>>,
+    shoalest: OnceLock<Surface>,
+    logs: Vec<ProcessedLog>,
     survey: Arc<Survey>,
     navigation: Arc<Navigation>,
 }
@@ -81,6 +86,8 @@ impl DepthMap {
             gap_m: products.settings.surface.max_gap_m,
             bounds_m: OnceLock::new(),
             shade: OnceLock::new(),
+            shoalest: OnceLock::new(),
+            logs: logs.to_vec(),
             survey: survey.clone(),
             navigation: products.navigation.clone(),
         }))
@@ -96,6 +103,26 @@ impl DepthMap {
         }
         let shade = hill_shade(&self.surface, &self.light, progress)?;
         Ok(self.shade.get_or_init(|| shade))
+    }
+
+    /// The depths that it was made of, in its plane.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn depth_points(&self, progress: &Progress) -> Result<Vec<DepthPoint>, Cancelled> {
+        joint_depth_points(&self.logs, &self.map, progress)
+    }
+
+    /// The surface whose isobaths understate no depth that it was made of ([`with_shoalest`]); made when it is first asked for.
+    ///
+    /// # Errors
+    /// When the work was cancelled.
+    pub fn shoalest(&self, progress: &Progress) -> Result<&Surface, Cancelled> {
+        if let Some(shoalest) = self.shoalest.get() {
+            return Ok(shoalest);
+        }
+        let made = with_shoalest(&self.surface, &self.depth_points(progress)?);
+        Ok(self.shoalest.get_or_init(|| made))
     }
 
     /// The place in the plane of one that is given east and north of the survey's origin, metres.

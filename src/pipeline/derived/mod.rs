@@ -91,7 +91,7 @@ impl Derived {
                 Ok(levels_m) => levels_m,
                 Err(error) => return Ok(Err(error)),
             };
-            let made = Isobaths::new(depth_map, levels_m, progress)?;
+            let made = Isobaths::new(depth_map, levels_m, settings.shoal_safe, progress)?;
             Ok(Ok(Arc::new(made)))
         })
     }

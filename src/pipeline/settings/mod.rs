@@ -129,7 +129,7 @@ pub struct SourceSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PointFileSettings {
-    /// `cloud.las` beside `cloud.laz`, for programs that cannot unpack LAZ.
+    /// `cloud.las` beside `cloud.copc.laz`, for programs that cannot unpack LAZ.
     pub las: bool,
 }
 

@@ -372,13 +372,29 @@ rows! {
     LEVELS: "isobaths.depths_m", "Depths", "depths of the isobaths",
         "Depths of the isobaths; when there are any, the interval does not count.",
         Kind::Numbers { unit: "m", range: [-10_000.0, 12_000.0], get: |settings| &settings.isobaths.depths_m };
+    ISOBATH_UNIT: "isobaths.unit", "Isobath unit", "unit of the isobaths",
+        "What the depths of isobaths are round in, and written in along the lines and at spot soundings.",
+        choice!(isobaths.unit, [
+            "metres", "metres", "Metres.";
+            "feet", "feet", "International feet of 0.3048 m.";
+            "fathoms", "fathoms", "Fathoms of six feet.";
+        ]);
     SMOOTH: "isobaths.smooth", "Smoothing", "isobath smoothing",
         "How often the corners of isobaths are cut; 0 leaves them as measured.",
         number!(isobaths.smooth, "", [0.0, 8.0], 1.0, 0, Slider);
+    SHOAL_SAFE: "isobaths.shoal_safe", "Shoals", "isobaths at shoals",
+        "Whether an isobath may lie so that a depth shallower than it is on its deep side.",
+        choice!(isobaths.shoal_safe, [
+            "false", "as the map", "Lines run through the depth map, which is the mean of the depths that meet in a cell.";
+            "true", "never understated", "Every depth that is shallower than a line lies on its shallow side: lines give way to deeper water, and are smoothed that way alone.";
+        ]);
+    SPOT_RADIUS: "isobaths.spot_radius_m", "Spot soundings", "distance of spot soundings",
+        "No spot sounding is nearer to another than this; the shoalest is kept, and of its surroundings no other.",
+        number!(isobaths.spot_radius_m, "m", [0.1, 100_000.0], 1.0, 1, LogSlider, Some("a round distance, a fortieth of the map's diagonal"));
     POINTS_LAS: "points.las", "Plain LAS", "plain LAS",
         "Whether the kept points are written as plain LAS beside LAZ, for programs that cannot unpack LAZ.",
         choice!(points.las, [
-            "false", "LAZ alone", "points/cloud.laz alone.";
+            "false", "LAZ alone", "points/cloud.copc.laz alone.";
             "true", "LAZ and LAS", "points/cloud.las too: the same points, four to five times as large.";
         ]);
     REPORT_PROPOSALS: "report.proposals", "Proposals", "proposals in the report",

@@ -119,7 +119,7 @@ fn simulate_info_process_and_filter_work_together() {
         .lines()
         .count();
     assert_eq!(rows as u64, pings + 1, "one row a ping");
-    for product in ["points/cloud.ply", "points/cloud.laz"] {
+    for product in ["points/cloud.ply", "points/cloud.copc.laz"] {
         assert!(out.join(product).is_file(), "{product}");
     }
     let report: serde_json::Value =

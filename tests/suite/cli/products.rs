@@ -64,7 +64,7 @@ fn points_of_the_cloud_carry_the_level_of_their_echo() {
     let process = ["process", "pond.sl2", "--no-objects", "--products", "cloud"];
     run(folder, &[&process[..], &["-o", "out"]].concat());
     let mut reader =
-        las::Reader::from_path(folder.join("out/points/cloud.laz")).expect("a LAZ file");
+        las::Reader::from_path(folder.join("out/points/cloud.copc.laz")).expect("a LAZ file");
     let points = reader.read_all().expect("points");
     // The user data are 0 for soundings.
     let points = points.user_data().zip(points.intensity());
@@ -450,7 +450,7 @@ fn several_logs_are_one_survey() {
     assert_made(&out, &DEPTH, true);
     assert_made(&out, &ISOBATHS, true);
     let others = [
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         "points/cloud.xyz",
         "track/track.gpx",
         "track/footprint.kmz",
@@ -557,7 +557,7 @@ fn the_same_bytes_under_another_name_are_taken_once() {
     for file in [
         "points/cloud.csv",
         "points/first_returns.csv",
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         "depth/depth.tif",
         "report.json",
     ] {
@@ -585,7 +585,11 @@ fn a_log_without_a_point_says_so_and_writes_no_cloud() {
         &["points/cloud.csv", "report.json", "report.html"],
         true,
     );
-    for cloud in ["points/cloud.laz", "points/cloud.ply", "points/cloud.xyz"] {
+    for cloud in [
+        "points/cloud.copc.laz",
+        "points/cloud.ply",
+        "points/cloud.xyz",
+    ] {
         assert!(!out.join(cloud).exists(), "{cloud}");
     }
     let warnings = json(&out.join("report.json"))["warnings"].to_string();

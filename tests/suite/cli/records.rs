@@ -62,14 +62,14 @@ fn the_manifest_describes_every_file() {
         let regardless = serde_json::json!(row.regardless_of);
         assert_eq!(file["regardless_of"], regardless, "{name}");
         let epsg = match name.rsplit_once('.').map(|(_, kind)| kind) {
-            Some("tif" | "laz" | "xyz" | "shp") => Some(3857),
+            Some("tif" | "laz" | "xyz" | "shp" | "gpkg") => Some(3857),
             Some("geojson" | "kmz" | "gpx") => Some(4326),
             _ => continue,
         };
         assert_eq!(file["crs"]["epsg"].as_u64(), epsg, "{name}");
         assert!(file["extent"]["west"].is_number(), "{name}");
     }
-    assert_eq!(described, 24, "all but those of a comparison and a search");
+    assert_eq!(described, 26, "all but those of a comparison and a search");
 }
 
 #[test]

@@ -285,7 +285,7 @@ fn points(seeds: &Seeds, random: &mut Random, folder: &Path) -> String {
         "points/cloud.csv",
         "points/cloud.xyz",
         "points/cloud.ply",
-        "points/cloud.laz",
+        "points/cloud.copc.laz",
         "isobaths/depth_areas.geojson",
     ]);
     let name = from.rsplit('/').next().unwrap_or(from);
@@ -302,7 +302,13 @@ fn points(seeds: &Seeds, random: &mut Random, folder: &Path) -> String {
 
 fn filter(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let name = points(seeds, random, folder);
-    let output = random.pick(&["kept.csv", "kept.ply", "kept.las", "kept.laz"]);
+    let output = random.pick(&[
+        "kept.csv",
+        "kept.ply",
+        "kept.las",
+        "kept.laz",
+        "kept.copc.laz",
+    ]);
     let radius = random.pick(&["1", "1e-9", "1e9", "1e300"]);
     let neighbors = random.pick(&["1", "10", "500", "1000000"]);
     strings(&[
@@ -319,7 +325,7 @@ fn filter(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
 
 fn compare(seeds: &Seeds, random: &mut Random, folder: &Path) -> Vec<String> {
     let measured = points(seeds, random, folder);
-    let sound = random.pick(&["cloud.xyz", "cloud.laz", "cloud.csv"]);
+    let sound = random.pick(&["cloud.xyz", "cloud.copc.laz", "cloud.csv"]);
     fs::create_dir(folder.join("sound")).expect("a folder");
     let reference = format!("sound/{sound}");
     let points = seeds.read(&format!("out/points/{sound}"));

@@ -76,7 +76,7 @@ fn a_laz_that_claims_gigabytes_is_refused() {
         "process pond.sl2 -o out --no-objects --products cloud",
         0,
     );
-    let mut laz = fs::read(folder.path().join("out/points/cloud.laz")).expect("points");
+    let mut laz = fs::read(folder.path().join("out/points/cloud.copc.laz")).expect("points");
     let points = u32::from_le_bytes(laz[96..100].try_into().expect("four bytes")) as usize;
     let record = usize::from(u16::from_le_bytes([laz[105], laz[106]]));
     // Behind the place of the table, the first point and the count comes the size of the first layer.
@@ -87,7 +87,7 @@ fn a_laz_that_claims_gigabytes_is_refused() {
     refused(&folder, filter, &["beyond their end", "claims.laz"]);
     run(
         &folder,
-        "filter out/points/cloud.laz -o kept.laz --radius 9 --min-neighbors 1",
+        "filter out/points/cloud.copc.laz -o kept.laz --radius 9 --min-neighbors 1",
         0,
     );
 }

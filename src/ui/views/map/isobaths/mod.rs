@@ -7,7 +7,7 @@ pub use labels::{Labels, octave};
 use super::lines::{Line, LinePicture, Pen};
 use super::overlay::Scene;
 use crate::app::{DrawnIsobaths, ThemeChoice};
-use crate::bathymetry::isobaths::IsobathSettings;
+use crate::bathymetry::isobaths::{INDEX, IsobathSettings};
 use crate::pipeline::Isobaths;
 use crate::presentation::units::{LengthUnit, Units};
 use crate::progress::Progress;
@@ -18,8 +18,6 @@ use egui::epaint::TextShape;
 use egui::{Align2, Color32, Painter, Shape, Stroke, Vec2, vec2};
 use std::sync::Arc;
 
-/// Every so many isobaths one is thick, counted from depth 0.
-const INDEX: f64 = 5.0;
 /// Most segments drawn in a frame, of the thin and of the thick lines: beyond, coarser levels are taken.
 const MOST_SEGMENTS: [u32; 2] = [5_000, 2_500];
 
@@ -30,6 +28,7 @@ const MANY: usize = 20_000;
 static NONE: Isobaths = Isobaths {
     levels_m: Vec::new(),
     lines: Vec::new(),
+    shoal_safe: false,
 };
 
 /// A line of equal depth in the plane of the survey.
@@ -72,14 +71,15 @@ impl IsobathLayer {
             Ok(_) => note(settings, levels_m, units),
             Err(_) => "no isobaths:\ntoo small a step".to_owned(),
         };
-        let step_m = step_m(settings, levels_m);
+        let step_m = settings.step_m(levels_m);
         let decimals = decimals(levels_m, units);
         let from_origin =
             |place: &[f64; 2]| [0, 1].map(|axis| (place[axis] - origin_m[axis]) as f32);
         let lines: Vec<GroundLine> = (isobaths.lines.iter().zip(&drawn.on_ground))
             .map(|(line, places)| GroundLine {
                 text: format!("{:.decimals$}", units.from_m(line.depth_m) + 0.0),
-                is_index: step_m.is_some_and(|step_m| is_index(line.depth_m, step_m)),
+                is_index: step_m
+                    .is_some_and(|step_m| IsobathSettings::is_index(line.depth_m, step_m)),
                 points: places.iter().map(from_origin).collect(),
             })
             .collect();
@@ -115,22 +115,6 @@ fn vertices(lines: &[GroundLine], is_index: bool) -> Vec<Vertex> {
         .collect()
 }
 
-/// Metres from one isobath to the next; `None` where their depths were listed.
-fn step_m(settings: &IsobathSettings, levels_m: &[f64]) -> Option<f64> {
-    if !settings.depths_m.is_empty() {
-        return None;
-    }
-    let first_two = levels_m.first().zip(levels_m.get(1));
-    settings
-        .interval_m
-        .or(first_two.map(|(first, second)| second - first))
-}
-
-fn is_index(depth_m: f64, step_m: f64) -> bool {
-    let count = (depth_m / step_m).round();
-    (count / INDEX).fract() == 0.0
-}
-
 /// Digits after the point that distinguish the levels: at most three, and two where levels that are round in metres are not shown in
 /// metres.
 fn decimals(levels_m: &[f64], units: Units) -> usize {
@@ -152,7 +136,7 @@ fn note(settings: &IsobathSettings, levels_m: &[f64], units: Units) -> String {
     if levels_m.is_empty() {
         return "no isobath in\nthese depths".to_owned();
     }
-    match step_m(settings, levels_m) {
+    match settings.step_m(levels_m) {
         Some(step_m) => {
             let decimals = decimals(&[step_m], units);
             let [thin, thick] = [1.0, INDEX].map(|times| units.from_m(times * step_m));
@@ -239,15 +223,6 @@ fn write(painter: &Painter, scene: &Scene<'_>, layer: &IsobathLayer, labels: &La
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_fifth_isobath_is_thick_counted_from_zero() {
-        let thick: Vec<f64> = (-3..12)
-            .map(|count| 0.2 * f64::from(count))
-            .filter(|depth_m| is_index(*depth_m, 0.2))
-            .collect();
-        assert_eq!(thick, [0.0, 1.0, 2.0]);
-    }
 
     #[test]
     fn labels_have_the_decimals_that_tell_them_apart() {
