@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The checks must be able to fail: each spoils a copy of a folder that passes in one small way."""
 
+import contextlib
 import hashlib
 import io
 import json
@@ -129,6 +130,16 @@ def flatten_tiles(folder):
     path.write_bytes(content)
 
 
+def in_package(statement):
+    """Changes survey.gpkg."""
+
+    def spoil(folder):
+        with contextlib.closing(sqlite3.connect(folder / "survey.gpkg")) as database, database:
+            database.execute(statement)
+
+    return hashed(spoil, "survey.gpkg")
+
+
 def move_a_node(folder):
     """Has the first node of the octree begin a byte later; its table is the first record behind the points."""
     path = folder / "points/cloud.copc.laz"
@@ -142,6 +153,13 @@ SPOILERS = {
     "a tile at another place": hashed(move_a_tile, "map_tiles/depth.mbtiles"),
     "a zoom that the archive does not have": hashed(other_zoom, "map_tiles/depth.pmtiles"),
     "tiles that are a metre deeper": hashed(flatten_tiles, "map_tiles/depth_values.pmtiles"),
+    "a line too few in the package": in_package("delete from isobaths where fid = 1"),
+    "a box of the R-tree at another place": in_package("update rtree_isobaths_geom_rowid set nodeno = 7 where rowid = 1"),
+    "a layer without a style": in_package("delete from layer_styles where f_table_name = 'track'"),
+    "a spot sounding that is shallower than the depth": hashed(
+        edit("isobaths/spot_soundings.geojson", lambda spots: spots["features"][0]["properties"].update(depth_m=0.5)),
+        "isobaths/spot_soundings.geojson",
+    ),
     "a node of the octree at another place": hashed(move_a_node, "points/cloud.copc.laz"),
     "a wrong count": edit_entry("points/cloud.copc.laz", lambda record: record["count"].update(points=1)),
     "a wrong system": edit_entry("mosaic/mosaic.tif", lambda record: record["crs"].update(epsg=32616)),

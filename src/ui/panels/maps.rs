@@ -39,9 +39,7 @@ fn depth_map(ui: &mut Ui, context: &mut ViewContext<'_>) {
         &rows::MAX_GAP,
         &rows::SIDE_SCAN_WEIGHT,
         &rows::INTERVAL,
-        &rows::ISOBATH_UNIT,
         &rows::SMOOTH,
-        &rows::SHOAL_SAFE,
     ] {
         setting(ui, context, row);
     }
