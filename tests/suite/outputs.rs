@@ -276,6 +276,10 @@ fn the_window_says_which_files_are_older_than_the_settings() {
             "isobaths/isobaths.shp",
             "isobaths/depth_areas.geojson",
             "isobaths/storage.csv",
+            "map_tiles/depth.mbtiles",
+            "map_tiles/depth.pmtiles",
+            "map_tiles/depth_values.pmtiles",
+            "map_tiles/index.html",
             "report.html",
             "report.json",
             "manifest.json"
