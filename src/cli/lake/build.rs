@@ -45,7 +45,7 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
     drop(status);
     if joined == MapTilesState::Made {
         output::results(
-            "wrote map_tiles/index.html, depth.mbtiles, depth.pmtiles, depth_values.pmtiles",
+            "joined the maps in map_tiles/index.html, depth.mbtiles, depth.pmtiles, depth_values.pmtiles",
         )?;
     }
     output::results(format_args!(
