@@ -224,7 +224,7 @@ fn nothing_is_drawn_in_front_of_a_cross_section() {
         picture.get_pixel(x, y).0[3]
     };
     assert_eq!([alpha_at(37.0, -60.0), alpha_at(43.0, -60.0)], [255, 0]);
-    assert_eq!([alpha_at(20.0, -77.0), alpha_at(20.0, -83.0)], [255, 0]);
+    assert_eq!([alpha_at(60.0, -37.0), alpha_at(60.0, -43.0)], [255, 0]);
 }
 
 #[test]
@@ -422,6 +422,8 @@ fn the_3d_view_is_cut_along_the_profile_and_shows_the_water_surface() {
             .query_by_label_contains("draw a depth profile on the map first")
             .is_some()
     );
+    window.get_by_label("Dismiss").click();
+    window.run();
     let survey = app(&window).log.survey.clone().expect("a survey");
     let products = app(&window).log.products.clone().expect("results");
     let pings = &products.navigation.pings;

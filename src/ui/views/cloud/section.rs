@@ -52,26 +52,32 @@ pub fn paint(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes<'_>) 
         return;
     }
     let colour = theme::measure_colour();
-    let place = |one: &Station, depth_m: f64| {
-        let place = scene.local(one.place[0], one.place[1], -depth_m);
-        let uncut = Part {
-            cut: None,
-            ..axes.part
-        };
-        uncut.holds(place).then(|| axes.at(place)).flatten()
+    let at = |one: &Station, depth_m: f64| {
+        let [east_m, north_m] = one.place;
+        in_box(axes, scene.local(east_m, north_m, -depth_m))
     };
-    let known = |one: &Station| place(one, f64::from(one.depth_m?));
-    let bottom: Vec<Option<Pos2>> = stations.iter().map(known).collect();
-    lines(painter, &bottom, Stroke::new(2.5, colour));
-    let surface: Vec<Option<Pos2>> = stations.iter().map(|one| place(one, 0.0)).collect();
+    let bottom = |one: &Station| at(one, f64::from(one.depth_m?));
+    let bottom: Vec<Option<Pos2>> = stations.iter().map(bottom).collect();
+    let surface: Vec<Option<Pos2>> = stations.iter().map(|one| at(one, 0.0)).collect();
     let thin = Stroke::new(1.0, colour);
+    lines(painter, &bottom, Stroke::new(2.5, colour));
     lines(painter, &surface, thin);
-    for end in [0, stations.len().saturating_sub(1)] {
-        let ends = bottom.get(end).copied().flatten();
-        if let Some((low, high)) = ends.zip(surface.get(end).copied().flatten()) {
-            painter.line_segment([low, high], thin);
-        }
+    let upright = bottom
+        .iter()
+        .zip(&surface)
+        .filter_map(|(low, high)| Some([(*low)?, (*high)?]));
+    let upright: Vec<[Pos2; 2]> = upright.collect();
+    for ends in upright.first().into_iter().chain(upright.last()) {
+        painter.line_segment(*ends, thin);
     }
+}
+
+/// Where a place is on the screen, if it lies above, in or below the box that is drawn.
+fn in_box(axes: &Axes<'_>, place: Vec3) -> Option<Pos2> {
+    let [low, high] = axes.corners.map(Vec3::truncate);
+    let beside = place.truncate();
+    let is_in = beside.cmpge(low).all() && beside.cmple(high).all();
+    is_in.then(|| axes.at(place)).flatten()
 }
 
 /// Draws where the water's surface is, or what else depths count from, and over it the tracks of all visible logs.
@@ -103,14 +109,7 @@ pub fn paint_water(painter: &Painter, app: &App, scene: &CloudScene, axes: &Axes
         let thinned = pings
             .iter()
             .step_by(pings.len().div_ceil(most.max(2)).max(1));
-        let places = thinned.map(|ping| {
-            let is_known = ping.east_m.is_finite() && ping.north_m.is_finite();
-            let place = is_known.then(|| scene.local(ping.east_m, ping.north_m, 0.0))?;
-            let [low, high] = axes.corners;
-            let is_in =
-                place.x >= low.x && place.x <= high.x && place.y >= low.y && place.y <= high.y;
-            is_in.then(|| axes.at(place)).flatten()
-        });
+        let places = thinned.map(|ping| in_box(axes, scene.local(ping.east_m, ping.north_m, 0.0)));
         let places: Vec<Option<Pos2>> = places.collect();
         lines(
             painter,
