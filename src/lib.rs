@@ -14,7 +14,7 @@
 //!                     '--waterfall: picture tiles, shown with gain and levels by picture
 //! pipeline runs the stages, lake keeps what many logs measured in tiles, html_report makes the report of the results, outputs writes all files of a run, project keeps what was decided about a survey, app holds what the analyst sees and decides, ui shows it, render draws it, cli is the program.
 //! base_map is a picture of the analyst's own under the map, manual holds the pages of the manual with tables derived from the program.
-//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, printable, regular_file, sparse, system_words and versions (lists that grow) serve them all.
+//! geo (positions and planes), presentation (colours, numbers, plots), progress, statistics, calendar, catch_panic, outline, printable, regular_file, sparse, system_words and versions (lists that grow) serve them all.
 //! ```
 //!
 //! From a log to its points, and to the depth map of all logs of a survey:
@@ -64,6 +64,7 @@ pub mod lake;
 pub mod manual;
 pub mod map_tiles;
 pub mod mosaic;
+mod outline;
 pub mod outputs;
 pub mod picture;
 pub mod pipeline;

@@ -1,7 +1,7 @@
 //! Outlines on a plane.
 
 /// Whether a closed outline, whose first corner is its last one too, goes around a place: a ray to the east crosses it an odd number of times.
-pub fn surrounds(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+pub fn goes_around(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let crosses = |step: &&[[f64; 2]]| {
         let [[x0, y0], [x1, y1]] = [step[0], step[1]];
         (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0)
@@ -24,8 +24,8 @@ mod tests {
             [0.0, 0.0],
         ];
         let inside = [[1.0, 1.0], [3.0, 2.0], [2.0, 2.0], [5.0, 1.0], [-1.0, 1.0]];
-        let found = inside.map(|place| surrounds(&notched, place));
+        let found = inside.map(|place| goes_around(&notched, place));
         assert_eq!(found, [true, true, false, false, false]);
-        assert!(!surrounds(&[], [0.0, 0.0]));
+        assert!(!goes_around(&[], [0.0, 0.0]));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `local_frame` is the east-north plane of a survey, `mercator` the spherical Mercators that recorders and the paper use,
 //! `utm` the metres that survey programs expect in a file, `coordinates` how a person reads a position,
-//! `geodesic` the lengths and areas of what is drawn, `outline` what lies within a ring. `crs` has these and the other systems that files are written
+//! `geodesic` the lengths and areas of what is drawn. `crs` has these and the other systems that files are written
 //! in, `map_plane` makes any of them a plane in metres.
 
 mod coordinates;
@@ -11,7 +11,6 @@ mod geodesic;
 mod local_frame;
 mod map_plane;
 mod mercator;
-mod outline;
 mod utm;
 
 pub use coordinates::CoordinateFormat;
@@ -23,7 +22,6 @@ pub use mercator::{
     humminbird_mercator_inverse, lowrance_mercator, lowrance_mercator_inverse, web_mercator,
     web_mercator_inverse,
 };
-pub use outline::surrounds;
 pub use utm::UtmZone;
 
 /// A WGS84 position in degrees.

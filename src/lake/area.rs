@@ -1,7 +1,8 @@
 //! What of a polygon a side of a ping saw.
 
 use super::footprint::{Footprint, Seen, SideRange};
-use crate::geo::{LonLat, UtmZone, surrounds};
+use crate::geo::{LonLat, UtmZone};
+use crate::outline::goes_around;
 
 /// Closed rings in the metres of a zone: a place is within where an odd number of them go around it, so that islands are rings too.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +47,12 @@ impl Area {
                 along[1],
             ];
             let is_within = |place: &[f64; 2]| {
-                rings.iter().filter(|ring| surrounds(ring, *place)).count() % 2 == 1
+                rings
+                    .iter()
+                    .filter(|ring| goes_around(ring, *place))
+                    .count()
+                    % 2
+                    == 1
             };
             let corners = across.iter().flat_map(|x| along.map(|y| [*x, y]));
             let edges = rings.iter().flat_map(|ring| ring.windows(2));
@@ -139,7 +145,13 @@ mod tests {
             };
             for x in steps(west, east) {
                 for y in steps(south, north) {
-                    if rings.iter().filter(|ring| surrounds(ring, [x, y])).count() % 2 == 0 {
+                    if rings
+                        .iter()
+                        .filter(|ring| goes_around(ring, [x, y]))
+                        .count()
+                        % 2
+                        == 0
+                    {
                         continue;
                     }
                     for (side, seen) in ping.seen([x, y], 0.0).into_iter().enumerate() {

@@ -170,9 +170,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 
 /// Files that any module may name.
-const SERVE_ALL: [&str; 8] = [
+const SERVE_ALL: [&str; 9] = [
     "calendar.rs",
     "catch_panic.rs",
+    "outline.rs",
     "printable.rs",
     "progress.rs",
     "regular_file.rs",

@@ -14,12 +14,16 @@ use std::str::FromStr;
 
 /// `bathyscope who DIR LON,LAT[,RADIUS]`.
 #[derive(Debug, clap::Args)]
-#[group(id = "asked", required = true, multiple = false, args = ["place", "area"])]
 pub struct WhoArgs {
     /// Folder of the lake
     lake: PathBuf,
     /// Longitude and latitude, degrees, and how far around them, metres: -111.4801,36.8603 or -111.4801,36.8603,5
-    #[arg(value_name = "LON,LAT[,RADIUS]", allow_hyphen_values = true)]
+    #[arg(
+        value_name = "LON,LAT[,RADIUS]",
+        allow_hyphen_values = true,
+        required_unless_present = "area",
+        conflicts_with = "area"
+    )]
     place: Option<Place>,
     /// Polygon instead of a place: GeoJSON, KML or GPX
     #[arg(long, value_name = "FILE")]

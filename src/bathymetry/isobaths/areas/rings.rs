@@ -1,7 +1,7 @@
 //! Pieces of a border joined to rings, and rings sorted into outlines and holes.
 
 use super::{Piece, Stop};
-use crate::geo;
+use crate::outline::goes_around;
 
 /// An area with holes.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,7 +117,7 @@ fn surrounds(outline: &[[f64; 2]], ring: &[[f64; 2]]) -> bool {
     let corners = &ring[..ring.len() - 1];
     let inside = corners
         .iter()
-        .filter(|corner| geo::surrounds(outline, **corner))
+        .filter(|corner| goes_around(outline, **corner))
         .count();
     2 * inside > corners.len()
 }
