@@ -179,6 +179,7 @@ impl LakeTiles {
                 range_m: range_m.map(|depth_m| depth_m as f32),
                 // Too many are a warning of the tiles; the map is drawn without.
                 levels_m: settings.levels_m(range_m).unwrap_or_default(),
+                isobaths: settings,
             },
             contents,
             tiles,

@@ -3,7 +3,7 @@
 use super::TILE_PIXELS;
 use super::label;
 use super::stroke::{Pen, stroke};
-use crate::bathymetry::isobaths::Isobath;
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings};
 
 /// Under a line and a number, so that they show on dark ground.
 const HALO: Pen = Pen {
@@ -36,18 +36,18 @@ const SHARES: [f64; 5] = [0.5, 0.35, 0.65, 0.2, 0.8];
 const STRAIGHT: f64 = 0.92;
 
 /// Draws lines, given in pixels of the tile, over its picture. A number lies wholly in its tile: neighbours know nothing of it.
-pub fn draw_isobaths(picture: &mut [u8], lines: &[Isobath]) {
+pub fn draw_isobaths(picture: &mut [u8], lines: &[Isobath], settings: &IsobathSettings) {
     let points = || lines.iter().map(|line| line.points.as_slice());
     stroke(picture, points(), HALO);
     stroke(picture, points(), LINE);
-    let numbers = numbers(lines);
+    let numbers = numbers(lines, settings);
     let strokes = || numbers.iter().map(Vec::as_slice);
     stroke(picture, strokes(), NUMBER_HALO);
     stroke(picture, strokes(), NUMBER);
 }
 
 /// The strokes of all numbers, those of the longest lines first.
-fn numbers(lines: &[Isobath]) -> Vec<Vec<[f64; 2]>> {
+fn numbers(lines: &[Isobath], settings: &IsobathSettings) -> Vec<Vec<[f64; 2]>> {
     let lengths = lines.iter().map(|line| (line.length_m(), line));
     let mut longest: Vec<(f64, &Isobath)> = lengths
         .filter(|(length, _)| *length >= LEAST_LABELLED)
@@ -55,7 +55,7 @@ fn numbers(lines: &[Isobath]) -> Vec<Vec<[f64; 2]>> {
     longest.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (mut taken, mut strokes): (Vec<[f64; 2]>, _) = (Vec::new(), Vec::new());
     for (length, line) in longest {
-        let text = format!("{}", line.depth_m);
+        let text = format!("{}", settings.in_unit(line.depth_m));
         let half = 0.5 * label::width(&text) + 2.0;
         let fits = |at: [f64; 2]| {
             let inside = at
@@ -98,6 +98,7 @@ fn at_length(points: &[[f64; 2]], mut along: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::presentation::units::LengthUnit;
 
     fn line(points: &[[f64; 2]]) -> Isobath {
         Isobath {
@@ -109,27 +110,39 @@ mod tests {
     #[test]
     fn a_long_line_has_a_number_that_lies_in_the_tile() {
         let straight = line(&[[0.0, 100.0], [256.0, 130.0]]);
-        let drawn = numbers(std::slice::from_ref(&straight));
+        let metres = IsobathSettings::default();
+        let drawn = numbers(std::slice::from_ref(&straight), &metres);
         assert_eq!(drawn.len(), 3);
+        let feet = IsobathSettings {
+            unit: LengthUnit::Feet,
+            ..metres.clone()
+        };
+        // Of 3.048 m, in feet: a one and a nought, no point.
+        let ten_feet = Isobath {
+            depth_m: 3.048,
+            ..straight.clone()
+        };
+        assert_eq!(numbers(&[ten_feet], &feet).len(), 2);
         let inside = |place: &f64| (0.0..256.0).contains(place);
         assert!(drawn.iter().flatten().flatten().all(inside));
         assert!(
-            numbers(&[line(&[[100.0, 100.0], [140.0, 100.0]])]).is_empty(),
+            numbers(&[line(&[[100.0, 100.0], [140.0, 100.0]])], &metres).is_empty(),
             "too short"
         );
         assert!(
-            numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])]).is_empty(),
+            numbers(&[line(&[[0.0, 3.0], [256.0, 3.0]])], &metres).is_empty(),
             "at the edge"
         );
         let beside = line(&[[0.0, 145.0], [256.0, 175.0]]);
         // The second finds another place along its line, farther from the first.
-        assert_eq!(numbers(&[straight, beside]).len(), 6);
+        assert_eq!(numbers(&[straight, beside], &metres).len(), 6);
     }
 
     #[test]
     fn a_line_changes_the_pixels_that_it_crosses() {
         let mut picture = [200, 200, 200, 255].repeat(TILE_PIXELS * TILE_PIXELS);
-        draw_isobaths(&mut picture, &[line(&[[0.0, 10.5], [60.0, 10.5]])]);
+        let line = line(&[[0.0, 10.5], [60.0, 10.5]]);
+        draw_isobaths(&mut picture, &[line], &IsobathSettings::default());
         let at = |column: usize, row: usize| picture[4 * (row * TILE_PIXELS + column)];
         assert!(at(30, 10) < 60 && at(30, 20) == 200 && at(80, 10) == 200);
         assert!(at(30, 11) > at(30, 10));

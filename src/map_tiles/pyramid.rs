@@ -2,7 +2,7 @@
 
 use super::chart::draw_isobaths;
 use super::{Pixels, TILE_PIXELS, WebTile, ZoomRange};
-use crate::bathymetry::isobaths::{Isobath, evenly_apart_m, joined};
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings, evenly_apart_m, joined};
 use crate::progress::Progress;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
@@ -29,6 +29,8 @@ pub struct MapScales {
     pub range_m: [f32; 2],
     /// Depths of the isobaths, rising, metres.
     pub levels_m: Vec<f64>,
+    /// How they are asked for: numbers along them are in its unit.
+    pub isobaths: IsobathSettings,
 }
 
 /// What tiles are made of.
@@ -169,7 +171,7 @@ where
             ..*line
         };
         let lines: Vec<Isobath> = part.lines.iter().map(in_tile).collect();
-        draw_isobaths(&mut picture, &lines);
+        draw_isobaths(&mut picture, &lines, &self.source.scales().isobaths);
         (self.keep)(Picture::Chart, tile, png(&picture)?)?;
         (self.keep)(Picture::Elevations, tile, png(&part.pixels.elevations())?)
     }
@@ -261,6 +263,7 @@ mod tests {
             zooms: ZoomRange::of_map(BOX, 0.6),
             range_m: [2.0, 3.0],
             levels_m: vec![2.5],
+            isobaths: IsobathSettings::default(),
         })
     }
 

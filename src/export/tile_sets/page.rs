@@ -107,6 +107,7 @@ mod tests {
                 zooms: ZoomRange::of_map([9.0, 47.0, 9.01, 47.01], 0.5),
                 range_m: [1.0, 3.0],
                 levels_m: vec![1.0, 1.2],
+                isobaths: Default::default(),
             },
         };
         let written = || {

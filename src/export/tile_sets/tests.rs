@@ -13,6 +13,7 @@ fn set() -> TileSet {
             zooms: ZoomRange::of_map([-111.49, 36.85, -111.48, 36.86], 0.5),
             range_m: [1.0, 3.0],
             levels_m: Vec::new(),
+            isobaths: Default::default(),
         },
     }
 }

@@ -1,7 +1,7 @@
 //! The depth map as tiles: for plotters and apps with isobaths, for web maps without, as depths, and with a page that shows them.
 
 use super::rasters::applied;
-use crate::bathymetry::isobaths::{Isobath, Smoothing, clipped, smoothed};
+use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped, smoothed};
 use crate::export::Summary;
 use crate::export::tile_sets::{TileSet, TileStore, map_page, mbtiles, pmtiles};
 use crate::geo::{Crs, LonLat, MapPlane, bounds_deg, boxes_meet, web_mercator};
@@ -89,13 +89,13 @@ impl MapTiles {
         let isobaths = results.isobaths()?.map(|made| made.as_ref().clone());
         // Too many isobaths are a warning of their group; the map is drawn without.
         let isobaths = isobaths.unwrap_or_default();
-        let smoothing = results.products.settings.isobaths.smoothing();
+        let settings = &results.products.settings.isobaths;
         let source = RunTiles::new(
             depth_map,
             depth_map.shade(results.progress)?,
             &isobaths.lines,
             isobaths.levels_m.clone(),
-            smoothing,
+            settings,
         );
         let store = TileStore::draw(folder, &source, results.progress)?;
         Ok(Self {
@@ -127,12 +127,12 @@ impl<'a> RunTiles<'a> {
         shade: &'a [u8],
         lines: &[Isobath],
         levels_m: Vec<f64>,
-        smoothing: Smoothing,
+        settings: &IsobathSettings,
     ) -> Self {
         let map = &depth_map.map;
         let zooms = ZoomRange::of_map(grid_bounds_deg(depth_map), depth_map.surface.grid.cell_m);
         let in_pixels = |line: &Isobath| Isobath {
-            points: (smoothed(&line.points, smoothing).iter())
+            points: (smoothed(&line.points, settings.smoothing()).iter())
                 .map(|place| web_pixel(map.to_lon_lat(*place), zooms.finest))
                 .collect(),
             ..*line
@@ -144,6 +144,7 @@ impl<'a> RunTiles<'a> {
                 zooms,
                 range_m: depth_map.colour_range_m,
                 levels_m,
+                isobaths: settings.clone(),
             },
             lines: lines.iter().map(in_pixels).collect(),
         }
