@@ -284,7 +284,11 @@ fn passes_menu(ui: &mut Ui, context: &mut ViewContext<'_>, passes: &[(LogId, Pas
                 let away = context.app.options.units.measure(pass.range_m, 1);
                 let side = pass.side.name();
                 let ping = named_ping(context.app, (*log, first));
-                let name = format!("{ping} to {last}, {side}, slant range {away}");
+                let to = match first == last {
+                    true => String::new(),
+                    false => format!(" to {last}"),
+                };
+                let name = format!("{ping}{to}, {side}, slant range {away}");
                 if ui.button(name).clicked() {
                     context.push(Command::RevealIn(*log, mark_of(pass)));
                     ui.close();
