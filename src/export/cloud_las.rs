@@ -1,35 +1,31 @@
 //! `cloud.copc.laz` and `cloud.las`: kept points in a map's coordinates, for survey programs.
 
+use super::extra_bytes::{Dimension, Kind};
 use super::gps_time::adjusted_standard_s;
-use super::{ExportError, LogPoints, Summary, colour, extra_bytes, write_aside};
-use crate::cloud::CloudPoint;
-use crate::formats::points::{LasWriter, transforms, write_copc};
+use super::las::{BATHYMETRIC, LasPacking, LasSpec, write_las};
+use super::{ExportError, LogPoints, Summary, colour};
+use crate::cloud::{CloudPoint, PointSource};
 use crate::geo::Crs;
-use las::point::{Classification, Format};
-use las::{
-    Builder, Color, GpsTimeType, Header, Point, PointDataBuilder, Transform, Vector, Version,
-};
+use las::point::Classification;
+use las::{Color, Point};
 use rayon::prelude::*;
-use std::io;
 use std::path::Path;
 
-/// Coordinates are stored to this many metres, unless they lie too far apart for it.
-const RESOLUTION_M: f64 = 0.001;
-/// Or degrees: a millimetre.
-const RESOLUTION_DEG: f64 = 1e-8;
-/// LAS 1.4 point format with time and colour.
-const FORMAT: u8 = 7;
-/// ASPRS class of a bathymetric point.
-const BATHYMETRIC: u8 = 40;
-
-/// Whether points are packed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LasPacking {
-    /// LAZ in the order of COPC: a fraction of the size, and read from coarse to fine, or where somebody looks.
-    Copc,
-    /// LAS, for programs that cannot unpack.
-    Plain,
-}
+/// Stands for "no confidence": a sounding has none.
+const NO_CONFIDENCE: f32 = -1.0;
+/// What a point carries, in the order of [`extra_bytes_of`].
+const DIMENSIONS: [Dimension; 5] = [
+    Dimension::new("source", Kind::U8, None, "0 recorded depth, 1 side-scan"),
+    Dimension::new("ping", Kind::U32, None, "side-scan ping, from 0"),
+    Dimension::new("side", Kind::U8, None, "0 below, 1 port, 2 starboard"),
+    Dimension::new(
+        "confidence",
+        Kind::F32,
+        Some(NO_CONFIDENCE as f64),
+        "of the first return, 0 to 1",
+    ),
+    Dimension::new("range_m", Kind::F32, None, "slant range, metres"),
+];
 
 /// Writes the kept points as COPC or LAS 1.4 in a system (its WKT in the header), whatever the plane of the cloud; `place` gives where
 /// a point lies there. z is elevation in metres above the transducer, so negative.
@@ -58,55 +54,20 @@ pub fn cloud_las(
         );
     }
     let knows_time = logs.iter().all(|log| log.survey.start_unix_s.is_some());
-    write_aside(path, |file| {
-        let places = (points.iter()).map(|(_, _, point, [x, y])| [*x, *y, point.z_m]);
-        let resolution = match crs.is_degrees() {
-            true => RESOLUTION_DEG,
-            false => RESOLUTION_M,
-        };
-        let origin = logs.first().map(|log| log.survey.track.frame.origin());
-        let [x, y] = origin.map_or([0.0; 2], |origin| crs.place(origin));
-        let finest = [resolution, resolution, RESOLUTION_M];
-        let transforms = transforms(places, [x, y, 0.0], finest)?;
-        let header = las_header(knows_time, crs, transforms).map_err(io::Error::other)?;
-        let (format, transforms) = (*header.point_format(), *header.transforms());
-        let mut summary = Summary::default();
-        let mut records = Vec::with_capacity(points.len() * usize::from(format.len()));
-        for (source, log, point, at) in points {
-            summary.add(at, point.z_m);
-            let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
-            las_point(log, start_unix_s, source, point, at)
-                .and_then(|point| point.into_raw(&transforms))
-                .and_then(|raw| raw.write_to(&mut records, &format))
-                .map_err(io::Error::other)?;
-        }
-        let data = PointDataBuilder::new().for_header(&header);
-        let data = data.build_from_bytes(records).map_err(io::Error::other)?;
-        match packing {
-            LasPacking::Copc => write_copc(file, header, &data)?,
-            LasPacking::Plain => {
-                let mut writer = LasWriter::new(file, header)?;
-                writer.points(&data)?;
-                writer.finish()?;
-            }
-        }
-        Ok(summary)
-    })
-}
-
-fn las_header(knows_time: bool, crs: &Crs, transforms: Vector<Transform>) -> las::Result<Header> {
-    let mut builder = Builder::from(Version::new(1, 4));
-    builder.generating_software = concat!("bathyscope ", env!("CARGO_PKG_VERSION")).to_owned();
-    if knows_time {
-        builder.gps_time_type = GpsTimeType::Standard;
-    }
-    builder.point_format = Format::new(FORMAT)?;
-    builder.point_format.extra_bytes = extra_bytes::LENGTH;
-    builder.vlrs.push(extra_bytes::record());
-    builder.transforms = transforms;
-    let mut header: Header = builder.into_header()?;
-    header.set_wkt_crs(crs.wkt().as_bytes().to_vec())?;
-    Ok(header)
+    let origin = logs.first().map(|log| log.survey.track.frame.origin());
+    let spec = LasSpec {
+        packing,
+        crs,
+        origin,
+        knows_time,
+        dimensions: &DIMENSIONS,
+    };
+    let places = (points.iter()).map(|(_, _, point, [x, y])| [*x, *y, point.z_m]);
+    let records = points.iter().map(|(source, log, point, at)| {
+        let start_unix_s = log.survey.start_unix_s.filter(|_| knows_time);
+        las_point(log, start_unix_s, *source, point, *at)
+    });
+    write_las(path, &spec, places, records)
 }
 
 fn las_point(
@@ -142,7 +103,28 @@ fn las_point(
         point_source_id,
         gps_time: Some(gps_time_s),
         color: Some(Color { red, green, blue }),
-        extra_bytes: extra_bytes::values(point, range_m),
+        extra_bytes: extra_bytes_of(point, range_m),
         ..Point::default()
     })
+}
+
+/// The dimensions of a point, which was measured at a slant range.
+fn extra_bytes_of(point: &CloudPoint, range_m: f64) -> Vec<u8> {
+    let (source, side) = match point.source {
+        PointSource::DownScan => (0, 0),
+        PointSource::Port => (1, 1),
+        PointSource::Starboard => (1, 2),
+    };
+    let confidence = if point.confidence.is_nan() {
+        NO_CONFIDENCE
+    } else {
+        point.confidence
+    };
+    let mut bytes = Vec::with_capacity(14);
+    bytes.push(source);
+    bytes.extend(point.ping.to_le_bytes());
+    bytes.push(side);
+    bytes.extend(confidence.to_le_bytes());
+    bytes.extend((range_m as f32).to_le_bytes());
+    bytes
 }

@@ -1,11 +1,12 @@
 //! Files that other programs open: CSV, PLY, LAZ, GeoTIFF, PNG, GeoJSON, KML, GPX, shapefiles; written aside, then renamed.
 //!
-//! One file a product, `aside` for the renaming; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
+//! One file a product, `aside` for the renaming; `las` writes any points as LAS, `extra_bytes` names what they carry beyond it; `geotiff` puts any raster into its file, `grid_raster` the cells of a grid, `qgis_style` its colours, `vector` lines and areas,
 //! `rings` keeps polygons valid, `summary` counts what a file holds; `dataset` is the folder that detectors are trained
 //! on, `tile_sets` maps as tiles, `points` what `bathyscope filter` kept, `plan` lines to sail for plotters and autopilots. How rasters and point files are laid out is known to `formats`, which also reads them.
 
 mod aside;
 pub mod avi;
+mod bottom_las;
 mod chip_folder;
 mod chips;
 mod cloud_csv;
@@ -26,6 +27,7 @@ mod glb;
 mod gps_time;
 mod grid_raster;
 mod isobaths;
+mod las;
 mod log_points;
 mod objects;
 mod picture_boxes;
@@ -44,11 +46,12 @@ mod vector;
 
 pub(crate) use aside::remove_leftovers;
 pub use aside::{ExportError, is_same_file, keep_aside, write_aside};
+pub use bottom_las::{BottomCell, bottom_las};
 pub use chip_folder::ChipFolder;
 pub(crate) use chip_folder::{earlier_chips, remove_passing_chips};
 pub use chips::{ChipError, ChipLog, chip, chips, picture_chips};
 pub use cloud_csv::cloud_csv;
-pub use cloud_las::{LasPacking, cloud_las};
+pub use cloud_las::cloud_las;
 pub use cloud_ply::cloud_ply;
 pub use cloud_xyz::cloud_xyz;
 pub use dataset::{DatasetFolder, Part, PartSummary};
@@ -64,6 +67,7 @@ pub use grid_raster::{grid_raster, metres_raster};
 pub use isobaths::{
     DrawnLines, depth_areas_geojson, isobaths_geojson, spot_soundings_geojson, storage_csv,
 };
+pub use las::LasPacking;
 pub use log_points::LogPoints;
 pub use objects::{
     ObjectLog, ObjectRow, object_layers, objects_csv, objects_geojson, objects_gpkg, objects_gpx,

@@ -16,7 +16,7 @@ pub enum Product {
     Depth,
     /// The depth map as text.
     Xyz,
-    /// The depth map as a body for 3D programs.
+    /// The depth map as a body and as points for 3D programs.
     Bottom,
     /// Lines of equal depth, the areas between them and what lies below each.
     Isobaths,

@@ -126,7 +126,7 @@ pub(super) fn row_of_beside(name: &str) -> Option<&'static OutputFile> {
 }
 
 /// All files of a run, in the order of writing.
-pub const OUTPUT_FILES: [OutputFile; 42] = [
+pub const OUTPUT_FILES: [OutputFile; 43] = [
     OutputFile {
         regardless_of: NOT_OF_POINTS,
         brief: "first sonar return of every ping on both sides",
@@ -271,6 +271,17 @@ pub const OUTPUT_FILES: [OutputFile; 42] = [
             "depth_m",
             "the bottom for 3D programs",
             Writer::Results(depth::body::write),
+        )
+    },
+    OutputFile {
+        when: When::Chosen(Product::Bottom),
+        ..raster(
+            "depth/bottom.copc.laz",
+            &[],
+            "The cells of the depth map as points: z is minus the depth, source as in source.tif; what nothing measured is marked synthetic",
+            "z_m",
+            "cells of the depth map as points, with what each rests on",
+            Writer::Results(depth::cells::points),
         )
     },
     contours(

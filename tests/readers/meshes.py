@@ -1,9 +1,11 @@
-"""The bottom for 3D programs by trimesh, against the depth map by GDAL."""
+"""The bottom for 3D programs by trimesh, and as points by laspy, against the depth map by GDAL."""
 
+import laspy
 import numpy
+import octree
 import rasterio
 import trimesh
-from common import check_count, check_values
+from common import check_count, check_extent, check_values, same, tolerance
 
 # Means over larger cells lie between what they are made of; the file has heights as 32-bit floats.
 ROUNDING_M = 0.001
@@ -28,6 +30,7 @@ def check(folder, made):
     picture = mesh.visual.material.baseColorTexture
     assert picture is not None and picture.size[0] > 1, "no picture"
     check_heights(folder, mesh)
+    check_points(folder, made["bottom.copc.laz"])
 
 
 def check_heights(folder, mesh):
@@ -56,3 +59,29 @@ def check_heights(folder, mesh):
         spacing = numpy.ptp(metres) / max(numpy.ptp(place), 1)
         worst = numpy.abs(metres - metres.min() - (place - place.min()) * spacing).max()
         assert worst <= ROUNDING_M, f"bottom.glb: corners are not evenly apart towards the {axis}, by {worst} m"
+
+
+def check_points(folder, record):
+    """Every known cell of the rasters, at its middle, and no other; what was not measured says so."""
+    path = folder / "depth/bottom.copc.laz"
+    octree.check(path)
+    las = laspy.read(path)
+    xyz = numpy.array([las.x, las.y, las.z]).T
+    check_count("bottom.copc.laz", record, "cells", len(xyz))
+    check_extent("bottom.copc.laz", record, xyz[:, :2].min(axis=0), xyz[:, :2].max(axis=0), 0.001)
+    check_values("bottom.copc.laz", record, xyz[:, 2].min(), xyz[:, 2].max(), 0.001)
+    assert las.header.parse_crs().to_epsg() == record["crs"]["epsg"], las.header.parse_crs()
+    with rasterio.open(folder / "depth/depth.tif") as raster:
+        rows, columns = numpy.nonzero(~numpy.ma.getmaskarray(raster.read(1, masked=True)))
+        middles = numpy.array(raster.xy(rows, columns)).T
+        found = raster.index(xyz[:, 0], xyz[:, 1])
+        order = numpy.lexsort((found[1], found[0]))
+    las, xyz = las[order], xyz[order]
+    same("x, y of bottom.copc.laz", xyz[:, :2], middles, tolerance(record, 0.001))
+    for name, values, within in (("depth", -xyz[:, 2], 0.00051), ("source", las.source, 0), ("distance", las.distance_m, 0)):
+        with rasterio.open(folder / f"depth/{name}.tif") as raster:
+            same(f"{name} of bottom.copc.laz", values, raster.read(1)[rows, columns], within)
+    with rasterio.open(folder / "depth/uncertainty.tif") as raster:
+        expected = raster.read(1, masked=True).filled(-1)[rows, columns]
+    same("sigma of bottom.copc.laz", las.sigma_m, expected, 0)
+    same("synthetic of bottom.copc.laz", las.synthetic, las.source < 3, 0)
