@@ -4,7 +4,7 @@
 use super::echoes::LogEchoes;
 use super::ground::Ground;
 use super::level_scale::level_scale;
-use super::local_sigma::local_sigma;
+use super::local_sigma::{blurred, local_sigma};
 use super::nodes::{Blend, Nodes, Tile};
 use super::pieces::{Chunk, chunks, pieces};
 use super::readings::{gain_steps, readings};
@@ -44,6 +44,8 @@ const LEAST_RESIDUAL: f64 = 0.5;
 const SHRINK: f64 = 0.85;
 /// Pieces in a tile that are solved for at most: of more, the chunks are taken evenly. They take a kilobyte each.
 const MOST_PIECES: usize = 60_000;
+/// Nodes that echoes say something of are at least this share of those around a place that they tell something of.
+const LEAST_SEEN: f64 = 1e-3;
 /// Fewer pieces tell nothing.
 const LEAST_PIECES: usize = 500;
 
@@ -69,6 +71,24 @@ impl Correction {
     /// Whether echoes say something of a place.
     pub fn sees(&self, place: [f64; 2]) -> bool {
         self.is_seen[self.nodes.nearest(place)]
+    }
+
+    /// Root mean square of the correction over a window of a standard deviation in metres about every node, of the nodes that echoes say something
+    /// of; 0 where there are none.
+    pub fn size_around_m(&self, window_m: f64) -> Vec<f64> {
+        let seen: Vec<f64> = self
+            .is_seen
+            .iter()
+            .map(|seen| f64::from(u8::from(*seen)))
+            .collect();
+        let squares: Vec<f64> = (self.added_m.iter().zip(&seen))
+            .map(|(added_m, seen)| seen * added_m * added_m)
+            .collect();
+        let window = window_m / self.nodes.step_m;
+        let [squares, seen] =
+            [squares, seen].map(|values| blurred(self.nodes.counts, &values, window));
+        let root = |(square, seen): (&f64, &f64)| (square / seen.max(LEAST_SEEN)).max(0.0).sqrt();
+        squares.iter().zip(&seen).map(root).collect()
     }
 }
 

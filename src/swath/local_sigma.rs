@@ -40,7 +40,7 @@ pub fn local_sigma(
 }
 
 /// Values in rows averaged by a Gaussian of a standard deviation in steps; beyond the edges they go on as on them.
-fn blurred([columns, rows]: [usize; 2], values: &[f64], window: f64) -> Vec<f64> {
+pub fn blurred([columns, rows]: [usize; 2], values: &[f64], window: f64) -> Vec<f64> {
     let ends = (WINDOW_ENDS * window + 0.5) as isize;
     let kernel: Vec<f64> = (-ends..=ends)
         .map(|step| (-0.5 * (step as f64 / window).powi(2)).exp())
