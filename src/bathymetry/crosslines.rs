@@ -27,6 +27,8 @@ pub struct Pass {
     /// Median of the depths of this pass within [`REACH_M`] of the crossing, or between its neighbours where none is so near,
     /// metres.
     pub depth_m: f64,
+    /// Velocity of the boat, metres a second to the east and north.
+    pub velocity_mps: [f64; 2],
 }
 
 /// A place where two passes cross.
@@ -38,14 +40,19 @@ pub struct Crossing {
     pub passes: [Pass; 2],
     /// Angle between the two courses, degrees, at most 90.
     pub angle_deg: f64,
-    /// Slope of the bottom there, metres a metre, from the depths along both passes; NaN where they are too few.
-    pub slope: f64,
+    /// What the depth grows by a metre to the east and to the north, metres, from the depths along both passes; NaN where they are too few.
+    pub gradient: [f64; 2],
 }
 
 impl Crossing {
     /// Elevation by the second pass minus that by the first, metres: up is positive.
     pub fn difference_m(&self) -> f64 {
         self.passes[0].depth_m - self.passes[1].depth_m
+    }
+
+    /// Slope of the bottom, metres a metre; NaN where it is not known.
+    pub fn slope(&self) -> f64 {
+        self.gradient[0].hypot(self.gradient[1])
     }
 }
 
@@ -63,6 +70,8 @@ const PIECE_M: f64 = 0.5;
 /// Longer pieces, and those that took longer, span a gap in the track, metres and seconds.
 const LONGEST_PIECE_M: f64 = 5.0;
 const LONGEST_PIECE_S: f64 = 5.0;
+/// Places give a velocity where they are so far apart in time at least, and at most, seconds.
+const VELOCITY_S: [f64; 2] = [1.0, 10.0];
 /// Side of the squares that pieces are sorted into, metres.
 const SQUARE_M: f64 = 5.0;
 /// No more crossings than this are looked for: a boat that circles for a day would fill the memory with them.
@@ -108,6 +117,23 @@ pub fn crossings(
             .unwrap_or(std::cmp::Ordering::Equal)
     });
     Ok(found)
+}
+
+/// Velocity of the boat at a depth of a track, metres a second to the east and north: from the places at least a second before and
+/// behind, or the depth's own where there is none within ten.
+pub fn velocity_mps(track: &[TrackDepth], index: usize) -> [f64; 2] {
+    let here = &track[index];
+    let is_far = |one: &&TrackDepth| (one.time_s - here.time_s).abs() >= VELOCITY_S[0];
+    let is_near = |one: &&TrackDepth| (one.time_s - here.time_s).abs() <= VELOCITY_S[1];
+    let behind = track[..index].iter().rev().find(is_far).filter(is_near);
+    let ahead = track[index..].iter().find(is_far).filter(is_near);
+    let (from, to) = (behind.unwrap_or(here), ahead.unwrap_or(here));
+    let span_s = to.time_s - from.time_s;
+    let way = [to.east_m - from.east_m, to.north_m - from.north_m];
+    match span_s > 0.0 {
+        true => way.map(|metres| metres / span_s),
+        false => [0.0; 2],
+    }
 }
 
 /// A straight piece of a track, between two of its depths.
@@ -244,12 +270,12 @@ impl Meeting<'_> {
             place: self.place,
             passes,
             angle_deg: self.angle_deg,
-            slope: self.slope(tracks),
+            gradient: self.gradient(tracks),
         }
     }
 
-    /// The steepest slope of the plane that rises along both passes as their depths do.
-    fn slope(&self, tracks: &[Vec<TrackDepth>]) -> f64 {
+    /// What depth grows by on the plane that falls along both passes as their depths do.
+    fn gradient(&self, tracks: &[Vec<TrackDepth>]) -> [f64; 2] {
         let [a, b] = self.pieces.map(Piece::direction);
         let [along_a, along_b] = [0, 1].map(|index| {
             let (piece, share) = (self.pieces[index], self.shares[index]);
@@ -260,7 +286,7 @@ impl Meeting<'_> {
         let cross = a[0] * b[1] - a[1] * b[0];
         let east = (along_a * b[1] - along_b * a[1]) / cross;
         let north = (along_b * a[0] - along_a * b[0]) / cross;
-        east.hypot(north)
+        [east, north]
     }
 
     /// The depths of a pass within a distance of the crossing: outwards from there, since the other pass may lie in the same track.
@@ -294,6 +320,7 @@ impl Meeting<'_> {
             track: piece.track,
             time_s: between(|depth| depth.time_s),
             depth_m: median(&mut values),
+            velocity_mps: velocity_mps(depths, middle),
         }
     }
 }
@@ -351,7 +378,7 @@ mod tests {
             // The depths around a crossing are not quite even about it.
             assert!((one.difference_m() - expected_m).abs() < 0.006, "{one:?}");
             // The bed falls 5 in the hundred to the east and rises 2 to the north.
-            assert!((one.slope - 0.0539).abs() < 0.004, "{one:?}");
+            assert!((one.slope() - 0.0539).abs() < 0.004, "{one:?}");
         }
     }
 

@@ -3,7 +3,7 @@
 //! `soundings` takes the depths with their places, `nodes` merges those of one place, `tin` (in an `insertion_order`), `inverse_distance` and `smooth` find the
 //! depth between them, `grid` chooses the cells and `surface` fills them; `local` does so for a part of a larger map. `spot_soundings` chooses those that a chart prints. `hill_shade` lights them, `isobaths` draws through them,
 //! `compare` holds points against a reference, `crosslines` compares the passes of a survey with each other, `height_offsets` finds what sets
-//! the depths of one log off from those of others, `transect` looks at them
+//! the depths of one log off from those of others, `position_offsets` how far its positions are off and how late they are, `transect` looks at them
 //! along a line; `coarser` gives it larger cells, `change` says what changed between two of them, `cell_source` says what was measured in each.
 
 mod cell_source;
@@ -19,6 +19,7 @@ mod inverse_distance;
 pub mod isobaths;
 mod local;
 mod nodes;
+pub mod position_offsets;
 mod smooth;
 mod soundings;
 mod spot_soundings;

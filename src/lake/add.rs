@@ -7,13 +7,14 @@ use super::point_rows::{self, POINTS};
 use super::record::{Lake, names_in, write_json};
 use super::spread::{self, Row};
 use super::tile::TileId;
+use crate::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use crate::cloud::CloudPoint;
 use crate::export::write_aside;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
-use crate::geo::LonLat;
+use crate::geo::{LonLat, UtmZone};
 use crate::pipeline::{self, Fingerprint, LogFiles, Products, Settings};
 use crate::progress::Progress;
-use crate::survey::Survey;
+use crate::survey::{PingNav, Survey};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
@@ -35,6 +36,31 @@ pub(super) struct LogRows<'a> {
     pub survey: &'a Survey,
     pub products: &'a Products,
     pub sha256: &'a str,
+    /// The boat's place in the log's plane by time, of every sounding or, in a log without any, of every ping; no two at one time.
+    pub track: &'a [TrackDepth],
+}
+
+/// What [`LogRows::track`] is; depths do not count.
+fn track(survey: &Survey, products: &Products) -> Vec<TrackDepth> {
+    let navigation = &products.navigation;
+    let of_soundings = survey.soundings.iter().map(|one| one.time_s);
+    let of_pings = survey.side_scan.iter().map(|one| one.time_s);
+    let fixes: Vec<(f64, &PingNav)> = match survey.soundings.is_empty() {
+        false => of_soundings.zip(navigation.soundings.iter()).collect(),
+        true => of_pings.zip(navigation.pings.iter()).collect(),
+    };
+    let depth = |(time_s, fix): (f64, &PingNav)| TrackDepth {
+        time_s,
+        east_m: fix.east_m,
+        north_m: fix.north_m,
+        depth_m: 0.0,
+    };
+    let mut track: Vec<TrackDepth> = (fixes.into_iter().map(depth))
+        .filter(|one| (one.time_s + one.east_m + one.north_m).is_finite())
+        .collect();
+    track.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    track.dedup_by(|a, b| a.time_s == b.time_s);
+    track
 }
 
 impl LogRows<'_> {
@@ -114,6 +140,29 @@ impl LogRows<'_> {
         ]
     }
 
+    /// Velocity of the boat at a time of the log, metres a second along the axes of a zone; zero where it is not known.
+    pub fn velocity_mps(&self, time_s: f64, zone: UtmZone) -> [f64; 2] {
+        let after = self.track.partition_point(|one| one.time_s < time_s);
+        let Some(here) = self
+            .track
+            .get(after.min(self.track.len().saturating_sub(1)))
+        else {
+            return [0.0; 2];
+        };
+        let index = after.min(self.track.len() - 1);
+        let [east, north] = velocity_mps(self.track, index);
+        let place = |seconds: f64| {
+            let at = [here.east_m + seconds * east, here.north_m + seconds * north];
+            zone.to_metres(self.position(at[0], at[1]))
+        };
+        let ([from_x, from_y], [to_x, to_y]) = (place(0.0), place(1.0));
+        let velocity = [to_x - from_x, to_y - from_y];
+        match velocity.iter().all(|value| value.is_finite()) {
+            true => velocity,
+            false => [0.0; 2],
+        }
+    }
+
     /// Where a place of the log's plane lies.
     pub fn position(&self, east_m: f64, north_m: f64) -> LonLat {
         let navigation = &self.products.navigation;
@@ -157,6 +206,7 @@ pub fn add(
         survey,
         products: &products,
         sha256: &files.sha256,
+        track: &track(survey, &products),
     };
     if path.exists() {
         // From here on its rows are those of two versions.

@@ -1,21 +1,18 @@
-//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles.
+//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles, and where somebody
+//! asks for it how far its positions are off and how late they are.
 
 use super::error::LakeError;
 use super::log_record::LogRecord;
+use super::meetings::meetings;
 use super::offsets::{OffsetRow, Offsets};
-use super::ping_rows::{self, PINGS};
-use super::point_rows::{self, POINTS};
+use super::positions::shifts;
 use super::record::Lake;
-use super::tile::TileId;
-use crate::bathymetry::crosslines::TrackDepth;
 use crate::bathymetry::height_offsets as solver;
-use crate::bathymetry::height_offsets::{
-    Datum, FEW_CROSSINGS, HeightOffsets, Meeting, PairDifference, crossing_meetings, overlaps,
-};
-use crate::progress::{Cancelled, Progress};
+use crate::bathymetry::height_offsets::{Datum, HeightOffsets, Meeting, PairDifference};
+use crate::bathymetry::position_offsets::Wanted;
+use crate::progress::Progress;
 use crate::statistics::median;
-use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An offset that new logs move by less than this stays as it is, metres: a log that is added must not make every map stale for
 /// millimetres.
@@ -32,16 +29,16 @@ pub struct Adjusted {
     pub contradictions: Vec<([String; 2], f64)>,
 }
 
-/// Finds the height offsets of all logs of a lake and writes its table. Logs that a person has pinned keep theirs and are what the others are held
+/// Finds the height offsets of all logs of a lake and, as far as `wanted`, how their positions are to be corrected, and writes its table. Positions
+/// that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are held
 /// against. Without any, the mean offset of tied logs is zero when they first meet; from then on the logs that are known keep their
 /// heights, and new ones are held against these.
 ///
 /// # Errors
 /// When rows or the table cannot be used, or the work was cancelled.
-pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
+pub fn adjust(lake: &Lake, wanted: Wanted, progress: &Progress) -> Result<Adjusted, LakeError> {
     let logs = lake.logs()?;
     let known = Offsets::read(lake)?;
-    let meetings = meetings(lake, &logs, progress)?;
     let pinned: Vec<Option<f64>> = logs
         .iter()
         .map(|log| {
@@ -51,6 +48,8 @@ pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
                 .map(|row| row.offset_m)
         })
         .collect();
+    let shifts = shifts(lake, &logs, &known, &pinned, wanted, progress)?;
+    let meetings = meetings(lake, &logs, &shifts, progress)?;
     let solved = solve(&meetings, &pinned);
     let heights_m = kept_heights(&logs, &known, &solved, &pinned);
     // Not those that were solved with: of pinned logs among each other there are none.
@@ -73,6 +72,9 @@ pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
             ties,
             group: found.group,
             is_pinned: pinned[index].is_some(),
+            shift: shifts[index].shift,
+            shift_error_m: shifts[index].shift_error_m,
+            latency_error_s: shifts[index].latency_error_s,
         }
     });
     let offsets = Offsets::new(rows.collect());
@@ -183,126 +185,6 @@ fn kept_heights(
         }
     };
     (0..logs.len()).map(height_m).collect()
-}
-
-/// Where logs meet in all tiles: their tracks cross, or, of pairs that hardly do, run along each other. By pair.
-fn meetings(
-    lake: &Lake,
-    logs: &[LogRecord],
-    progress: &Progress,
-) -> Result<Vec<Meeting>, LakeError> {
-    let mut tiles: BTreeMap<TileId, Vec<usize>> = BTreeMap::new();
-    for (index, log) in logs.iter().enumerate() {
-        for rows in &log.tiles {
-            tiles.entry(rows.tile).or_default().push(index);
-        }
-    }
-    tiles.retain(|_, inside| inside.len() > 1);
-    progress.start(2 * tiles.len() as u64);
-    let search = Search {
-        lake,
-        logs,
-        tiles,
-        progress,
-    };
-    let mut all = search.in_tiles(
-        |_| true,
-        |tracks, _| crossing_meetings(tracks, &Progress::new()),
-    )?;
-    let mut counts: HashMap<[usize; 2], usize> = HashMap::new();
-    for meeting in &all {
-        *counts.entry(meeting.logs).or_default() += 1;
-    }
-    let is_few = |pair: [usize; 2]| counts.get(&pair).copied().unwrap_or(0) < FEW_CROSSINGS;
-    let has_few = |inside: &[usize]| {
-        let pairs = inside
-            .iter()
-            .enumerate()
-            .flat_map(|(rank, first)| inside[rank + 1..].iter().map(|second| [*first, *second]));
-        pairs.into_iter().any(is_few)
-    };
-    all.extend(search.in_tiles(has_few, |tracks, inside| {
-        let is_wanted = |pair: &[usize; 2]| is_few(pair.map(|track| inside[track]));
-        overlaps(tracks, is_wanted, &Progress::new())
-    })?);
-    all.sort_by_key(|meeting| meeting.logs);
-    Ok(all)
-}
-
-/// A search through the tiles that several logs have rows in.
-struct Search<'a> {
-    lake: &'a Lake,
-    logs: &'a [LogRecord],
-    /// The logs of each tile.
-    tiles: BTreeMap<TileId, Vec<usize>>,
-    progress: &'a Progress,
-}
-
-impl Search<'_> {
-    /// What `find` gives for the tracks of the logs of every tile, itself given the logs that they are of; what lies in the halo of a tile
-    /// is left to the tile beside it.
-    fn in_tiles(
-        &self,
-        is_wanted: impl Fn(&[usize]) -> bool + Sync,
-        find: impl Fn(&[Vec<TrackDepth>], &[usize]) -> Result<Vec<Meeting>, Cancelled> + Sync,
-    ) -> Result<Vec<Meeting>, LakeError> {
-        let of_tile = |(tile, inside): (&TileId, &Vec<usize>)| {
-            self.progress.check()?;
-            self.progress.advance(1);
-            if !is_wanted(inside) {
-                return Ok(Vec::new());
-            }
-            let tracks = inside
-                .iter()
-                .map(|log| track(self.lake, *tile, &self.logs[*log]));
-            let tracks: Vec<Vec<TrackDepth>> = tracks.collect::<Result<_, LakeError>>()?;
-            let mut found = find(&tracks, inside)?;
-            found.retain(|meeting| tile.holds(meeting.place, 0.0));
-            for meeting in &mut found {
-                meeting.logs = meeting.logs.map(|track| inside[track]);
-            }
-            Ok(found)
-        };
-        let found = self.tiles.par_iter().map(of_tile);
-        let found: Vec<Vec<Meeting>> = found.collect::<Result<_, LakeError>>()?;
-        Ok(found.into_iter().flatten().collect())
-    }
-}
-
-/// The depths under the boat of a log in a tile and its halo, in the order of time: its soundings, or where the log has none, the depths
-/// that its first returns give.
-fn track(lake: &Lake, tile: TileId, log: &LogRecord) -> Result<Vec<TrackDepth>, LakeError> {
-    let Some(rows) = log.rows_in(tile) else {
-        return Ok(Vec::new());
-    };
-    let path = |kind: &str| lake.folder().join(Lake::rows_name(kind, tile, &log.log));
-    if log.soundings > 0 && rows.points > 0 {
-        let points = point_rows::read(&path(POINTS))?.into_iter();
-        let soundings = points.filter(|row| row.depth.is_sounding);
-        return Ok(soundings
-            .map(|row| TrackDepth {
-                time_s: row.time_s,
-                east_m: row.depth.east_m,
-                north_m: row.depth.north_m,
-                depth_m: row.depth.depth_m,
-            })
-            .collect());
-    }
-    if log.soundings > 0 || rows.pings == 0 {
-        return Ok(Vec::new());
-    }
-    let pings = ping_rows::read(&path(PINGS))?.into_iter();
-    let near = pings.filter(|row| {
-        tile.holds(row.footprint.place, lake.record.halo_m) && row.depth_m.is_finite()
-    });
-    Ok(near
-        .map(|row| TrackDepth {
-            time_s: row.time_s,
-            east_m: row.footprint.place[0],
-            north_m: row.footprint.place[1],
-            depth_m: row.depth_m,
-        })
-        .collect())
 }
 
 #[cfg(test)]

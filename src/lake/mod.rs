@@ -7,7 +7,7 @@
 //!
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows` and `ping_rows`, laid out by
-//! `spread`. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other, `offsets` is the table of
+//! `spread`. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other from their `meetings`, and how their `positions` are corrected, `offsets` is the table of
 //! them. `tile_map` makes the map of a tile, its lines cut at its edges, and `tile_files` writes it; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
@@ -20,9 +20,11 @@ mod index;
 mod list;
 mod log_record;
 mod map_tiles;
+mod meetings;
 mod offsets;
 mod ping_rows;
 mod point_rows;
+mod positions;
 mod record;
 mod spread;
 mod tile;

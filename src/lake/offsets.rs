@@ -1,8 +1,9 @@
-//! Height offsets of the logs of a lake: `offsets.csv`, a table that people read, edit and pin.
+//! Height offsets of the logs of a lake, and how their positions are corrected: `offsets.csv`, a table that people read, edit and pin.
 
 use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::record::Lake;
+use crate::bathymetry::position_offsets::Shift;
 use crate::export::write_aside;
 use crate::regular_file;
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// The table's name.
 pub(super) const OFFSETS: &str = "offsets.csv";
-const COLUMNS: [&str; 7] = [
+const COLUMNS: [&str; 12] = [
     "name",
     "log",
     "offset_m",
@@ -18,13 +19,22 @@ const COLUMNS: [&str; 7] = [
     "ties",
     "group",
     "pinned",
+    "east_m",
+    "north_m",
+    "shift_error_m",
+    "latency_s",
+    "latency_error_s",
 ];
 /// Longer than any table.
 const LONGEST: u64 = 1 << 28;
 /// No log is higher or lower than others by more, metres, as `height_offset_m`.
 const MOST_M: f64 = 100.0;
 
-/// The height offset of a log.
+/// Nor are its positions farther off than this to the east or north, metres, or later by more, seconds.
+const MOST_SHIFT_M: f64 = 6.0;
+const MOST_LATENCY_S: f64 = 2.0;
+
+/// The height offset of a log, and how its positions are corrected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OffsetRow {
     /// What the log is called.
@@ -41,6 +51,22 @@ pub struct OffsetRow {
     pub group: usize,
     /// Whether a person has set it: a benchmark log. It stays, and others are held against it.
     pub is_pinned: bool,
+    /// How its positions are corrected; all zero where nobody asked for it.
+    pub shift: Shift,
+    /// Standard error of the shift in either direction, metres; NaN where none was looked for.
+    pub shift_error_m: f64,
+    /// Standard error of the latency, seconds; NaN where none was looked for.
+    pub latency_error_s: f64,
+}
+
+/// A shift within the limits of the table, as the table writes it.
+pub(super) fn as_written(shift: Shift) -> Shift {
+    let rounded = |value: f64, most: f64| (value.clamp(-most, most) * 1e3).round() / 1e3 + 0.0;
+    Shift {
+        east_m: rounded(shift.east_m, MOST_SHIFT_M),
+        north_m: rounded(shift.north_m, MOST_SHIFT_M),
+        latency_s: rounded(shift.latency_s, MOST_LATENCY_S),
+    }
 }
 
 /// The offsets of a lake.
@@ -109,6 +135,11 @@ impl Offsets {
         self.row(log).map_or(0.0, |row| row.offset_m)
     }
 
+    /// How the positions of a log are corrected; not at all of one that has no row.
+    pub fn shift_of(&self, log: &str) -> Shift {
+        self.row(log).map_or(Shift::default(), |row| row.shift)
+    }
+
     /// All rows, by the names of the logs.
     pub fn rows(&self) -> Vec<&OffsetRow> {
         let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
@@ -136,20 +167,30 @@ fn path_of(lake: &Lake) -> PathBuf {
     lake.folder().join(OFFSETS)
 }
 
-fn fields(row: &OffsetRow) -> [String; 7] {
-    let error = match row.standard_error_m.is_nan() {
+fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
+    let error = |value: f64, decimals: usize| match value.is_nan() {
         true => String::new(),
-        false => format!("{:.4}", row.standard_error_m),
+        false => format!("{value:.decimals$}"),
     };
+    let Shift {
+        east_m,
+        north_m,
+        latency_s,
+    } = row.shift;
     [
         row.name.clone(),
         row.log.clone(),
         // Without the sign of a zero.
         format!("{:.4}", row.offset_m + 0.0),
-        error,
+        error(row.standard_error_m, 4),
         row.ties.to_string(),
         row.group.to_string(),
         u8::from(row.is_pinned).to_string(),
+        format!("{:.3}", east_m + 0.0),
+        format!("{:.3}", north_m + 0.0),
+        error(row.shift_error_m, 3),
+        format!("{:.3}", latency_s + 0.0),
+        error(row.latency_error_s, 3),
     ]
 }
 
@@ -167,7 +208,17 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
         found.ok_or_else(|| fail(format!("the table of offsets has no column {name}")))
     };
     let [log, offset, pinned] = [column("log")?, column("offset_m")?, column("pinned")?];
-    let others = ["name", "standard_error_m", "ties", "group"].map(|name| column(name).ok());
+    let others = [
+        "name",
+        "standard_error_m",
+        "ties",
+        "group",
+        "shift_error_m",
+        "latency_error_s",
+    ];
+    let others = others.map(|name| column(name).ok());
+    // A table that a person wrote may do without them.
+    let shifts = ["east_m", "north_m", "latency_s"].map(|name| column(name).ok());
     let mut rows = Vec::new();
     for (line, record) in (2..).zip(table.records()) {
         let record = record.map_err(in_words)?;
@@ -180,9 +231,20 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
             "1" | "yes" | "true" => Some(true),
             _ => None,
         };
-        let (Some(offset_m), Some(is_pinned)) = (offset_m, is_pinned) else {
+        let shift = |index: usize, most: f64| match shifts[index].map_or("", field) {
+            "" => Some(0.0),
+            text => text.parse().ok().filter(|value: &f64| value.abs() <= most),
+        };
+        let shift = || {
+            Some(Shift {
+                east_m: shift(0, MOST_SHIFT_M)?,
+                north_m: shift(1, MOST_SHIFT_M)?,
+                latency_s: shift(2, MOST_LATENCY_S)?,
+            })
+        };
+        let (Some(offset_m), Some(is_pinned), Some(shift)) = (offset_m, is_pinned, shift()) else {
             return Err(fail(format!(
-                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0"
+                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, east_m and north_m metres up to {MOST_SHIFT_M}, latency_s seconds up to {MOST_LATENCY_S}"
             )));
         };
         rows.push(OffsetRow {
@@ -193,6 +255,9 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
             ties: other(2).parse().unwrap_or(0),
             group: other(3).parse().unwrap_or(0),
             is_pinned,
+            shift,
+            shift_error_m: other(4).parse().unwrap_or(f64::NAN),
+            latency_error_s: other(5).parse().unwrap_or(f64::NAN),
         });
     }
     Ok(rows)

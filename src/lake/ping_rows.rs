@@ -94,6 +94,7 @@ impl PingsByTile {
                 self.rows.entry(tile).or_default().push(Row {
                     index: ping.index,
                     at: ping.at,
+                    zone,
                     place: footprint.place,
                     is_core: own == Some(tile),
                 });

@@ -75,6 +75,15 @@ pub(super) fn columns(log: &LogRows<'_>, rows: &[Row]) -> Vec<Column> {
             Values::Flag(each.map(|(point, _)| point.above_bottom).collect()),
         ),
     ];
+    let velocities: Vec<[f64; 2]> = (rows.iter().zip(&times_s))
+        .map(|(row, time_s)| log.velocity_mps(*time_s, row.zone))
+        .collect();
+    let along = |axis: usize| {
+        let values = velocities.iter().map(|velocity| velocity[axis] as f32);
+        Values::Float(values.collect())
+    };
+    columns.push(Column::new("velocity_x_mps", along(0)));
+    columns.push(Column::new("velocity_y_mps", along(1)));
     columns.extend(log.common_columns(rows, times_s));
     columns
 }
@@ -86,6 +95,8 @@ pub(super) struct PointRow {
     pub depth: DepthPoint,
     /// Seconds after the log's time zero.
     pub time_s: f64,
+    /// Velocity of the boat, metres a second along the zone's axes.
+    pub velocity_mps: [f64; 2],
 }
 
 /// The rows of a file that count for the depth map, in the order of the log.
@@ -93,7 +104,16 @@ pub(super) struct PointRow {
 /// # Errors
 /// When the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
-    const NAMES: [&str; 6] = ["x", "y", "depth_m", "weight", "sounding", "time_s"];
+    const NAMES: [&str; 8] = [
+        "x",
+        "y",
+        "depth_m",
+        "weight",
+        "sounding",
+        "time_s",
+        "velocity_x_mps",
+        "velocity_y_mps",
+    ];
     let read = read_parquet(path, &NAMES)?;
     let damaged = || ParquetError {
         what: "its columns are not those of points of a lake".to_owned(),
@@ -107,8 +127,10 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
             Values::Double(weight),
             Values::Whole(sounding),
             Values::Double(time_s),
+            Values::Float(velocity_x),
+            Values::Float(velocity_y),
         ],
-    ) = <[Values; 6]>::try_from(read)
+    ) = <[Values; 8]>::try_from(read)
     else {
         return Err(damaged().into());
     };
@@ -119,6 +141,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
         weight.len(),
         sounding.len(),
         time_s.len(),
+        velocity_x.len(),
+        velocity_y.len(),
     ];
     if lengths.iter().any(|length| *length != x.len()) {
         return Err(damaged().into());
@@ -132,6 +156,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<PointRow>, LakeError> {
             is_sounding: sounding[index].is_some(),
         },
         time_s: time_s[index],
+        velocity_mps: [velocity_x[index], velocity_y[index]].map(f64::from),
     };
     let rows = (0..x.len()).map(row).filter(|row| {
         let depth = &row.depth;

@@ -28,6 +28,8 @@ const USUAL_CELL_M: f64 = 0.5;
 const CELLS_M: [f64; 2] = [0.125, 8.0];
 /// The halo is a multiple of this, metres, and so of every cell.
 const HALO_STEP_M: f64 = 16.0;
+/// Corrected positions move no point by more, metres: the halo holds what may come from so far.
+pub(super) const MOST_MOVED_M: f64 = 12.0;
 /// Settings, by their first word, that no row and no map of a tile depends on.
 const REGARDLESS_OF: [&str; 6] = ["crs", "detector", "mosaic", "picture", "points", "report"];
 
@@ -61,7 +63,7 @@ impl LakeRecord {
             )));
         }
         let margin_m = cell_m * (LOCAL_MARGIN_CELLS + 1) as f64;
-        let least_m = local_reach_m(settings.surface.max_gap_m) + margin_m;
+        let least_m = local_reach_m(settings.surface.max_gap_m) + margin_m + MOST_MOVED_M;
         let halo_m = (least_m / HALO_STEP_M).ceil() * HALO_STEP_M;
         if halo_m.is_nan() || halo_m > TILE_M {
             return Err(LakeError::Refused(format!(

@@ -12,7 +12,9 @@ pub(super) struct Row {
     pub index: usize,
     /// Its place.
     pub at: LonLat,
-    /// The same in metres of the tile's zone.
+    /// The zone of the tile.
+    pub zone: UtmZone,
+    /// The place in metres of that zone.
     pub place: [f64; 2],
     /// Whether it lies in the tile itself.
     pub is_core: bool,
@@ -44,6 +46,7 @@ pub(super) fn by_tile(points: impl Iterator<Item = (usize, LonLat)>, halo_m: f64
                 tiles.entry(tile).or_default().push(Row {
                     index,
                     at,
+                    zone,
                     place,
                     is_core: own == Some(tile),
                 });

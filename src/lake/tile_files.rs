@@ -60,6 +60,8 @@ struct TileLog {
     log: String,
     points_sha256: String,
     offset_m: f64,
+    /// East, north and latency.
+    shift: [f64; 3],
 }
 
 /// How a tile's map stands to the rows and offsets of its logs.
@@ -92,6 +94,7 @@ impl MadeFrom {
                 log: log.log.clone(),
                 points_sha256: rows.points_sha256().to_owned(),
                 offset_m: offsets.of(&log.log),
+                shift: offsets.shift_of(&log.log).values(),
             })
         });
         Self {

@@ -4,7 +4,7 @@ use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
 use super::point_rows::{self, POINTS};
-use super::record::Lake;
+use super::record::{Lake, MOST_MOVED_M};
 use super::tile::{TILE_M, TileId};
 use crate::bathymetry::isobaths::{
     Isobath, IsobathSettings, clipped, isobaths, smoothed, with_shoalest,
@@ -24,7 +24,7 @@ pub struct TileMap {
     pub isobaths: Vec<Isobath>,
 }
 
-/// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets.
+/// The points that count in a tile and its halo, the logs in the order of their hashes, with their offsets and their positions corrected.
 ///
 /// # Errors
 /// When rows cannot be read, or the work was cancelled.
@@ -44,13 +44,25 @@ pub(super) fn depth_points(
         let offset_m = offsets.of(&log.log);
         let name = Lake::rows_name(POINTS, tile, &log.log);
         let rows = point_rows::read(&lake.folder().join(name))?.into_iter();
-        points.extend(rows.map(|row| DepthPoint {
-            // What is added to an elevation is taken off the depth.
-            depth_m: row.depth.depth_m - offset_m,
-            ..row.depth
+        let shift = offsets.shift_of(&log.log);
+        points.extend(rows.map(|row| {
+            let [x, y] = within(shift.at(row.velocity_mps), MOST_MOVED_M);
+            DepthPoint {
+                east_m: row.depth.east_m + x,
+                north_m: row.depth.north_m + y,
+                // What is added to an elevation is taken off the depth.
+                depth_m: row.depth.depth_m - offset_m,
+                ..row.depth
+            }
         }));
     }
     Ok(points)
+}
+
+/// A vector, no longer than some metres.
+fn within([x, y]: [f64; 2], most_m: f64) -> [f64; 2] {
+    let share = (most_m / x.hypot(y).max(most_m)).min(1.0);
+    [share * x, share * y]
 }
 
 /// The map of a tile by linear triangles, whatever `surface.method` says: the other methods reach farther than a halo. Neighbouring tiles

@@ -51,7 +51,7 @@ pub fn crossing_meetings(
         kind: MeetingKind::Crossing,
         place: one.place,
         difference_m: one.difference_m(),
-        slope: one.slope,
+        slope: one.slope(),
     });
     Ok(meetings.collect())
 }

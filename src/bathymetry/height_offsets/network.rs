@@ -73,6 +73,28 @@ pub fn adjust(count: usize, meetings: &[Meeting], datum: Datum) -> HeightOffsets
     HeightOffsets { logs, pairs }
 }
 
+/// Standard deviation of the difference between two depths at one place, metres, where the bottom has some slope.
+pub fn difference_sigma_m(slope: f64) -> f64 {
+    let slope = if slope.is_nan() { USUAL_SLOPE } else { slope };
+    DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
+}
+
+/// Huber's weights of some residuals, and their robust standard deviation.
+pub fn robust_shares(residuals: &[f64]) -> (Vec<f64>, f64) {
+    weighted_shares(residuals, &huber)
+}
+
+fn huber(u: f64) -> f64 {
+    (HUBER / u.abs()).min(1.0)
+}
+
+fn weighted_shares(residuals: &[f64], weight: &dyn Fn(f64) -> f64) -> (Vec<f64>, f64) {
+    let mut sizes: Vec<f64> = residuals.iter().map(|u| u.abs()).collect();
+    let scale = (SIGMA_PER_MAD * median(&mut sizes)).max(LEAST_SCALE);
+    let shares = residuals.iter().map(|u| weight(u / scale)).collect();
+    (shares, scale)
+}
+
 /// The group of every log, numbered in the order of their first logs: those that meet, directly or through others, share one.
 fn groups(count: usize, meetings: impl Iterator<Item = [usize; 2]>) -> Vec<usize> {
     // Each log leads to one before it, or to itself where it is the first of its group.
@@ -116,21 +138,16 @@ struct Solved {
 impl<'a> Network<'a> {
     fn new(members: &[usize], meetings: &'a [Meeting], datum: Datum) -> Self {
         let place = |log: usize| members.partition_point(|member| *member < log);
-        let sigma_m = |one: &Meeting| {
-            let slope = if one.slope.is_nan() {
-                USUAL_SLOPE
-            } else {
-                one.slope
-            };
-            DEPTH_SIGMA_M.hypot(slope * POSITION_SIGMA_M)
-        };
         let fixed = match datum {
             Datum::Mean => None,
             Datum::Log(log) => members.contains(&log).then(|| place(log)),
         };
         Self {
             ends: meetings.iter().map(|one| one.logs.map(place)).collect(),
-            sigmas_m: meetings.iter().map(sigma_m).collect(),
+            sigmas_m: meetings
+                .iter()
+                .map(|one| difference_sigma_m(one.slope))
+                .collect(),
             meetings,
             size: members.len(),
             fixed,
@@ -146,12 +163,11 @@ impl<'a> Network<'a> {
         let pattern = Pattern::of(&equations, self.size - 1)?;
         let ones = vec![1.0; self.meetings.len()];
         let (mut heights_m, mut factor) = self.weighted(&pattern, &mut equations, &ones)?;
-        let huber = |u: f64| (HUBER / u.abs()).min(1.0);
         let tukey = |u: f64| (1.0 - (u / TUKEY).powi(2)).max(0.0).powi(2);
         let mut shares = ones;
         for weight in [&huber as &dyn Fn(f64) -> f64, &tukey] {
             for _ in 0..ROUNDS {
-                let next_shares = self.shares(&heights_m, weight);
+                let (next_shares, _) = weighted_shares(&self.residuals(&heights_m), weight);
                 // Where Tukey's weights would cut a log off, Huber's stand.
                 let next = self.weighted(&pattern, &mut equations, &next_shares);
                 let Some((next_m, next_factor)) = next else {
@@ -207,14 +223,6 @@ impl<'a> Network<'a> {
             false => 0.0,
             true => squares / (pairs.len() + 1 - self.size) as f64,
         }
-    }
-
-    /// Robust weight of every meeting.
-    fn shares(&self, heights_m: &[f64], weight: &dyn Fn(f64) -> f64) -> Vec<f64> {
-        let residuals = self.residuals(heights_m);
-        let mut sizes: Vec<f64> = residuals.iter().map(|u| u.abs()).collect();
-        let scale = (SIGMA_PER_MAD * median(&mut sizes)).max(LEAST_SCALE);
-        residuals.iter().map(|u| weight(u / scale)).collect()
     }
 
     /// What the meetings say of the heights of all logs but the first, which is taken for zero.

@@ -1,5 +1,6 @@
-//! `bathyscope adjust`: the height offsets of the logs of a lake.
+//! `bathyscope adjust`: the height offsets of the logs of a lake, and how their positions are corrected.
 
+use crate::bathymetry::position_offsets::Wanted;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
 use crate::lake::{Adjusted, Lake, OffsetRow, adjust};
@@ -13,6 +14,12 @@ use std::path::PathBuf;
 pub struct AdjustArgs {
     /// Folder of the lake
     lake: PathBuf,
+    /// Also find how far the positions of each log are off, where its tracks cross others over a bottom that slopes
+    #[arg(long)]
+    positions: bool,
+    /// Also find how much later the positions of each log are than its depths, from crossings in different directions
+    #[arg(long)]
+    latency: bool,
     /// Print JSON for scripts
     #[arg(long)]
     json: bool,
@@ -27,23 +34,38 @@ struct Printed<'a> {
     ties: usize,
     group: usize,
     pinned: bool,
+    east_m: f64,
+    north_m: f64,
+    shift_error_m: Option<f64>,
+    latency_s: f64,
+    latency_error_s: Option<f64>,
 }
 
 /// Finds the offsets, writes the table and prints it.
 pub fn run(args: &AdjustArgs) -> Result<(), String> {
     let lake = Lake::open(&args.lake).map_err(|error| error.to_string())?;
-    let adjusted = adjusted(&lake)?;
+    let wanted = Wanted {
+        shifts: args.positions,
+        latencies: args.latency,
+    };
+    let adjusted = adjusted(&lake, wanted)?;
     tell(&adjusted);
     let rows = adjusted.offsets.rows();
     if args.json {
+        let known = |value: f64| Some(value).filter(|value| value.is_finite());
         let printed = rows.iter().map(|row| Printed {
             name: &row.name,
             log: &row.log,
             offset_m: row.offset_m,
-            standard_error_m: Some(row.standard_error_m).filter(|metres| metres.is_finite()),
+            standard_error_m: known(row.standard_error_m),
             ties: row.ties,
             group: row.group,
             pinned: row.is_pinned,
+            east_m: row.shift.east_m,
+            north_m: row.shift.north_m,
+            shift_error_m: known(row.shift_error_m),
+            latency_s: row.shift.latency_s,
+            latency_error_s: known(row.latency_error_s),
         });
         return output::json(&printed.collect::<Vec<_>>());
     }
@@ -53,11 +75,11 @@ pub fn run(args: &AdjustArgs) -> Result<(), String> {
 }
 
 /// Finds the offsets of a lake and writes its table.
-pub fn adjusted(lake: &Lake) -> Result<Adjusted, String> {
+pub fn adjusted(lake: &Lake, wanted: Wanted) -> Result<Adjusted, String> {
     let progress = Progress::new();
     let status = StatusLine::new(&progress);
     status.step("height offsets");
-    adjust(lake, &progress).map_err(|error| error.to_string())
+    adjust(lake, wanted, &progress).map_err(|error| error.to_string())
 }
 
 /// Names what offsets cannot settle.
@@ -106,5 +128,19 @@ fn of_log(row: &OffsetRow) -> String {
             row.group
         ),
     };
-    format!("{}: {:+.4} m, {how}", row.name, row.offset_m)
+    let mut text = format!("{}: {:+.4} m, {how}", row.name, row.offset_m);
+    let shift = row.shift;
+    if !row.shift_error_m.is_nan() {
+        text += &format!(
+            "; positions {:+.2} m east, {:+.2} m north, standard error {:.2} m",
+            shift.east_m, shift.north_m, row.shift_error_m
+        );
+    }
+    if !row.latency_error_s.is_nan() {
+        text += &format!(
+            "; {:+.2} s late, standard error {:.2} s",
+            shift.latency_s, row.latency_error_s
+        );
+    }
+    text
 }

@@ -2,6 +2,7 @@
 
 use super::adjust::{adjusted, summary, tell};
 use super::make_maps;
+use crate::bathymetry::position_offsets::Wanted;
 use crate::cli::output;
 use crate::cli::status_line::StatusLine;
 use crate::lake::{
@@ -24,7 +25,7 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
     let in_words = |error: LakeError| error.to_string();
     let lake = Lake::open(&args.lake).map_err(in_words)?;
     let logs = lake.logs().map_err(in_words)?;
-    let adjusted = adjusted(&lake)?;
+    let adjusted = adjusted(&lake, Wanted::default())?;
     tell(&adjusted);
     output::results(summary(&adjusted))?;
     let all: Vec<TileId> = contents(&lake).map_err(in_words)?.into_keys().collect();

@@ -4,6 +4,7 @@ mod killed;
 mod map_tiles;
 mod maps;
 mod offsets;
+mod positions;
 mod rows;
 mod who;
 

@@ -103,7 +103,7 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
             false => format!("{line}\n"),
             true => {
                 let fields: Vec<&str> = line.split(',').collect();
-                format!("log-2,{},1.25,,,,yes\n", fields[1])
+                format!("log-2,{},1.25,,,,yes,,,,,\n", fields[1])
             }
         })
         .collect();
@@ -119,7 +119,7 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
             "{log}: {moved_m} {expected_m}"
         );
     }
-    fs::write(&path, table.replace(",0\n", ",maybe\n")).expect("a table");
+    fs::write(&path, table.replace(",0,0.000,", ",maybe,0.000,")).expect("a table");
     let refused = refusal(folder, &["adjust", "lake"], 1);
     assert!(
         refused.contains("line 2 of the table of offsets"),
