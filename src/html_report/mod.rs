@@ -28,6 +28,7 @@ pub use document::document;
 use crate::detection::Raster;
 use crate::export::ObjectRow;
 use crate::geo::{LonLat, MapPlane};
+use crate::pipeline::joint::LogLatency;
 use crate::pipeline::{
     DepthMap, Isobaths, Mosaic, NamedComparison, ProcessedLog, Products, Report,
 };
@@ -57,6 +58,8 @@ pub struct ReportData<'a> {
     pub mosaic: Option<&'a Mosaic>,
     /// How measured depths agree.
     pub comparisons: &'a [NamedComparison],
+    /// How late the positions of each log are; empty where no track crosses another, `None` of a log whose crossings do not tell.
+    pub latencies: &'a [Option<LogLatency>],
     /// Boxes with their places, and the raster that they were found in; `None` where nobody searched.
     pub objects: Option<Objects<'a>>,
     /// Files of the same run, and what they are in a few words.

@@ -28,6 +28,7 @@ pub fn trust(from: &ReportData<'_>) -> String {
     let mut html = String::from("<h2>How far to trust it</h2>\n");
     // Writing to a string cannot fail.
     agreement(from, &mut html).ok();
+    latencies(from, &mut html).ok();
     html + &format!("<p>{}</p>\n", xml(&from.report.statement))
 }
 
@@ -74,6 +75,28 @@ fn agreement(from: &ReportData<'_>, html: &mut String) -> Written {
         writeln!(html, "</tr>")?;
     }
     writeln!(html, "</table>")
+}
+
+/// How late positions are, of each log whose crossings tell.
+fn latencies(from: &ReportData<'_>, html: &mut String) -> Written {
+    for (name, latency) in from.names.iter().zip(from.latencies) {
+        let Some(latency) = latency else { continue };
+        let advice = match latency.contradicts() {
+            true => format!(
+                "; set <code>mounting.latency_s</code> to {:.2}",
+                latency.latency_s
+            ),
+            false => String::new(),
+        };
+        writeln!(
+            html,
+            "<p>{}: crossings over slopes show positions to be later than echoes by {}; in force is {} s{advice}.</p>",
+            xml(name),
+            latency.in_words(),
+            latency.in_force_s,
+        )?;
+    }
+    Ok(())
 }
 
 /// Scale, method and settings.

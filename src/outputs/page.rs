@@ -10,6 +10,7 @@ use crate::detection::review::{PIXEL_M, Review, State};
 use crate::export::write_aside;
 use crate::html_report::{self, FileLine, Objects, ReportData, SeenObject};
 use crate::outputs::OutputError;
+use crate::pipeline::Crosslines;
 use crate::pipeline::joint::JointObject;
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -46,6 +47,7 @@ pub fn write(run: &mut Run<'_>, path: &Path) -> Result<(), OutputError> {
         isobaths: &isobaths,
         mosaic: mosaic.as_deref(),
         comparisons: &comparisons,
+        latencies: results.crossings()?.map_or(&[], Crosslines::latencies),
         objects,
         files: &files,
     };

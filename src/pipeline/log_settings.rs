@@ -15,7 +15,7 @@ use toml::{Table, Value};
 pub type SettingValues = BTreeMap<String, Value>;
 
 /// Keys that belong to one log by their nature: a change of them never concerns another log.
-const OF_ONE_LOG: [&str; 25] = [
+const OF_ONE_LOG: [&str; 26] = [
     "calibration.pings",
     "draft_m",
     "height_offset_m",
@@ -24,6 +24,7 @@ const OF_ONE_LOG: [&str; 25] = [
     "mounting.clock_offset_s",
     "mounting.forward_m",
     "mounting.heading_offset_deg",
+    "mounting.latency_s",
     "mounting.right_m",
     "mounting.swap_sides",
     "picture.absorption_db_m",
@@ -43,7 +44,7 @@ const OF_ONE_LOG: [&str; 25] = [
     "water_level_m",
 ];
 /// Of these, the keys that say nothing about another log, so that they cannot be shared.
-const NEVER_SHARED: [&str; 11] = [
+const NEVER_SHARED: [&str; 12] = [
     "calibration.pings",
     "height_offset_m",
     "left_out.log",
@@ -51,6 +52,7 @@ const NEVER_SHARED: [&str; 11] = [
     "mounting.clock_offset_s",
     "mounting.forward_m",
     "mounting.heading_offset_deg",
+    "mounting.latency_s",
     "mounting.right_m",
     "mounting.swap_sides",
     "track.file",

@@ -114,6 +114,7 @@ impl Scene {
                 -864_000.0,
                 864_000.0,
             ),
+            ("mounting.latency_s", mounting.latency_s, -10.0, 10.0),
         ])
     }
 

@@ -19,7 +19,9 @@ impl Run<'_> {
     fn fix(&self, time_s: f64) -> (u64, WrittenFix) {
         let rate = self.scene.track.fix_rate_hz;
         let number = (time_s * rate + 1e-6).floor();
-        let mut pose = self.pose_at(number / rate);
+        // Late positions are those of a while ago; a boat does not move before it starts.
+        let fixed_s = (number / rate - self.scene.mounting.latency_s).max(0.0);
+        let mut pose = self.pose_at(fixed_s);
         let [off_east_m, off_north_m] = self.plan.position_error_m(number / rate);
         pose.east_m += off_east_m;
         pose.north_m += off_north_m;

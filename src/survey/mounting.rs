@@ -19,6 +19,8 @@ pub struct MountingSettings {
     pub heading_offset_deg: f64,
     /// Added to the log's clock, seconds: how far it is behind UTC.
     pub clock_offset_s: f64,
+    /// How much later the recorded positions are than the echoes recorded with them, seconds.
+    pub latency_s: f64,
 }
 
 impl MountingSettings {
@@ -46,6 +48,22 @@ impl MountingSettings {
             said.push(format!(
                 "Positions are those of the transducer, {} of the antenna.",
                 arm_in_words([forward_m, right_m], |metres| format!("{metres} m"))
+            ));
+        }
+        if self.latency_s != 0.0 {
+            said.push(format!(
+                "Positions are those of {} s {}: so much {} they are recorded than echoes.",
+                self.latency_s.abs(),
+                if self.latency_s > 0.0 {
+                    "later"
+                } else {
+                    "before"
+                },
+                if self.latency_s > 0.0 {
+                    "later"
+                } else {
+                    "earlier"
+                },
             ));
         }
         if self.heading_offset_deg != 0.0 {
@@ -160,6 +178,7 @@ mod tests {
         let mounting = MountingSettings {
             swap_sides: true,
             clock_offset_s: 2.5,
+            latency_s: 0.6,
             ..MountingSettings::default()
         };
         let once = survey.clone().mounted(&mounting);

@@ -163,6 +163,7 @@ pub fn navigate(
 /// `east += forward sin h + right cos h`, `north += forward cos h - right sin h`. The heading is that of the source, but for
 /// [`HeadingSource::Steps`], whose headings are multiples of 45 degrees: there it is that of the fitted track. Where the boat rests and has
 /// none, the last one before holds, so that the track does not jump by the length of the arm at every stop.
+/// Places, courses and fitted headings are those of `latency_s` later, the compass heading is not.
 /// `heading_offset_deg` is added to the compass heading alone: a course is that of the boat's motion, and no instrument is turned on it.
 ///
 /// # Errors
@@ -176,6 +177,7 @@ pub fn navigate_mounted(
 ) -> Result<Navigation, Cancelled> {
     let navigator = Navigator {
         compass_offset_rad: mounting.heading_offset_deg.to_radians(),
+        latency_s: mounting.latency_s,
         track: &survey.track,
         fitted: FittedTrack::new(&survey.track, settings.window_s),
         source: settings.source,
@@ -226,6 +228,8 @@ struct Navigator<'a> {
     source: HeadingSource,
     /// Added to the compass heading.
     compass_offset_rad: f64,
+    /// Where the boat is at a time is what is recorded so many seconds later.
+    latency_s: f64,
     projection: Projection,
 }
 
@@ -242,7 +246,7 @@ impl Navigator<'_> {
             if self.source != HeadingSource::Steps {
                 return place.heading_rad;
             }
-            let motion = self.fitted.at(time_s(record));
+            let motion = self.fitted.at(time_s(record) + self.latency_s);
             match motion.moving {
                 true => motion.velocity[0].atan2(motion.velocity[1]),
                 false => f64::NAN,
@@ -311,6 +315,8 @@ impl Navigator<'_> {
     }
 
     fn place(&self, time_s: f64) -> (PingNav, bool) {
+        let compass = self.recorded_at(time_s);
+        let time_s = time_s + self.latency_s;
         let external = self.track.external.as_ref();
         if external.is_some_and(|track| time_s < track.span_s[0] || time_s > track.span_s[1]) {
             return (PingNav::UNKNOWN, false);
@@ -329,7 +335,7 @@ impl Navigator<'_> {
         let place = PingNav {
             east_m,
             north_m,
-            heading_rad: self.heading_rad(&motion, recorded),
+            heading_rad: self.heading_rad(&motion, recorded, compass),
             speed_mps: motion.speed_mps(),
         };
         (place, motion.moving)
@@ -352,8 +358,13 @@ impl Navigator<'_> {
         }
     }
 
-    fn heading_rad(&self, motion: &Motion, recorded: Option<usize>) -> f64 {
-        let fix = recorded.map(|index| &self.track.fixes[index]);
+    /// Of a compass the fix that was recorded with the echo: it is an instrument of its own, and not late.
+    fn heading_rad(&self, motion: &Motion, recorded: Option<usize>, compass: Option<usize>) -> f64 {
+        let index = match self.source {
+            HeadingSource::Compass => compass,
+            _ => recorded,
+        };
+        let fix = index.map(|index| &self.track.fixes[index]);
         let in_plane = |recorded_rad: f32, fix: &Fix| {
             f64::from(recorded_rad) + self.true_north_rad(fix.position)
         };

@@ -3,7 +3,7 @@
 use crate::bathymetry::crosslines::{Crossing, LEAST_ANGLE_DEG, REACH_M, TrackDepth, crossings};
 use crate::cloud::Residuals;
 use crate::pipeline::ProcessedLog;
-use crate::pipeline::joint::track_depths;
+use crate::pipeline::joint::{LogLatency, latencies, track_depths};
 use crate::progress::{Cancelled, Progress};
 use serde::Serialize;
 
@@ -18,6 +18,8 @@ pub struct Crosslines {
     /// Those of two logs alone; absent of one log.
     #[serde(skip_serializing_if = "Option::is_none")]
     between_logs: Option<Residuals>,
+    /// How late the positions of each log are, in the order of the logs; null where the crossings do not tell.
+    latencies: Vec<Option<LogLatency>>,
     /// The first of them in the order of logs and time.
     list: Vec<Listed>,
 }
@@ -33,6 +35,13 @@ struct Listed {
     depth_m: [f64; 2],
     difference_m: f64,
     angle_deg: f64,
+}
+
+impl Crosslines {
+    /// How late the positions of each log are; `None` where the crossings do not tell.
+    pub fn latencies(&self) -> &[Option<LogLatency>] {
+        &self.latencies
+    }
 }
 
 const SIGN: &str =
@@ -73,6 +82,7 @@ pub fn crosslines(
             angle_deg: one.angle_deg,
         })
     };
+    let of_logs = latencies(logs, progress)?;
     let residuals = |of: &dyn Fn(&&Crossing) -> bool| {
         let chosen = found.iter().filter(of);
         Residuals::of(&mut chosen.map(Crossing::difference_m).collect::<Vec<f64>>())
@@ -84,6 +94,7 @@ pub fn crosslines(
         reach_m: REACH_M,
         residuals: all,
         between_logs: residuals(&is_between),
+        latencies: of_logs,
         list: found.iter().take(MOST_LISTED).filter_map(listed).collect(),
     }))
 }

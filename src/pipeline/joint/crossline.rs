@@ -2,6 +2,7 @@
 
 use crate::bathymetry::crosslines::{Crossing, TrackDepth, crossings};
 use crate::bathymetry::height_offsets::{self as offsets, Datum, HeightOffsets};
+use crate::bathymetry::position_offsets::{Placed, Wanted, position_offsets, shifted};
 use crate::cloud::{PointSource, Residuals};
 use crate::pipeline::ProcessedLog;
 use crate::progress::{Cancelled, Progress};
@@ -100,4 +101,79 @@ pub fn crossline_analysis(
         between_logs: residuals(&|[a, b]| a != b),
         within_logs: within_logs.collect(),
     }))
+}
+
+/// How late the positions of a log are, as its crossings show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LogLatency {
+    /// What `mounting.latency_s` should be, seconds.
+    pub latency_s: f64,
+    /// Its standard error, seconds.
+    pub standard_error_s: f64,
+    /// What is in force, seconds.
+    pub in_force_s: f64,
+}
+
+/// A latency is told from a standard error of this on, seconds: a larger one says no more than is assumed of any recorder.
+const TOLD_S: f64 = 0.5;
+/// What is in force is contradicted from so many seconds and standard errors on.
+const CONTRADICTED_S: f64 = 0.15;
+const CONTRADICTED_SIGMAS: f64 = 3.0;
+/// Rounds, each with the tracks as the one before corrects them.
+const ROUNDS: usize = 3;
+
+impl LogLatency {
+    /// Whether the crossings contradict what is in force.
+    pub fn contradicts(&self) -> bool {
+        let off_s = (self.latency_s - self.in_force_s).abs();
+        off_s > CONTRADICTED_S && off_s > CONTRADICTED_SIGMAS * self.standard_error_s
+    }
+
+    /// `0.62 s, standard error 0.08 s`.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{:.2} s, standard error {:.2} s",
+            self.latency_s, self.standard_error_s
+        )
+    }
+}
+
+/// The latency of each log from the crossings of all tracks with themselves and each other; `None` of a log whose crossings say nothing.
+///
+/// # Errors
+/// When the work was cancelled.
+pub fn latencies(
+    logs: &[ProcessedLog],
+    progress: &Progress,
+) -> Result<Vec<Option<LogLatency>>, Cancelled> {
+    let tracks: Vec<Vec<TrackDepth>> = logs.iter().map(track_depths).collect();
+    let wanted = Wanted {
+        shifts: false,
+        latencies: true,
+    };
+    let mut placed = vec![Placed::default(); logs.len()];
+    let mut errors_s = vec![f64::NAN; logs.len()];
+    for _ in 0..ROUNDS {
+        let moved = tracks.iter().zip(&placed);
+        let moved: Vec<Vec<TrackDepth>> = moved
+            .map(|(track, placed)| shifted(track, &placed.shift))
+            .collect();
+        let met = crossings(&moved, progress)?;
+        let Some(found) = position_offsets(&placed, &met, wanted) else {
+            return Ok(vec![None; logs.len()]);
+        };
+        for ((placed, error_s), found) in placed.iter_mut().zip(&mut errors_s).zip(found) {
+            (placed.shift, *error_s) = (found.shift, found.latency_error_s);
+        }
+    }
+    let each = logs.iter().zip(&placed).zip(errors_s);
+    let of_log = |((log, placed), standard_error_s): ((&ProcessedLog, &Placed), f64)| {
+        let in_force_s = log.products.settings.mounting.latency_s;
+        (standard_error_s < TOLD_S).then_some(LogLatency {
+            latency_s: in_force_s + placed.shift.latency_s,
+            standard_error_s,
+            in_force_s,
+        })
+    };
+    Ok(each.map(of_log).collect())
 }

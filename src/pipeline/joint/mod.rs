@@ -12,7 +12,9 @@ mod report;
 mod shapes;
 
 pub use comparison::compare_logs;
-pub use crossline::{CrosslineAnalysis, crossline_analysis, height_offsets, track_depths};
+pub use crossline::{
+    CrosslineAnalysis, LogLatency, crossline_analysis, height_offsets, latencies, track_depths,
+};
 pub use objects::{JointObject, PlacedBox, joint_objects};
 pub use report::{LogReport, LogsReport, contradictions, joint_report};
 pub use shapes::object_shape;

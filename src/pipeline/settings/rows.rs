@@ -198,6 +198,10 @@ rows! {
     CLOCK_OFFSET: "mounting.clock_offset_s", "Clock", "clock of the log",
         "Added to the log's times where they are UTC, in every product and where water levels or an external track are looked up: how far the recorder's clock is behind UTC.",
         number!(mounting.clock_offset_s, "s", [-864_000.0, 864_000.0], 0.01, 2, Drag);
+    // A receiver that is later than this has lost its fix.
+    LATENCY: "mounting.latency_s", "Latency", "latency of positions",
+        "How much later the recorded positions are than the echoes recorded with them: a receiver needs time to find a position, and the recorder to take it over. Crossings over a slope show it; the report says how much.",
+        number!(mounting.latency_s, "s", [-10.0, 10.0], 0.01, 2, Drag);
     SOURCE_CRS: "source.crs", "Metres of", "system of the log's metres",
         "The coordinate system of a log whose positions are metres of a system that it does not name, as XTF may have them. Without one they lie around longitude 0, latitude 0.",
         Kind::Text("EPSG:NUMBER");

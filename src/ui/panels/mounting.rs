@@ -26,6 +26,7 @@ pub fn ui(ui: &mut Ui, context: &mut ViewContext<'_>) {
             &rows::ANTENNA_RIGHT,
             &rows::HEADING_OFFSET,
             &rows::CLOCK_OFFSET,
+            &rows::LATENCY,
         ] {
             setting(ui, context, row);
         }

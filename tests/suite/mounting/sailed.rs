@@ -7,6 +7,7 @@ use crate::truth::KnownSurvey;
 use bathyscope::detection::review::{Edit, Review};
 use bathyscope::formats::TrackFile;
 use bathyscope::pipeline::{Placing, Products};
+use bathyscope::simulation::{BedSettings, Mound, Scene};
 use bathyscope::survey::{HeadingSource, Identity, Side, Survey};
 use std::path::Path;
 
@@ -299,4 +300,73 @@ fn every_side_of_a_mirrored_log_is_that_of_the_boat() {
             outward(&plain.survey, side.other())
         );
     }
+}
+
+/// A boat to and fro over mounds and hollows, whose positions are recorded 0.8 s late.
+fn late() -> Scene {
+    let scene = crate::lake::zigzag(0, [0.0, 0.0], 0.0);
+    let places = (-4..=4).flat_map(|column| (-4..=4).map(move |row| (column, row)));
+    let mounds = places.map(|(column, row)| Mound {
+        east_m: 8.0 * f64::from(column),
+        north_m: 8.0 * f64::from(row),
+        radius_m: 2.5,
+        height_m: if (column + row) % 2 == 0 { 0.7 } else { -0.5 },
+    });
+    let mut scene = Scene {
+        bed: BedSettings {
+            mounds: mounds.collect(),
+            ..scene.bed.clone()
+        },
+        ..scene
+    };
+    scene.mounting.latency_s = 0.8;
+    scene
+}
+
+#[test]
+fn late_positions_are_put_right_and_crossings_show_how_late_they_are() {
+    let known = KnownSurvey::new(&late(), 3);
+    let off = |assignments: &[&str]| {
+        let (_, products) = processed(&known, &settings(assignments), None);
+        off_m(&known, &products)
+    };
+    let [late_m, right_m] = [off(&[]), off(&["mounting.latency_s=0.8"])];
+    println!("positions: {late_m:.2} m off, with their latency {right_m:.2} m");
+    assert!(
+        right_m < 0.6 && late_m > 2.0 * right_m,
+        "{late_m} {right_m}"
+    );
+
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    std::fs::write(folder.join("late.sl2"), known.truth.sl2_bytes()).expect("a log");
+    let found = |name: &str, more: &[&str]| {
+        let process = ["process", "late.sl2", "-o", name, "--no-objects"];
+        let products = ["--products", "residuals,report"];
+        run(folder, &[&process[..], &products, more].concat());
+        let text = std::fs::read_to_string(folder.join(name).join("quality/residuals.json"));
+        let record: serde_json::Value =
+            serde_json::from_str(&text.expect("a record")).expect("JSON");
+        let latency = &record["crossline_analysis"]["latencies"][0];
+        let number = |key: &str| latency[key].as_f64().expect("a number");
+        let page = std::fs::read_to_string(folder.join(name).join("report.html")).expect("a page");
+        let advice = page.contains("set <code>mounting.latency_s</code>");
+        (
+            [
+                number("latency_s"),
+                number("standard_error_s"),
+                number("in_force_s"),
+            ],
+            advice,
+        )
+    };
+    let (free, advised) = found("free", &[]);
+    let (held, advised_again) = found("held", &["--set", "mounting.latency_s=0.8"]);
+    println!("latency: {free:?} as recorded, {held:?} with it in force");
+    assert!(
+        (free[0] - 0.8).abs() < 0.25 && free[1] < 0.2 && free[2] == 0.0,
+        "{free:?}"
+    );
+    assert!((held[0] - 0.8).abs() < 0.25 && held[2] == 0.8, "{held:?}");
+    assert!(advised && !advised_again);
 }
