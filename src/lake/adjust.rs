@@ -1,6 +1,8 @@
-//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles.
+//! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles; and, by
+//! `level_factors`, how much brighter its echoes.
 
 use super::error::LakeError;
+use super::level_factors::level_factors;
 use super::log_record::LogRecord;
 use super::offsets::{OffsetRow, Offsets};
 use super::ping_rows::{self, PINGS};
@@ -32,7 +34,7 @@ pub struct Adjusted {
     pub contradictions: Vec<([String; 2], f64)>,
 }
 
-/// Finds the height offsets of all logs of a lake and writes its table. Logs that a person has pinned keep theirs and are what the others are held
+/// Finds the height offsets of all logs of a lake, and the factors on their levels, and writes its table. Logs that a person has pinned keep theirs and are what the others are held
 /// against. Without any, the mean offset of tied logs is zero when they first meet; from then on the logs that are known keep their
 /// heights, and new ones are held against these.
 ///
@@ -41,6 +43,7 @@ pub struct Adjusted {
 pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
     let logs = lake.logs()?;
     let known = Offsets::read(lake)?;
+    let levels = level_factors(lake, &logs, &known, progress)?;
     let meetings = meetings(lake, &logs, progress)?;
     let pinned: Vec<Option<f64>> = logs
         .iter()
@@ -73,6 +76,7 @@ pub fn adjust(lake: &Lake, progress: &Progress) -> Result<Adjusted, LakeError> {
             ties,
             group: found.group,
             is_pinned: pinned[index].is_some(),
+            level: levels[index],
         }
     });
     let offsets = Offsets::new(rows.collect());
@@ -102,7 +106,7 @@ fn groups(offsets: &Offsets) -> usize {
 
 /// The offsets that the meetings give. Logs that are pinned are taken together as one more log, whose offset is zero: a meeting with one of
 /// them is one with that, its difference corrected by the offset that is pinned.
-fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
+pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();
     if pinned.iter().all(Option::is_none) {
         return solver::adjust(count, meetings, Datum::Mean);

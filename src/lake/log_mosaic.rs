@@ -7,13 +7,15 @@ use super::record::Lake;
 use super::tile::TileId;
 use crate::bathymetry::Grid;
 use crate::export::geotiff;
-use crate::formats::geotiff::{Band, Cells, NODATA, RASTER_TILE, RasterSpec};
+use crate::formats::geotiff::{
+    Band, Cells, CellsError, NODATA, RASTER_TILE, RasterSpec, RasterTiles,
+};
 use crate::geo::{Crs, MapPlane, UtmZone};
 use crate::mosaic::{GainTable, LogPart, MosaicLog, MosaicSettings, TILE_CELLS, TileIndex, part};
 use crate::pipeline::{Derived, ProcessedLog, mosaic_layout};
 use crate::progress::{Cancelled, Progress};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The subfolder of the levels.
@@ -207,6 +209,27 @@ impl TilePart<'_> {
         };
         Ok(geotiff(path, &spec, places, draw, progress)?)
     }
+}
+
+/// Opens a log's part of a tile; with its path.
+pub(super) fn open_part(
+    lake: &Lake,
+    kind: &str,
+    tile: TileId,
+    log: &str,
+) -> Result<(RasterTiles, PathBuf), LakeError> {
+    let path = lake.folder().join(Lake::rows_name(kind, tile, log));
+    let opened = RasterTiles::open(&path);
+    let opened = opened.map_err(|error| LakeError::Refused(in_words(&error, &path)))?;
+    Ok((opened, path))
+}
+
+/// What is wrong with a part.
+pub(super) fn in_words(error: &CellsError, path: &Path) -> String {
+    format!(
+        "a part of the mosaic cannot be used: {error}; process its log again: {}",
+        path.display()
+    )
 }
 
 /// A raster of levels over the grid of a tile's mosaic.

@@ -7,8 +7,8 @@
 //!
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows` and `ping_rows`, laid out by
-//! `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other, `offsets` is the table of
-//! them. `tile_map` makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
+//! `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other, `level_factors` the levels of
+//! their echoes, `offsets` is the table of both. `tile_map` makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
 mod add;
@@ -17,6 +17,7 @@ mod area;
 mod error;
 mod footprint;
 mod index;
+mod level_factors;
 mod list;
 mod log_mosaic;
 mod log_record;

@@ -1,6 +1,8 @@
-//! Height offsets of the logs of a lake: `offsets.csv`, a table that people read, edit and pin.
+//! What the logs of a lake are off by against each other, in height and in the levels of their echoes: `offsets.csv`, a table that people read, edit
+//! and pin.
 
 use super::error::LakeError;
+use super::level_factors::LevelFactor;
 use super::log_record::LogRecord;
 use super::record::Lake;
 use crate::export::write_aside;
@@ -10,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// The table's name.
 pub(super) const OFFSETS: &str = "offsets.csv";
-const COLUMNS: [&str; 7] = [
+const COLUMNS: [&str; 9] = [
     "name",
     "log",
     "offset_m",
@@ -18,9 +20,13 @@ const COLUMNS: [&str; 7] = [
     "ties",
     "group",
     "pinned",
+    "level_factor",
+    "level_ties",
 ];
 /// Longer than any table.
 const LONGEST: u64 = 1 << 28;
+/// Bounds of a factor on levels that somebody may write.
+const FACTORS: [f64; 2] = [0.05, 20.0];
 /// No log is higher or lower than others by more, metres, as `height_offset_m`.
 const MOST_M: f64 = 100.0;
 
@@ -41,6 +47,20 @@ pub struct OffsetRow {
     pub group: usize,
     /// Whether a person has set it: a benchmark log. It stays, and others are held against it.
     pub is_pinned: bool,
+    /// What the levels of its echoes are multiplied by in mosaics.
+    pub(super) level: LevelFactor,
+}
+
+impl OffsetRow {
+    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of the others.
+    pub fn level_factor(&self) -> f64 {
+        self.level.factor
+    }
+
+    /// Blocks of ground that its mosaic shows with those of others.
+    pub fn level_ties(&self) -> usize {
+        self.level.ties
+    }
 }
 
 /// The offsets of a lake.
@@ -109,6 +129,11 @@ impl Offsets {
         self.row(log).map_or(0.0, |row| row.offset_m)
     }
 
+    /// What the levels of a log are multiplied by; 1 of one that has no row.
+    pub fn level_factor(&self, log: &str) -> f64 {
+        self.row(log).map_or(1.0, OffsetRow::level_factor)
+    }
+
     /// All rows, by the names of the logs.
     pub fn rows(&self) -> Vec<&OffsetRow> {
         let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
@@ -136,7 +161,7 @@ fn path_of(lake: &Lake) -> PathBuf {
     lake.folder().join(OFFSETS)
 }
 
-fn fields(row: &OffsetRow) -> [String; 7] {
+fn fields(row: &OffsetRow) -> [String; 9] {
     let error = match row.standard_error_m.is_nan() {
         true => String::new(),
         false => format!("{:.4}", row.standard_error_m),
@@ -150,6 +175,8 @@ fn fields(row: &OffsetRow) -> [String; 7] {
         row.ties.to_string(),
         row.group.to_string(),
         u8::from(row.is_pinned).to_string(),
+        format!("{:.3}", row.level.factor),
+        row.level.ties.to_string(),
     ]
 }
 
@@ -159,6 +186,8 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
         .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
+        // Rows that somebody has written by hand may end early.
+        .flexible(true)
         .from_reader(text.as_bytes());
     let in_words = |error: csv::Error| fail(format!("cannot read the table of offsets: {error}"));
     let header = table.headers().map_err(in_words)?.clone();
@@ -167,7 +196,15 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
         found.ok_or_else(|| fail(format!("the table of offsets has no column {name}")))
     };
     let [log, offset, pinned] = [column("log")?, column("offset_m")?, column("pinned")?];
-    let others = ["name", "standard_error_m", "ties", "group"].map(|name| column(name).ok());
+    let others = [
+        "name",
+        "standard_error_m",
+        "ties",
+        "group",
+        "level_factor",
+        "level_ties",
+    ]
+    .map(|name| column(name).ok());
     let mut rows = Vec::new();
     for (line, record) in (2..).zip(table.records()) {
         let record = record.map_err(in_words)?;
@@ -180,9 +217,15 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
             "1" | "yes" | "true" => Some(true),
             _ => None,
         };
-        let (Some(offset_m), Some(is_pinned)) = (offset_m, is_pinned) else {
+        let factor: Option<f64> = match other(4) {
+            "" => Some(1.0),
+            text => text.parse().ok(),
+        };
+        let factor = factor.filter(|factor| (FACTORS[0]..=FACTORS[1]).contains(factor));
+        let (Some(offset_m), Some(is_pinned), Some(factor)) = (offset_m, is_pinned, factor) else {
             return Err(fail(format!(
-                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0"
+                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, level_factor {} to {}",
+                FACTORS[0], FACTORS[1]
             )));
         };
         rows.push(OffsetRow {
@@ -193,6 +236,10 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
             ties: other(2).parse().unwrap_or(0),
             group: other(3).parse().unwrap_or(0),
             is_pinned,
+            level: LevelFactor {
+                factor,
+                ties: other(5).parse().unwrap_or(0),
+            },
         });
     }
     Ok(rows)

@@ -79,6 +79,7 @@ struct MosaicPart {
     sha256: String,
     /// Of what the levels count; empty where they all count the same.
     weights_sha256: String,
+    level_factor: f64,
 }
 
 /// How a tile's map stands to the rows and offsets of its logs.
@@ -119,6 +120,7 @@ impl MadeFrom {
                 log: log.log.clone(),
                 sha256: rows.sha256_of(MOSAIC).to_owned(),
                 weights_sha256: rows.sha256_of(WEIGHTS).to_owned(),
+                level_factor: offsets.level_factor(&log.log),
             })
         });
         Self {
@@ -218,7 +220,7 @@ pub fn write_tile(
         cells: 0,
         depth_m: Vec::new(),
         isobaths: 0,
-        mosaic_cells: write_mosaic(lake, tile, logs, &folder.join(ECHOES), progress)?,
+        mosaic_cells: write_mosaic(lake, tile, logs, offsets, &folder.join(ECHOES), progress)?,
         files: Vec::new(),
     };
     if let Some(made) = made {

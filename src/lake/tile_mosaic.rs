@@ -1,8 +1,9 @@
 //! The mosaic of a tile, from the parts of all logs in it.
 
 use super::error::LakeError;
-use super::log_mosaic::{MOSAIC, WEIGHTS, levels_spec};
+use super::log_mosaic::{MOSAIC, WEIGHTS, in_words, levels_spec, open_part};
 use super::log_record::LogRecord;
+use super::offsets::Offsets;
 use super::record::Lake;
 use super::tile::TileId;
 use crate::export::geotiff;
@@ -36,13 +37,17 @@ pub(super) fn write_mosaic(
     lake: &Lake,
     tile: TileId,
     logs: &[LogRecord],
+    offsets: &Offsets,
     path: &Path,
     progress: &Progress,
 ) -> Result<usize, LakeError> {
     let overlap = lake.record.settings()?.mosaic.overlap;
     let grid = lake.record.mosaic_grid(tile)?;
     let parts = (logs_in_order(tile, logs).into_iter())
-        .map(|log| StoredPart::open(lake, tile, &log.log, overlap.is_weighted()))
+        .map(|log| {
+            let factor = offsets.level_factor(&log.log);
+            StoredPart::open(lake, tile, &log.log, overlap.is_weighted(), factor)
+        })
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(other) = (parts.iter()).find(|part| part.levels.size() != [grid.columns, grid.rows])
     {
@@ -75,35 +80,35 @@ struct StoredPart {
     path: PathBuf,
     levels: RasterTiles,
     weights: Option<RasterTiles>,
+    /// What its levels are multiplied by.
+    factor: f32,
 }
 
 impl StoredPart {
-    fn open(lake: &Lake, tile: TileId, log: &str, is_weighted: bool) -> Result<Self, LakeError> {
-        let open = |kind: &str| {
-            let path = lake.folder().join(Lake::rows_name(kind, tile, log));
-            let opened = RasterTiles::open(&path);
-            opened.map_err(|error| LakeError::Refused(in_words(&error, &path)))
-        };
+    fn open(
+        lake: &Lake,
+        tile: TileId,
+        log: &str,
+        is_weighted: bool,
+        factor: f64,
+    ) -> Result<Self, LakeError> {
+        let (levels, path) = open_part(lake, MOSAIC, tile, log)?;
+        let weights = is_weighted.then(|| open_part(lake, WEIGHTS, tile, log));
         Ok(Self {
-            path: lake.folder().join(Lake::rows_name(MOSAIC, tile, log)),
-            levels: open(MOSAIC)?,
-            weights: is_weighted.then(|| open(WEIGHTS)).transpose()?,
+            path,
+            levels,
+            weights: weights.transpose()?.map(|(weights, _)| weights),
+            factor: factor as f32,
         })
     }
 
     fn read(&self, place: [usize; 2]) -> io::Result<LogPart> {
         let fail = |error: CellsError| io::Error::other(in_words(&error, &self.path));
         let weights = self.weights.as_ref().map(|weights| weights.values(place));
-        Ok(LogPart {
+        let part = LogPart {
             levels: self.levels.levels(place).map_err(fail)?,
             weights: weights.transpose().map_err(fail)?.unwrap_or_default(),
-        })
+        };
+        Ok(part.brightened(self.factor))
     }
-}
-
-fn in_words(error: &CellsError, path: &Path) -> String {
-    format!(
-        "a part of the mosaic cannot be used: {error}; process its log again: {}",
-        path.display()
-    )
 }

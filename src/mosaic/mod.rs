@@ -30,7 +30,9 @@ mod scan;
 pub use altitude::altitudes_m;
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
-pub use joint::{joint_bounds, joint_grid, match_levels};
+pub use joint::{
+    LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
+};
 pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
 pub use overlap::Overlap;
 pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};

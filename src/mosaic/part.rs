@@ -19,6 +19,15 @@ impl LogPart {
     pub fn is_empty(&self) -> bool {
         self.levels.iter().all(|&level| level == 0)
     }
+
+    /// The same with all levels times a factor.
+    #[must_use]
+    pub fn brightened(mut self, factor: f32) -> Self {
+        for level in self.levels.iter_mut().filter(|level| **level > 0) {
+            *level = (f32::from(*level) * factor).round().clamp(1.0, 255.0) as u8;
+        }
+        self
+    }
 }
 
 /// Draws what a log shows of the tile of a row and column of tiles.

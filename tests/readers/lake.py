@@ -2,6 +2,7 @@
 """Opens a lake of many logs with readers that are not ours: DuckDB, Arrow and GeoPandas for its rows, GDAL for its maps and mosaics and their VRTs, pystac
 for its index; fails on the first that disagrees."""
 
+import csv
 import json
 import sys
 from pathlib import Path
@@ -94,10 +95,14 @@ def check_mosaic(folder, tile, logs, record):
     # By the rule of the usual setting: the later log over the earlier.
     parts = [log for log in logs if any(rows["tile"] == tile and rows["mosaic_cells"] for rows in log["tiles"])]
     parts.sort(key=lambda log: (float("-inf") if log["start_unix_s"] is None else log["start_unix_s"], log["log"]))
+    with open(folder / "offsets.csv") as table:
+        factors = {row["log"]: numpy.float32(row["level_factor"]) for row in csv.DictReader(table)}
     expected = numpy.zeros_like(levels)
     for log in parts:
         with rasterio.open(folder / f"mosaic/tile={tile}/{log['log']}.tif") as part:
             of_log = part.read(1)
+        brightened = numpy.floor(of_log * factors[log["log"]] + numpy.float32(0.5)).clip(1, 255)
+        of_log = numpy.where(of_log > 0, brightened, 0).astype("uint8")
         expected = numpy.where(of_log > 0, of_log, expected)
     assert (levels == expected).all(), f"{tile}: the mosaic is not that of its logs"
     with rasterio.open(folder / f"index/mosaic_{tile.split('_')[0]}.vrt") as whole:

@@ -27,6 +27,8 @@ struct Printed<'a> {
     ties: usize,
     group: usize,
     pinned: bool,
+    level_factor: f64,
+    level_ties: usize,
 }
 
 /// Finds the offsets, writes the table and prints it.
@@ -44,6 +46,8 @@ pub fn run(args: &AdjustArgs) -> Result<(), String> {
             ties: row.ties,
             group: row.group,
             pinned: row.is_pinned,
+            level_factor: row.level_factor(),
+            level_ties: row.level_ties(),
         });
         return output::json(&printed.collect::<Vec<_>>());
     }
@@ -106,5 +110,9 @@ fn of_log(row: &OffsetRow) -> String {
             row.group
         ),
     };
-    format!("{}: {:+.4} m, {how}", row.name, row.offset_m)
+    let levels = match row.level_ties() {
+        0 => String::new(),
+        _ => format!("; levels times {:.3}", row.level_factor()),
+    };
+    format!("{}: {:+.4} m, {how}{levels}", row.name, row.offset_m)
 }

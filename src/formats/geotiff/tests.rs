@@ -285,6 +285,13 @@ fn tiles_come_back_as_they_were_drawn() {
             .all(|level| *level == 0)
     );
     assert!(raster.values([0, 1]).is_err(), "levels are no numbers");
+    let coarse = raster.overview(1).unwrap();
+    assert_eq!(coarse.len(), 350 * 150);
+    let four = [0, 1, 256, 257].map(|cell| u16::from(draw([0, 1])[cell]));
+    let mean = (four.iter().sum::<u16>() + 2) / 4;
+    assert_eq!(u16::from(coarse[128]), mean);
+    assert_eq!(coarse[127], 0);
+    assert!(raster.overview(3).is_err(), "the coarsest has one tile");
     std::fs::write(&path, b"II\x2a\0\x08\0\0\0").unwrap();
     assert!(RasterTiles::open(&path).is_err());
     assert!(raster.levels([0, 1]).is_err());

@@ -96,6 +96,32 @@ impl RasterTiles {
         })
     }
 
+    /// All cells of the overview that is so many times halved, or of the raster itself: rows of bytes, 0 where nothing is known.
+    ///
+    /// # Errors
+    /// As [`RasterTiles::levels`], and where there is no such overview.
+    pub fn overview(&self, halvings: usize) -> Result<Vec<u8>, CellsError> {
+        let read = || {
+            let mut decoder = decoder(&self.path)?;
+            // Each level is followed by its mask.
+            decoder.seek_to_image(2 * halvings)?;
+            let found = <[u32; 2]>::from(decoder.dimensions()?).map(|cells| cells as usize);
+            if found != self.overview_size(halvings) {
+                return Err(CellsError::Damaged("it lacks an overview"));
+            }
+            match decoder.read_image()? {
+                DecodingResult::U8(levels) => Ok(levels),
+                _ => Err(CellsError::Damaged("its cells are of another kind")),
+            }
+        };
+        catch_panic(read).unwrap_or(Err(CellsError::Damaged("it is damaged")))
+    }
+
+    /// Cells of an overview from west to east, and from north to south.
+    pub fn overview_size(&self, halvings: usize) -> [usize; 2] {
+        (0..halvings).fold(self.size(), |size, _| size.map(|cells| cells.div_ceil(2)))
+    }
+
     fn read<T: Copy>(
         &self,
         tile: [usize; 2],

@@ -1,6 +1,6 @@
 //! The mosaics of tiles: that of `process`, cut at the tiles, whatever the order in which logs came.
 
-use super::{add, files, sail, scene};
+use super::{files, sail, scene};
 use crate::cli::{refusal, run};
 use bathyscope::lake::{Lake, TileId, contents};
 use std::collections::BTreeMap;
@@ -190,6 +190,82 @@ fn the_mosaic_of_two_logs_is_that_of_both_in_the_order_of_their_recording() {
     }
 }
 
+/// The rows of `offsets.csv` by log: its factor on levels, and how many blocks it was found from.
+fn factors(lake: &Path) -> BTreeMap<String, (f64, usize)> {
+    let table = fs::read_to_string(lake.join("offsets.csv")).expect("a table");
+    let mut lines = table.lines();
+    assert!(
+        lines
+            .next()
+            .expect("a head")
+            .ends_with(",level_factor,level_ties")
+    );
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let factor = fields[7].parse().expect("a factor");
+        (
+            fields[0].to_owned(),
+            (factor, fields[8].parse().expect("a count")),
+        )
+    };
+    lines.map(row).collect()
+}
+
+#[test]
+fn levels_of_logs_are_brought_to_each_other_and_known_logs_keep_theirs() {
+    let temporary = tempfile::tempdir().expect("a temporary folder");
+    let folder = temporary.path();
+    for log in 0..3 {
+        sail(folder, log, &scene(log, [3.0, -4.0], 0.0));
+    }
+    let level = ["--set", "surface.relief=false"];
+    let logs = ["log-0.sl2", "log-1.sl2"];
+    let [tiles, alone] = both(folder, "two", &logs, 0.25, &level);
+    let of_two = factors(&folder.join("two-lake"));
+    eprintln!("{of_two:?}");
+    let product: f64 = of_two.values().map(|(factor, _)| factor).product();
+    assert!((product - 1.0).abs() < 0.01, "{of_two:?}");
+    assert!(of_two.values().all(|(_, ties)| *ties > 5), "{of_two:?}");
+    // Factors are those of a survey of both, found in other cells of a metre.
+    let ratios = tiles.iter().filter_map(|(cell, level)| {
+        let other = alone.get(cell)?;
+        let is_dim = *level < 200 && *other < 200 && *other > 20;
+        is_dim.then(|| f64::from(*level) / f64::from(*other))
+    });
+    let (sum, count) = ratios.fold((0.0, 0.0), |(sum, count), ratio| (sum + ratio, count + 1.0));
+    eprintln!("{} of {count} cells", sum / count);
+    assert!((sum / count - 1.0).abs() < 0.02, "{}", sum / count);
+
+    let lake = folder.join("two-lake");
+    let there = files(&lake);
+    let third = ["log-2.sl2", "-o", "two-lake", "--products", "tiles"];
+    let settings = ["--set", "mosaic.cell_m=0.25"];
+    run(
+        folder,
+        &[&["process"], &third[..], &settings, &level].concat(),
+    );
+    run(folder, &["lake", "two-lake"]);
+    let of_three = factors(&lake);
+    for log in ["log-0", "log-1"] {
+        assert_eq!(of_three[log], of_two[log]);
+    }
+    assert!(of_three["log-2"].1 > 5);
+    // Written by hand, a factor brightens the log's echoes.
+    let table = fs::read_to_string(lake.join("offsets.csv")).expect("a table");
+    let brighter = table.lines().map(|line| match line.strip_prefix("log-2,") {
+        Some(rest) => {
+            let fields: Vec<&str> = rest.split(',').collect();
+            format!("log-2,{},2.5,{}\n", fields[..6].join(","), fields[7])
+        }
+        None => format!("{line}\n"),
+    });
+    fs::write(lake.join("offsets.csv"), brighter.collect::<String>()).expect("a table");
+    let made = run(folder, &["lake", "two-lake"]);
+    assert!(!made.contains("0 of "), "{made}");
+    assert_eq!(factors(&lake)["log-2"].0, 2.5);
+    assert!(files(&lake) != there);
+}
+
 #[test]
 fn a_mosaic_is_stale_when_a_part_of_it_changes_and_goes_with_the_last() {
     let temporary = tempfile::tempdir().expect("a temporary folder");
@@ -197,14 +273,22 @@ fn a_mosaic_is_stale_when_a_part_of_it_changes_and_goes_with_the_last() {
     for log in 0..2 {
         sail(folder, log, &scene(log, [3.0, -4.0], 0.0));
     }
-    add(folder, &["log-0.sl2"]);
+    // As they were recorded, levels of one log do not hang on those of another.
+    let add = |log: &str| {
+        let to_lake = ["process", log, "-o", "lake", "--products", "tiles"];
+        run(
+            folder,
+            &[&to_lake[..], &["--set", "mosaic.gain=recorded"]].concat(),
+        );
+    };
+    add("log-0.sl2");
     run(folder, &["lake", "lake"]);
     let tile: TileId = "17N_392192_3253760".parse().expect("a tile");
     let mosaic = format!("lake/tiles/{tile}/mosaic.tif");
     let alone = fs::read(folder.join(&mosaic)).expect("a mosaic");
     let listed = || run(folder, &["tiles", "lake", "--stale"]);
     assert!(!listed().contains(&tile.to_string()));
-    add(folder, &["log-1.sl2"]);
+    add("log-1.sl2");
     assert!(listed().contains(&tile.to_string()));
     let made = run(folder, &["lake", "lake"]);
     assert!(made.contains(", mosaic of "), "{made}");
