@@ -84,11 +84,11 @@ enum Command {
     Process(process::ProcessArgs),
     /// Plan lines to sail next, where they mend most of a survey: GPX, KML, QGroundControl, Mission Planner
     Plan(plan::PlanArgs),
-    /// Bring a lake of many logs up to date: height offsets, maps of its tiles, index
+    /// Bring a lake of many logs up to date: height offsets, maps and mosaics of its tiles, index
     Lake(lake::LakeArgs),
     /// List the tiles of a lake, what is in them, and whose map is stale
     Tiles(lake::TilesArgs),
-    /// Make the map of tiles of a lake
+    /// Make the map and the mosaic of tiles of a lake
     Tile(lake::TileArgs),
     /// Find the height offsets between the logs of a lake from where they cross
     Adjust(lake::AdjustArgs),

@@ -3,6 +3,7 @@
 use super::aside::{ExportError, scratch_near, write_aside};
 use crate::formats::geotiff::{self, RasterSpec};
 use crate::progress::{Cancelled, Progress};
+use std::io;
 use std::path::Path;
 
 /// Why there is no raster.
@@ -20,12 +21,12 @@ pub enum RasterError {
 /// for them.
 ///
 /// # Errors
-/// When the file cannot be written, or the work was cancelled; neither leaves a file.
+/// When the file cannot be written, a tile cannot be drawn, or the work was cancelled; none of them leaves a file.
 pub fn geotiff(
     path: &Path,
     spec: &RasterSpec,
     tiles: &[[usize; 2]],
-    draw: impl Fn([usize; 2]) -> Vec<u8> + Sync,
+    draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
     progress: &Progress,
 ) -> Result<(), RasterError> {
     let written = write_aside(path, |file| {
@@ -56,7 +57,7 @@ mod tests {
             band: None,
             description: "echoes".into(),
         };
-        let draw = |_| vec![1; RASTER_TILE * RASTER_TILE];
+        let draw = |_| Ok(vec![1; RASTER_TILE * RASTER_TILE]);
         let files = || std::fs::read_dir(folder.path()).unwrap().count();
         let cancelled = Progress::new();
         cancelled.cancel();

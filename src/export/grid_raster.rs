@@ -19,7 +19,7 @@ pub fn grid_raster<const BYTES: usize>(
     stored: impl Fn(Option<usize>) -> [u8; BYTES] + Sync,
     progress: &Progress,
 ) -> Result<(), RasterError> {
-    let draw = |tile| draw(grid, tile, &stored);
+    let draw = |tile| Ok(draw(grid, tile, &stored));
     geotiff(path, spec, &tiles(grid, is_known), draw, progress)
 }
 

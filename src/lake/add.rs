@@ -1,24 +1,26 @@
 //! Writing the rows of a log into a lake.
 
 use super::error::LakeError;
+use super::log_mosaic::LogMosaic;
 use super::log_record::{LOGS, LogRecord, TileRows};
-use super::ping_rows::{self, PINGS};
+use super::ping_rows::{self, PINGS, PingsByTile};
 use super::point_rows::{self, POINTS};
-use super::record::{Lake, names_in, write_json};
-use super::spread::{self, Row};
+use super::record::{KINDS, Lake, names_in, write_json};
+use super::spread::{self, Row, RowsByTile};
 use super::tile::TileId;
 use crate::bathymetry::crosslines::{TrackDepth, velocity_mps};
 use crate::cloud::CloudPoint;
 use crate::export::write_aside;
 use crate::formats::parquet_table::{Column, Values, geo_key, write_parquet};
 use crate::geo::{LonLat, UtmZone};
-use crate::pipeline::{self, Fingerprint, LogFiles, Products, Settings};
+use crate::pipeline::{self, Fingerprint, LogFiles, ProcessedLog, Products, Settings};
 use crate::progress::Progress;
 use crate::survey::{PingNav, Survey};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 /// What became of a log.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,13 +172,13 @@ impl LogRows<'_> {
     }
 }
 
-/// Writes the points and pings of a log into a lake, unless they are there. The rows of a version of it that was made otherwise go.
+/// Writes the points and pings of a log and its parts of the mosaic into a lake, unless they are there. The rows of a version of it that was made otherwise go.
 ///
 /// # Errors
 /// When the log has no place, a file cannot be written, or the work was cancelled; what was written is then no part of the lake.
 pub fn add(
     lake: &Lake,
-    survey: &Survey,
+    survey: &Arc<Survey>,
     settings: &Settings,
     progress: &Progress,
 ) -> Result<Added, LakeError> {
@@ -201,12 +203,9 @@ pub fn add(
             survey.name()
         )));
     }
-    let products = pipeline::run(survey, settings, None, progress, |_| ())?;
-    let log = LogRows {
-        survey,
-        products: &products,
-        sha256: &files.sha256,
-        track: &track(survey, &products),
+    let log = ProcessedLog {
+        survey: survey.clone(),
+        products: pipeline::run(survey, settings, None, progress, |_| ())?,
     };
     if path.exists() {
         // From here on its rows are those of two versions.
@@ -220,45 +219,75 @@ pub fn add(
     Ok(Added::Written(record))
 }
 
-/// Writes all rows; gives back the record with them.
+/// All that a log gives to tiles, before any of it is written.
+struct Spread<'a> {
+    log: &'a LogRows<'a>,
+    points: RowsByTile,
+    pings: PingsByTile,
+    mosaic: LogMosaic,
+    /// The same of every file of rows: what it was made from, and how.
+    made: String,
+}
+
+/// Writes all rows and parts; gives back the record with them.
 fn write_rows(
     lake: &Lake,
-    log: &LogRows<'_>,
+    log: &ProcessedLog,
     mut record: LogRecord,
     progress: &Progress,
 ) -> Result<LogRecord, LakeError> {
-    let cloud = &log.products.cloud;
-    let placed = cloud
-        .points
-        .iter()
-        .enumerate()
-        .filter_map(|(index, point)| {
-            let at = log.position(point.east_m, point.north_m);
-            (at.is_on_earth() && point.z_m.is_finite()).then_some((index, at))
-        });
+    let rows = LogRows {
+        survey: &log.survey,
+        products: &log.products,
+        sha256: &record.log.clone(),
+        track: &track(&log.survey, &log.products),
+    };
+    let points = rows.products.cloud.points.iter().enumerate();
+    let placed = points.filter_map(|(index, point)| {
+        let at = rows.position(point.east_m, point.north_m);
+        (at.is_on_earth() && point.z_m.is_finite()).then_some((index, at))
+    });
     let points = spread::by_tile(placed, lake.record.halo_m);
-    let pings = ping_rows::by_tile(log);
-    record.pings = pings.count;
-    // The same of every file of the log: what it was made from, and how.
-    let made = json!({ "log": record.log, "name": record.name, "made": record.made }).to_string();
-    let tiles: BTreeSet<TileId> = points.keys().chain(pings.rows.keys()).copied().collect();
+    let pings = ping_rows::by_tile(&rows);
+    let zones = pings.rows.keys().map(|tile| tile.zone).collect();
+    let spread = Spread {
+        log: &rows,
+        points,
+        mosaic: LogMosaic::new(log, zones, progress)?,
+        made: json!({ "log": record.log, "name": record.name, "made": record.made }).to_string(),
+        pings,
+    };
+    record.pings = spread.pings.count;
+    let of_rows = spread.points.keys().chain(spread.pings.rows.keys());
+    let tiles: BTreeSet<TileId> = of_rows.chain(&spread.mosaic.tiles).copied().collect();
     for tile in tiles {
         progress.check()?;
-        let mut rows = TileRows {
-            tile,
-            points: 0,
-            core_points: 0,
-            pings: 0,
-            seen_m: Vec::new(),
-            unix_s: Vec::new(),
-            files: Vec::new(),
-        };
+        let (rows, soundings) = spread.write(lake, tile, progress)?;
+        if !rows.files.is_empty() {
+            record.points += rows.core_points;
+            record.soundings += soundings;
+            record.tiles.push(rows);
+        }
+    }
+    Ok(record)
+}
+
+impl Spread<'_> {
+    /// Writes what the log gives to a tile; how many soundings of it count for maps, too.
+    fn write(
+        &self,
+        lake: &Lake,
+        tile: TileId,
+        progress: &Progress,
+    ) -> Result<(TileRows, usize), LakeError> {
+        let log = self.log;
+        let mut files = Vec::new();
         let mut write = |kind: &str, columns: Vec<Column>| {
             let name = Lake::rows_name(kind, tile, log.sha256);
-            rows.files.push(write_file(lake, &name, &columns, &made)?);
+            files.push(write_file(lake, &name, &columns, &self.made)?);
             Ok::<_, LakeError>(())
         };
-        let of_tile = points.get(&tile);
+        let of_tile = self.points.get(&tile);
         if let Some(points) = of_tile {
             write(POINTS, point_rows::columns(log, points))?;
         }
@@ -266,15 +295,12 @@ fn write_rows(
             let (point, kept) = log.point(row.index);
             row.is_core && point.sounding.is_some() && log.weight(point, kept) > 0.0
         });
-        record.soundings += soundings.count();
-        let seen = pings.rows.get(&tile).zip(pings.footprints.get(&tile));
+        let seen = (self.pings.rows.get(&tile)).zip(self.pings.footprints.get(&tile));
         if let Some((pings, footprints)) = seen {
             write(PINGS, ping_rows::columns(log, pings, footprints))?;
         }
-        rows.points = of_tile.map_or(0, Vec::len);
-        rows.core_points =
-            of_tile.map_or(0, |points| points.iter().filter(|row| row.is_core).count());
-        rows.pings = seen.map_or(0, |(pings, _)| pings.len());
+        let (mosaic_cells, parts) = self.write_mosaic(lake, tile, progress)?;
+        files.extend(parts);
         let grounds = seen
             .into_iter()
             .flat_map(|(_, footprints)| footprints)
@@ -282,12 +308,35 @@ fn write_rows(
         let around = grounds.reduce(|[w, s, e, n], [west, south, east, north]| {
             [w.min(west), s.min(south), e.max(east), n.max(north)]
         });
-        rows.seen_m = around.map_or(Vec::new(), Vec::from);
-        rows.unix_s = log.span_unix_s(of_tile, seen.map(|(pings, _)| pings));
-        record.points += rows.core_points;
-        record.tiles.push(rows);
+        let is_core = |row: &&Row| row.is_core;
+        let rows = TileRows {
+            tile,
+            points: of_tile.map_or(0, Vec::len),
+            core_points: of_tile.map_or(0, |points| points.iter().filter(is_core).count()),
+            pings: seen.map_or(0, |(pings, _)| pings.len()),
+            mosaic_cells,
+            seen_m: around.map_or(Vec::new(), Vec::from),
+            unix_s: log.span_unix_s(of_tile, seen.map(|(pings, _)| pings)),
+            files,
+        };
+        Ok((rows, soundings.count()))
     }
-    Ok(record)
+
+    /// Writes its part of the mosaic; how many cells show something, and the files.
+    fn write_mosaic(
+        &self,
+        lake: &Lake,
+        tile: TileId,
+        progress: &Progress,
+    ) -> Result<(usize, Vec<Fingerprint>), LakeError> {
+        let cells = self.mosaic.write(lake, tile, self.log.sha256, progress)?;
+        let mut files = Vec::new();
+        for kind in self.mosaic.kinds().iter().filter(|_| cells > 0) {
+            let name = Lake::rows_name(kind, tile, self.log.sha256);
+            files.push(fingerprint(lake, &name)?);
+        }
+        Ok((cells, files))
+    }
 }
 
 fn write_file(
@@ -307,8 +356,17 @@ fn write_file(
         ("bathyscope", made.to_owned()),
     ];
     write_aside(&path, |file| write_parquet(file, columns, &keys))?;
+    fingerprint(lake, name)
+}
+
+fn fingerprint(lake: &Lake, name: &str) -> Result<Fingerprint, LakeError> {
     let hashed = Fingerprint::of(lake.folder(), name, &Progress::new());
-    Ok(hashed.map_err(|error| format!("cannot read the file: {error}: {}", path.display()))?)
+    Ok(hashed.map_err(|error| {
+        format!(
+            "cannot read the file: {error}: {}",
+            lake.folder().join(name).display()
+        )
+    })?)
 }
 
 pub(super) fn make_folder(folder: &Path) -> Result<(), LakeError> {
@@ -321,9 +379,9 @@ fn remove_others(lake: &Lake, record: &LogRecord) -> Result<(), LakeError> {
     let files: BTreeSet<&str> = (record.tiles.iter())
         .flat_map(|rows| rows.files.iter().map(|file| file.file.as_str()))
         .collect();
-    for kind in [POINTS, PINGS] {
+    for (kind, ending) in KINDS {
         for tile in names_in(&lake.folder().join(kind))? {
-            let name = format!("{kind}/{tile}/{}.parquet", record.log);
+            let name = format!("{kind}/{tile}/{}.{ending}", record.log);
             let path = lake.folder().join(&name);
             if !files.contains(name.as_str()) && path.is_file() {
                 fs::remove_file(&path).map_err(|error| {

@@ -1,7 +1,8 @@
 //! How much higher or lower the depths of each log are than those of the others, from where their tracks meet within tiles, and where somebody
-//! asks for it how far its positions are off and how late they are.
+//! asks for it how far its positions are off and how late they are; and, by `level_factors`, how much brighter its echoes.
 
 use super::error::LakeError;
+use super::level_factors::level_factors;
 use super::log_record::LogRecord;
 use super::meetings::meetings;
 use super::offsets::{OffsetRow, Offsets};
@@ -29,8 +30,8 @@ pub struct Adjusted {
     pub contradictions: Vec<([String; 2], f64)>,
 }
 
-/// Finds the height offsets of all logs of a lake and, as far as `wanted`, how their positions are to be corrected, and writes its table. Positions
-/// that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are held
+/// Finds the height offsets of all logs of a lake, the factors on their levels and, as far as `wanted`, how their positions are to be corrected, and
+/// writes its table. Positions that are corrected already stay so. Logs that a person has pinned keep theirs and are what the others are held
 /// against. Without any, the mean offset of tied logs is zero when they first meet; from then on the logs that are known keep their
 /// heights, and new ones are held against these.
 ///
@@ -39,6 +40,7 @@ pub struct Adjusted {
 pub fn adjust(lake: &Lake, wanted: Wanted, progress: &Progress) -> Result<Adjusted, LakeError> {
     let logs = lake.logs()?;
     let known = Offsets::read(lake)?;
+    let levels = level_factors(lake, &logs, &known, progress)?;
     let pinned: Vec<Option<f64>> = logs
         .iter()
         .map(|log| {
@@ -75,6 +77,7 @@ pub fn adjust(lake: &Lake, wanted: Wanted, progress: &Progress) -> Result<Adjust
             shift: shifts[index].shift,
             shift_error_m: shifts[index].shift_error_m,
             latency_error_s: shifts[index].latency_error_s,
+            level: levels[index],
         }
     });
     let offsets = Offsets::new(rows.collect());
@@ -104,7 +107,7 @@ fn groups(offsets: &Offsets) -> usize {
 
 /// The offsets that the meetings give. Logs that are pinned are taken together as one more log, whose offset is zero: a meeting with one of
 /// them is one with that, its difference corrected by the offset that is pinned.
-fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
+pub(super) fn solve(meetings: &[Meeting], pinned: &[Option<f64>]) -> HeightOffsets {
     let count = pinned.len();
     if pinned.iter().all(Option::is_none) {
         return solver::adjust(count, meetings, Datum::Mean);

@@ -1,4 +1,4 @@
-//! The index of the maps of a lake for other programs: a VRT of all tiles of a zone (GDAL, QGIS), and a STAC collection with an item a tile.
+//! The index of the maps and mosaics of a lake for other programs: VRTs of all tiles of a zone (GDAL, QGIS), and a STAC collection with an item a tile.
 //! It is made of the records of tiles and logs alone, so that the same maps have the same index. A tile that no recorder knew the time of is in the
 //! VRT only.
 
@@ -7,13 +7,13 @@ use super::error::LakeError;
 use super::log_record::LogRecord;
 use super::record::{Lake, names_in, write_json};
 use super::tile::{TILE_M, TileId};
-use super::tile_files::{DEPTH, TILES, TileRecord, UNCERTAINTY};
+use super::tile_files::{DEPTH, ECHOES, ISOBATHS, TILES, TileRecord, UNCERTAINTY};
 use crate::calendar;
 use crate::export::write_aside;
 use crate::formats::geotiff::NODATA;
 use crate::geo::{Crs, LonLat, UtmZone, bounds_deg};
 use crate::printable::xml;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -21,7 +21,7 @@ use std::io::Write as _;
 
 const INDEX: &str = "index";
 
-/// Writes the index of the tiles that have a map with depths, in the folder `index`.
+/// Writes the index of the tiles that have a map with depths or a mosaic, in the folder `index`.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -38,14 +38,26 @@ pub fn write_index(lake: &Lake, logs: &[LogRecord], tiles: &[TileId]) -> Result<
         by_zone.entry(tile.zone).or_default().push(*tile);
     }
     let mut names = Vec::new();
+    let mosaic_m = lake.record.settings()?.mosaic.cell_m;
+    let layers = [
+        Layer::of_metres(DEPTH, "depth", lake.record.cell_m),
+        Layer::of_metres(UNCERTAINTY, "uncertainty", lake.record.cell_m),
+        Layer::of_levels(ECHOES, "mosaic", mosaic_m),
+    ];
     for (zone, tiles) in &by_zone {
-        for (file, stem) in [(DEPTH, "depth"), (UNCERTAINTY, "uncertainty")] {
+        for layer in &layers {
+            let has_layer = |tile: &&TileId| maps.get(*tile).is_some_and(|map| map.has(layer.file));
+            let tiles: Vec<TileId> = tiles.iter().filter(has_layer).copied().collect();
+            if tiles.is_empty() {
+                continue;
+            }
             let name = format!(
-                "{stem}_{}{}.vrt",
+                "{}_{}{}.vrt",
+                layer.stem,
                 zone.number,
                 if zone.north { 'N' } else { 'S' }
             );
-            let text = vrt(*zone, tiles, file, lake.record.cell_m);
+            let text = vrt(*zone, &tiles, layer);
             write_aside(&folder.join(&name), |mut to| to.write_all(text.as_bytes()))?;
             names.push(name);
         }
@@ -100,11 +112,50 @@ fn around(tiles: &[TileId]) -> [f64; 4] {
         })
 }
 
-fn vrt(zone: UtmZone, tiles: &[TileId], file: &str, cell_m: f64) -> String {
+/// Files of one kind, a file a tile.
+struct Layer {
+    file: &'static str,
+    /// What its VRT is called, with the zone.
+    stem: &'static str,
+    cell_m: f64,
+    /// As GDAL names it.
+    data_type: &'static str,
+    nodata: f32,
+}
+
+impl Layer {
+    fn of_metres(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
+        Self {
+            file,
+            stem,
+            cell_m,
+            data_type: "Float32",
+            nodata: NODATA,
+        }
+    }
+
+    /// Of levels, which are 0 where nothing is known.
+    fn of_levels(file: &'static str, stem: &'static str, cell_m: f64) -> Self {
+        Self {
+            data_type: "Byte",
+            nodata: 0.0,
+            ..Self::of_metres(file, stem, cell_m)
+        }
+    }
+}
+
+fn vrt(zone: UtmZone, tiles: &[TileId], layer: &Layer) -> String {
+    let Layer {
+        file,
+        cell_m,
+        data_type,
+        nodata,
+        ..
+    } = layer;
     let [west, south, east, north] = around(tiles);
-    let cells = |metres: f64| (metres / cell_m) as usize;
+    let cells = |metres: f64| (metres / cell_m).round() as usize;
     let mut text = format!(
-        "<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <SRS>{}</SRS>\n  <GeoTransform>{west}, {cell_m}, 0, {north}, 0, -{cell_m}</GeoTransform>\n  <VRTRasterBand dataType=\"Float32\" band=\"1\">\n    <NoDataValue>{NODATA}</NoDataValue>\n",
+        "<VRTDataset rasterXSize=\"{}\" rasterYSize=\"{}\">\n  <SRS>{}</SRS>\n  <GeoTransform>{west}, {cell_m}, 0, {north}, 0, -{cell_m}</GeoTransform>\n  <VRTRasterBand dataType=\"{data_type}\" band=\"1\">\n    <NoDataValue>{nodata}</NoDataValue>\n",
         cells(east - west),
         cells(north - south),
         xml(&format!("EPSG:{}", zone.epsg())),
@@ -115,7 +166,7 @@ fn vrt(zone: UtmZone, tiles: &[TileId], file: &str, cell_m: f64) -> String {
         let (x, y) = (cells(tile_west - west), cells(north - tile_north));
         write!(
             text,
-            "    <ComplexSource>\n      <SourceFilename relativeToVRT=\"1\">../{TILES}/{tile}/{file}</SourceFilename>\n      <SourceBand>1</SourceBand>\n      <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <DstRect xOff=\"{x}\" yOff=\"{y}\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <NODATA>{NODATA}</NODATA>\n    </ComplexSource>\n"
+            "    <ComplexSource>\n      <SourceFilename relativeToVRT=\"1\">../{TILES}/{tile}/{file}</SourceFilename>\n      <SourceBand>1</SourceBand>\n      <SrcRect xOff=\"0\" yOff=\"0\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <DstRect xOff=\"{x}\" yOff=\"{y}\" xSize=\"{side}\" ySize=\"{side}\"/>\n      <NODATA>{nodata}</NODATA>\n    </ComplexSource>\n"
         )
         .ok();
     }
@@ -149,6 +200,22 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
     let [west, south, ..] = tile.bounds_m();
     let asset = |file: &str, title: &str, kind: &str| json!({ "href": format!("../{TILES}/{tile}/{file}"), "title": title, "type": kind, "roles": ["data"] });
     let raster = "image/tiff; application=geotiff; profile=cloud-optimized";
+    let lines = "application/geo+json";
+    let assets = [
+        (DEPTH, "depth", "Depth in metres, positive down", raster),
+        (
+            UNCERTAINTY,
+            "uncertainty",
+            "Standard deviation of the depths in metres",
+            raster,
+        ),
+        (ISOBATHS, "isobaths", "Lines of equal depth", lines),
+        (ECHOES, "mosaic", "Side-scan mosaic: echo levels", raster),
+    ];
+    let there = assets.into_iter().filter(|asset| record.has(asset.0));
+    let assets: Map<String, Value> = there
+        .map(|(file, key, title, kind)| (key.to_owned(), asset(file, title, kind)))
+        .collect();
     json!({
         "type": "Feature",
         "stac_version": "1.1.0",
@@ -167,11 +234,7 @@ fn item(tile: TileId, record: &TileRecord, span_unix_s: [f64; 2]) -> Value {
             "cells": record.cells,
         },
         "links": [{ "rel": "collection", "href": "./collection.json", "type": "application/json" }],
-        "assets": {
-            "depth": asset(DEPTH, "Depth in metres, positive down", raster),
-            "uncertainty": asset(UNCERTAINTY, "Standard deviation of the depths in metres", raster),
-            "isobaths": asset("isobaths.geojson", "Lines of equal depth", "application/geo+json"),
-        },
+        "assets": assets,
     })
 }
 
@@ -193,7 +256,7 @@ fn collection(spans_unix_s: &BTreeMap<TileId, [f64; 2]>) -> Value {
         "type": "Collection",
         "stac_version": "1.1.0",
         "id": "lake",
-        "description": "Depth maps of a water by tile, from the logs of many fish-finders",
+        "description": "Depth maps and side-scan mosaics of a water by tile, from the logs of many fish-finders",
         "license": "other",
         "extent": {
             "spatial": { "bbox": [bounds] },

@@ -65,20 +65,22 @@ pub struct TileRows {
     pub core_points: usize,
     /// Rows of pings that saw ground of the tile; 0 where there is no file of them.
     pub pings: usize,
+    /// Cells of its part of the mosaic; 0 where there is none.
+    pub mosaic_cells: usize,
     /// West, south, east and north of the ground that they saw, metres of the zone; empty without pings.
     pub seen_m: Vec<f64>,
     /// Unix seconds of the first and the last row; empty where the recorder did not know the time.
     pub unix_s: Vec<f64>,
-    /// The files of its rows.
+    /// The files of its rows and of its part of the mosaic.
     pub files: Vec<Fingerprint>,
 }
 
 impl TileRows {
-    /// SHA-256 of the rows of points; empty without any.
-    pub fn points_sha256(&self) -> &str {
-        let mut files = self.files.iter();
-        let points = files.find(|file| file.file.starts_with("points/"));
-        points.map_or("", |file| file.sha256.as_str())
+    /// SHA-256 of its file in a folder of the lake, such as `points`; empty without one.
+    pub(super) fn sha256_of(&self, kind: &str) -> &str {
+        let is_of_kind = |file: &&Fingerprint| file.file.split('/').next() == Some(kind);
+        let found = self.files.iter().find(is_of_kind);
+        found.map_or("", |file| file.sha256.as_str())
     }
 }
 

@@ -7,7 +7,7 @@ use super::index::tile_bounds_deg;
 use super::record::{LONGEST_RECORD, Lake, write_json};
 use super::tile::TileId;
 use super::tile_content::TileContents;
-use super::tile_files::{TileRecord, remove};
+use super::tile_files::{DEPTH, DEPTH_FILES, TileRecord, remove};
 use super::tile_map::isobath_settings;
 use crate::bathymetry::isobaths::{Isobath, IsobathSettings, clipped};
 use crate::bathymetry::{Grid, Light, Surface, hill_shade};
@@ -76,7 +76,7 @@ pub fn write_map_tiles(
     let folder = lake.folder().join(FOLDER);
     let maps = tiles.iter().filter_map(|tile| {
         let record = TileRecord::read(lake, *tile)?;
-        (!record.files.is_empty()).then_some((*tile, record))
+        record.has(DEPTH).then_some((*tile, record))
     });
     let maps: BTreeMap<TileId, TileRecord> = maps.collect();
     if maps.is_empty() {
@@ -88,7 +88,7 @@ pub fn write_map_tiles(
     let made = MadeFrom {
         program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
         tiles: (maps.iter())
-            .map(|(tile, record)| (tile.to_string(), record.files.clone()))
+            .map(|(tile, record)| (tile.to_string(), depth_files(record)))
             .collect(),
     };
     if is_up_to_date(&folder, &made) {
@@ -109,6 +109,13 @@ pub fn write_map_tiles(
     let files = files.collect::<Result<_, _>>()?;
     write_json(&folder.join(RECORD), &Record { made, files })?;
     Ok(MapTilesState::Made)
+}
+
+/// The files of a tile that the tiles of the web show.
+fn depth_files(record: &TileRecord) -> Vec<Fingerprint> {
+    let mut files = record.files.clone();
+    files.retain(|file| DEPTH_FILES.contains(&file.file.as_str()));
+    files
 }
 
 fn is_up_to_date(folder: &Path, made: &MadeFrom) -> bool {

@@ -1,14 +1,16 @@
 //! A lake: one map of all logs that anybody ever recorded over a water, kept up to date in a folder.
 //!
 //! ```text
-//! log --add--> points and pings by tile (Parquet) --adjust--> height offsets --tile--> depth map of a tile --index--> one map
-//!                                 '--who--> which pings saw a place
+//! log --add--> points, pings (Parquet) and echoes (GeoTIFF) by tile --adjust--> height offsets --tile--> depth map and mosaic of a tile --index--> one map
+//!                              '--who--> which pings saw a place
 //! ```
 //!
 //! Each log is independent up to its rows in tiles; a tile needs the rows that lie in it and no other. `tile` names the squares,
 //! `record` holds what all logs of a lake share, `log_record` what is known of one, `add` writes a log's rows: `point_rows` and `ping_rows`, laid out by
-//! `spread`. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs against each other from their `meetings`, and how their `positions` are corrected, `offsets` is the table of
-//! them. `tile_map` makes the map of a tile, its lines cut at its edges, and `tile_files` writes it; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
+//! `spread`, and `log_mosaic`, its part of the mosaic. `footprint` is the ground that a ping saw, which `who` asks. `adjust` finds the heights of logs
+//! against each other from their `meetings`, how their `positions` are corrected and, by `level_factors`, the levels of their echoes; `offsets` is the
+//! table of all three. `tile_map` makes the map of a tile, its lines cut at its edges, `tile_mosaic` joins the parts of its mosaic, and `tile_files` writes
+//! both; `map_tiles` joins all maps to one of the web, which it reads back by `tile_content`; `list` says what there is. Files are written aside, then renamed, and a log's record last, so
 //! that what a killed program leaves is no part of the lake.
 
 mod add;
@@ -17,7 +19,9 @@ mod area;
 mod error;
 mod footprint;
 mod index;
+mod level_factors;
 mod list;
+mod log_mosaic;
 mod log_record;
 mod map_tiles;
 mod meetings;
@@ -31,6 +35,7 @@ mod tile;
 mod tile_content;
 mod tile_files;
 mod tile_map;
+mod tile_mosaic;
 mod who;
 
 pub use add::{Added, add};

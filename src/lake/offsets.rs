@@ -1,6 +1,8 @@
-//! Height offsets of the logs of a lake, and how their positions are corrected: `offsets.csv`, a table that people read, edit and pin.
+//! What the logs of a lake are off by against each other, in height, position and the levels of their echoes: `offsets.csv`, a table that people
+//! read, edit and pin.
 
 use super::error::LakeError;
+use super::level_factors::LevelFactor;
 use super::log_record::LogRecord;
 use super::record::Lake;
 use crate::bathymetry::position_offsets::Shift;
@@ -11,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// The table's name.
 pub(super) const OFFSETS: &str = "offsets.csv";
-const COLUMNS: [&str; 12] = [
+const COLUMNS: [&str; 14] = [
     "name",
     "log",
     "offset_m",
@@ -24,9 +26,13 @@ const COLUMNS: [&str; 12] = [
     "shift_error_m",
     "latency_s",
     "latency_error_s",
+    "level_factor",
+    "level_ties",
 ];
 /// Longer than any table.
 const LONGEST: u64 = 1 << 28;
+/// Bounds of a factor on levels that somebody may write.
+const FACTORS: [f64; 2] = [0.05, 20.0];
 /// No log is higher or lower than others by more, metres, as `height_offset_m`.
 const MOST_M: f64 = 100.0;
 
@@ -57,6 +63,8 @@ pub struct OffsetRow {
     pub shift_error_m: f64,
     /// Standard error of the latency, seconds; NaN where none was looked for.
     pub latency_error_s: f64,
+    /// What the levels of its echoes are multiplied by in mosaics.
+    pub(super) level: LevelFactor,
 }
 
 /// A shift within the limits of the table, as the table writes it.
@@ -66,6 +74,18 @@ pub(super) fn as_written(shift: Shift) -> Shift {
         east_m: rounded(shift.east_m, MOST_SHIFT_M),
         north_m: rounded(shift.north_m, MOST_SHIFT_M),
         latency_s: rounded(shift.latency_s, MOST_LATENCY_S),
+    }
+}
+
+impl OffsetRow {
+    /// What the levels of its echoes are multiplied by in mosaics, so that they agree with those of the others.
+    pub fn level_factor(&self) -> f64 {
+        self.level.factor
+    }
+
+    /// Blocks of ground that its mosaic shows with those of others.
+    pub fn level_ties(&self) -> usize {
+        self.level.ties
     }
 }
 
@@ -140,6 +160,11 @@ impl Offsets {
         self.row(log).map_or(Shift::default(), |row| row.shift)
     }
 
+    /// What the levels of a log are multiplied by; 1 of one that has no row.
+    pub fn level_factor(&self, log: &str) -> f64 {
+        self.row(log).map_or(1.0, OffsetRow::level_factor)
+    }
+
     /// All rows, by the names of the logs.
     pub fn rows(&self) -> Vec<&OffsetRow> {
         let mut rows: Vec<&OffsetRow> = self.by_log.values().collect();
@@ -191,6 +216,8 @@ fn fields(row: &OffsetRow) -> [String; COLUMNS.len()] {
         error(row.shift_error_m, 3),
         format!("{:.3}", latency_s + 0.0),
         error(row.latency_error_s, 3),
+        format!("{:.3}", row.level.factor),
+        row.level.ties.to_string(),
     ]
 }
 
@@ -200,6 +227,8 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
         .map_err(|error| fail(format!("cannot read the table of offsets: {error}")))?;
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
+        // Rows that somebody has written by hand may end early.
+        .flexible(true)
         .from_reader(text.as_bytes());
     let in_words = |error: csv::Error| fail(format!("cannot read the table of offsets: {error}"));
     let header = table.headers().map_err(in_words)?.clone();
@@ -215,6 +244,8 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
         "group",
         "shift_error_m",
         "latency_error_s",
+        "level_factor",
+        "level_ties",
     ];
     let others = others.map(|name| column(name).ok());
     // A table that a person wrote may do without them.
@@ -242,9 +273,17 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
                 latency_s: shift(2, MOST_LATENCY_S)?,
             })
         };
-        let (Some(offset_m), Some(is_pinned), Some(shift)) = (offset_m, is_pinned, shift()) else {
+        let factor: Option<f64> = match other(6) {
+            "" => Some(1.0),
+            text => text.parse().ok(),
+        };
+        let factor = factor.filter(|factor| (FACTORS[0]..=FACTORS[1]).contains(factor));
+        let (Some(offset_m), Some(is_pinned), Some(shift), Some(factor)) =
+            (offset_m, is_pinned, shift(), factor)
+        else {
             return Err(fail(format!(
-                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, east_m and north_m metres up to {MOST_SHIFT_M}, latency_s seconds up to {MOST_LATENCY_S}"
+                "line {line} of the table of offsets cannot be used: offset_m is a number of metres up to {MOST_M}, pinned 1 or 0, east_m and north_m metres up to {MOST_SHIFT_M}, latency_s seconds up to {MOST_LATENCY_S}, level_factor {} to {}",
+                FACTORS[0], FACTORS[1]
             )));
         };
         rows.push(OffsetRow {
@@ -258,6 +297,10 @@ fn rows_of(path: &Path) -> Result<Vec<OffsetRow>, LakeError> {
             shift,
             shift_error_m: other(4).parse().unwrap_or(f64::NAN),
             latency_error_s: other(5).parse().unwrap_or(f64::NAN),
+            level: LevelFactor {
+                factor,
+                ties: other(7).parse().unwrap_or(0),
+            },
         });
     }
     Ok(rows)

@@ -1,11 +1,12 @@
 //! What all logs of a lake share: `lake.json`.
 
 use super::error::LakeError;
+use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::{LOGS, LogRecord};
 use super::ping_rows::PINGS;
 use super::point_rows::POINTS;
 use super::tile::{TILE_M, TileId};
-use crate::bathymetry::{LOCAL_MARGIN_CELLS, local_reach_m};
+use crate::bathymetry::{Grid, LOCAL_MARGIN_CELLS, local_reach_m};
 use crate::export::write_aside;
 use crate::pipeline::{SettingValues, Settings, is_of_one_log, setting_values, with_values};
 use crate::regular_file;
@@ -21,17 +22,28 @@ const RECORD: &str = "lake.json";
 /// Longer than any record.
 pub(super) const LONGEST_RECORD: u64 = 1 << 26;
 /// How rows are laid out: another number is another lake.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// Side of a cell where the settings name none, metres.
 const USUAL_CELL_M: f64 = 0.5;
 /// Least and greatest cell, metres: powers of two, so that the places of cells are the same number in every tile.
 const CELLS_M: [f64; 2] = [0.125, 8.0];
+/// More cells along the side of a tile's mosaic are refused: it would pass what a TIFF can hold.
+const MOST_MOSAIC_CELLS: f64 = 51_200.0;
 /// The halo is a multiple of this, metres, and so of every cell.
 const HALO_STEP_M: f64 = 16.0;
 /// Corrected positions move no point by more, metres: the halo holds what may come from so far.
 pub(super) const MOST_MOVED_M: f64 = 12.0;
 /// Settings, by their first word, that no row and no map of a tile depends on.
-const REGARDLESS_OF: [&str; 6] = ["crs", "detector", "mosaic", "picture", "points", "report"];
+const REGARDLESS_OF: [&str; 5] = ["crs", "detector", "picture", "points", "report"];
+/// Another one: mosaics of tiles are levels, which map programs colour.
+const COLOURS: &str = "mosaic.colours";
+/// The folders of what logs give to tiles, with the endings of their files.
+pub(super) const KINDS: [(&str, &str); 4] = [
+    (POINTS, "parquet"),
+    (PINGS, "parquet"),
+    (MOSAIC, "tif"),
+    (WEIGHTS, "tif"),
+];
 
 /// What all logs of a lake share.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,13 +65,19 @@ impl LakeRecord {
     /// Of a lake whose logs are processed with some settings.
     ///
     /// # Errors
-    /// A sentence where `surface.cell_m` is no size for the cells of a lake.
+    /// A sentence where `surface.cell_m` or `mosaic.cell_m` is no size for the cells of a lake.
     pub fn new(settings: &Settings) -> Result<Self, LakeError> {
         let cell_m = settings.surface.cell_m.unwrap_or(USUAL_CELL_M);
         let is_power = cell_m.log2().fract() == 0.0;
         if !is_power || !(CELLS_M[0]..=CELLS_M[1]).contains(&cell_m) {
             return Err(LakeError::Refused(format!(
                 "surface.cell_m is {cell_m}, but the tiles of a lake have cells of 0.125, 0.25, 0.5, 1, 2, 4 or 8 m; choose one of them"
+            )));
+        }
+        let mosaic_m = settings.mosaic.cell_m;
+        if mosaic_grid_side(mosaic_m).is_none() {
+            return Err(LakeError::Refused(format!(
+                "mosaic.cell_m is {mosaic_m}, which does not divide the 512 m of a tile into whole cells; choose 0.1, 0.125, 0.2, 0.25, 0.5 or 1"
             )));
         }
         let margin_m = cell_m * (LOCAL_MARGIN_CELLS + 1) as f64;
@@ -79,6 +97,25 @@ impl LakeRecord {
             halo_m,
             cell_m,
             settings: values,
+        })
+    }
+
+    /// The grid of the mosaic of a tile.
+    ///
+    /// # Errors
+    /// As [`LakeRecord::settings`].
+    pub fn mosaic_grid(&self, tile: TileId) -> Result<Grid, LakeError> {
+        let cell_m = self.settings()?.mosaic.cell_m;
+        let [west_m, _, _, north_m] = tile.bounds_m();
+        let side = mosaic_grid_side(cell_m).ok_or_else(|| {
+            format!("mosaic.cell_m is {cell_m}, which is no size for a lake: {RECORD}")
+        })?;
+        Ok(Grid {
+            west_m,
+            north_m,
+            cell_m,
+            columns: side,
+            rows: side,
         })
     }
 
@@ -115,7 +152,14 @@ impl LakeRecord {
 
 fn is_shared(key: &str) -> bool {
     let group = key.split('.').next().unwrap_or(key);
-    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group)
+    !is_of_one_log(key) && !REGARDLESS_OF.contains(&group) && key != COLOURS
+}
+
+/// Cells along the side of a tile's mosaic, where they divide it: the mosaics of neighbouring tiles then meet at whole cells.
+fn mosaic_grid_side(cell_m: f64) -> Option<usize> {
+    let side = TILE_M / cell_m;
+    let is_whole = (side - side.round()).abs() < 1e-9 && (1.0..=MOST_MOSAIC_CELLS).contains(&side);
+    is_whole.then_some(side.round() as usize)
 }
 
 /// A folder with a lake.
@@ -204,9 +248,13 @@ impl Lake {
         &self.folder
     }
 
-    /// The name of a log's rows of a kind in a tile, with `/` between folders.
+    /// The name of what a log gives to a tile, of a kind of [`KINDS`], with `/` between folders.
     pub(super) fn rows_name(kind: &str, tile: TileId, log: &str) -> String {
-        format!("{kind}/tile={tile}/{log}.parquet")
+        let ending = KINDS.iter().find(|(one, _)| *one == kind);
+        format!(
+            "{kind}/tile={tile}/{log}.{}",
+            ending.map_or("parquet", |(_, ending)| ending)
+        )
     }
 
     /// The records of the logs that have rows in some tiles, by their hashes: no other is read, so that a tile takes no longer for logs
@@ -220,13 +268,13 @@ impl Lake {
     ) -> Result<Vec<LogRecord>, LakeError> {
         let mut logs = BTreeSet::new();
         for tile in tiles {
-            for kind in [POINTS, PINGS] {
+            for (kind, ending) in KINDS {
                 let names = names_in(&self.folder.join(format!("{kind}/tile={tile}")))?;
-                logs.extend(
-                    names
-                        .iter()
-                        .filter_map(|name| Some(name.strip_suffix(".parquet")?.to_owned())),
-                );
+                let logs_of = names.iter().filter_map(|name| {
+                    let (log, end) = name.rsplit_once('.')?;
+                    (end == ending).then(|| log.to_owned())
+                });
+                logs.extend(logs_of);
             }
         }
         let paths = logs

@@ -52,6 +52,13 @@ impl TileId {
         [west, south, west + TILE_M, south + TILE_M]
     }
 
+    /// Whether all of it lies in its own zone; of one that does not, what lies beyond belongs to the other zone.
+    pub fn is_within_zone(&self) -> bool {
+        let [west, south, east, north] = self.bounds_m();
+        let middle = [0.5 * (west + east), 0.5 * (south + north)];
+        UtmZone::near(self.zone.to_lon_lat(middle), TILE_M) == [self.zone]
+    }
+
     /// Whether the tile, made larger by `halo_m` on all sides, holds a place of its zone.
     pub fn holds(&self, [x, y]: [f64; 2], halo_m: f64) -> bool {
         let [west, south, east, north] = self.bounds_m();

@@ -1,13 +1,16 @@
-//! The files of a tile's map: `tiles/NAME/depth.tif`, `uncertainty.tif`, `isobaths.geojson` and, last, `tile.json`, which says what they were made
-//! from.
+//! The files of a tile: `tiles/NAME/depth.tif`, `uncertainty.tif`, `isobaths.geojson`, `mosaic.tif` and, last, `tile.json`, which says what they
+//! were made from.
 
 use super::add::make_folder;
 use super::error::LakeError;
+use super::log_mosaic::{MOSAIC, WEIGHTS};
 use super::log_record::LogRecord;
 use super::offsets::Offsets;
+use super::point_rows::POINTS;
 use super::record::{LONGEST_RECORD, Lake, LakeRecord, names_in, write_json};
 use super::tile::TileId;
 use super::tile_map::{TileMap, tile_map};
+use super::tile_mosaic::{logs_in_order, write_mosaic};
 use crate::bathymetry::isobaths::IsobathSettings;
 use crate::bathymetry::{Surface, SurfaceMethod, SwathDepth};
 use crate::export::{DrawnLines, isobaths_geojson, metres_raster};
@@ -26,8 +29,11 @@ const RECORD: &str = "tile.json";
 pub(super) const DEPTH: &str = "depth.tif";
 pub(super) const UNCERTAINTY: &str = "uncertainty.tif";
 pub(super) const ISOBATHS: &str = "isobaths.geojson";
+pub(super) const ECHOES: &str = "mosaic.tif";
+/// Those of the depths.
+pub(super) const DEPTH_FILES: [&str; 3] = [DEPTH, UNCERTAINTY, ISOBATHS];
 /// All of them, the one first that says what the others are.
-const FILES: [&str; 4] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS];
+const FILES: [&str; 5] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS, ECHOES];
 
 /// What is known of a tile's map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,12 +41,14 @@ const FILES: [&str; 4] = [RECORD, DEPTH, UNCERTAINTY, ISOBATHS];
 pub struct TileRecord {
     /// What it was made from.
     made: MadeFrom,
-    /// Cells with a depth; without any there is no other file.
+    /// Cells with a depth; without any there is no file of depths.
     pub cells: usize,
     /// Shallowest and deepest, metres; empty without any.
     pub depth_m: Vec<f64>,
     /// Lines of equal depth.
     pub isobaths: usize,
+    /// Cells of the mosaic; without any there is none.
+    pub mosaic_cells: usize,
     /// The files, in the folder of the tile.
     pub files: Vec<Fingerprint>,
 }
@@ -52,6 +60,8 @@ struct MadeFrom {
     program: String,
     lake: LakeRecord,
     logs: Vec<TileLog>,
+    /// The parts of the mosaic, in the order in which they are laid over each other.
+    mosaic: Vec<MosaicPart>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,6 +72,16 @@ struct TileLog {
     offset_m: f64,
     /// East, north and latency.
     shift: [f64; 3],
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MosaicPart {
+    log: String,
+    sha256: String,
+    /// Of what the levels count; empty where they all count the same.
+    weights_sha256: String,
+    level_factor: f64,
 }
 
 /// How a tile's map stands to the rows and offsets of its logs.
@@ -92,15 +112,25 @@ impl MadeFrom {
             let rows = log.rows_in(tile).filter(|rows| rows.points > 0)?;
             Some(TileLog {
                 log: log.log.clone(),
-                points_sha256: rows.points_sha256().to_owned(),
+                points_sha256: rows.sha256_of(POINTS).to_owned(),
                 offset_m: offsets.of(&log.log),
                 shift: offsets.shift_of(&log.log).values(),
+            })
+        });
+        let parts = logs_in_order(tile, logs).into_iter().filter_map(|log| {
+            let rows = log.rows_in(tile)?;
+            Some(MosaicPart {
+                log: log.log.clone(),
+                sha256: rows.sha256_of(MOSAIC).to_owned(),
+                weights_sha256: rows.sha256_of(WEIGHTS).to_owned(),
+                level_factor: offsets.level_factor(&log.log),
             })
         });
         Self {
             program: format!("bathyscope {}", env!("CARGO_PKG_VERSION")),
             lake: lake.record.clone(),
             logs: with_points.collect(),
+            mosaic: parts.collect(),
         }
     }
 }
@@ -110,6 +140,11 @@ impl TileRecord {
     pub fn read(lake: &Lake, tile: TileId) -> Option<Self> {
         let text = regular_file::read_text(&folder_of(lake, tile).join(RECORD), LONGEST_RECORD);
         serde_json::from_str(&text.ok()?).ok()
+    }
+
+    /// Whether the tile has a file of a name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.files.iter().any(|file| file.file == name)
     }
 }
 
@@ -160,7 +195,7 @@ pub(super) fn remove(path: &Path) -> Result<(), LakeError> {
     }
 }
 
-/// Makes the map of a tile and writes its files, the record last.
+/// Makes the map and the mosaic of a tile and writes their files, the record last.
 ///
 /// # Errors
 /// When the tile has no rows, rows cannot be read, a file cannot be written, or the work was cancelled; the tile is then one whose map is
@@ -182,16 +217,13 @@ pub fn write_tile(
     let folder = folder_of(lake, tile);
     make_folder(&folder)?;
     // From here on its files are those of two maps.
-    for name in FILES {
-        if name == RECORD || made.is_none() {
-            remove(&folder.join(name))?;
-        }
-    }
+    remove(&folder.join(RECORD))?;
     let mut record = TileRecord {
         made: MadeFrom::of(lake, tile, logs, offsets),
         cells: 0,
         depth_m: Vec::new(),
         isobaths: 0,
+        mosaic_cells: write_mosaic(lake, tile, logs, offsets, &folder.join(ECHOES), progress)?,
         files: Vec::new(),
     };
     if let Some(made) = made {
@@ -204,14 +236,19 @@ pub fn write_tile(
         record.depth_m = Vec::from(made.surface.range_m());
         record.isobaths = made.isobaths.len();
         write_files(lake, tile, &made, progress)?;
-        for name in [DEPTH, UNCERTAINTY, ISOBATHS] {
-            let file = Fingerprint::of(&folder, name, progress).map_err(|error| {
-                format!(
-                    "cannot read the file: {error}: {}",
-                    folder.join(name).display()
-                )
-            })?;
+    }
+    for name in FILES.into_iter().skip(1) {
+        let path = folder.join(name);
+        let is_made = match name {
+            ECHOES => record.mosaic_cells > 0,
+            _ => record.cells > 0,
+        };
+        if is_made {
+            let file = Fingerprint::of(&folder, name, progress)
+                .map_err(|error| format!("cannot read the file: {error}: {}", path.display()))?;
             record.files.push(file);
+        } else {
+            remove(&path)?;
         }
     }
     write_json(&folder.join(RECORD), &record)?;

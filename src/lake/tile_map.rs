@@ -109,11 +109,7 @@ fn with_margin(tile: TileId, cell_m: f64) -> Grid {
 
 /// Where a tile reaches across the edge of its zone, cells beyond belong to the other zone.
 fn blank_other_zones(surface: &mut Surface, tile: TileId) {
-    let [west, south, east, north] = tile.bounds_m();
-    let middle = tile
-        .zone
-        .to_lon_lat([0.5 * (west + east), 0.5 * (south + north)]);
-    if UtmZone::near(middle, TILE_M) == [tile.zone] {
+    if tile.is_within_zone() {
         return;
     }
     let grid = surface.grid;

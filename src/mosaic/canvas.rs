@@ -2,12 +2,10 @@
 
 use super::layout::Ray;
 use super::line::Line;
+use super::overlap::CellSum;
 use super::scan::spans;
 use super::{MosaicSettings, Overlap};
 use crate::bathymetry::Grid;
-
-/// Weight of the edges of a swath in a blend; its middle has 1.
-const EDGE_WEIGHT: f64 = 0.03;
 
 /// A window of cells.
 pub struct Canvas {
@@ -18,8 +16,7 @@ pub struct Canvas {
     window: Grid,
     /// Cells from a row to the next.
     stride: usize,
-    /// Weighted sum of levels, and the weights.
-    sums: Vec<[f32; 2]>,
+    sums: Vec<CellSum>,
 }
 
 impl Canvas {
@@ -31,7 +28,7 @@ impl Canvas {
             water_column: settings.water_column,
             window,
             stride: columns,
-            sums: vec![[0.0; 2]; columns * rows],
+            sums: vec![CellSum::default(); columns * rows],
         }
     }
 
@@ -82,49 +79,23 @@ impl Canvas {
                 let levels = lines.map(|line| line.at(ground_m));
                 let level = levels[0] + (levels[1] - levels[0]) * share as f32;
                 if !level.is_nan() {
-                    self.lay(row * self.stride + column, level, ground_m / reach_m);
+                    let echo = CellSum::of(level, self.overlap.weight(ground_m / reach_m));
+                    let cell = &mut self.sums[row * self.stride + column];
+                    self.overlap.join(cell, echo);
                 }
             }
         }
     }
 
-    /// Lays a level over a cell that lies at a share of the way out.
-    fn lay(&mut self, cell: usize, level: f32, way: f64) {
-        let sum = &mut self.sums[cell];
-        match self.overlap {
-            Overlap::Later => *sum = [level, 1.0],
-            Overlap::Brighter if sum[1] == 0.0 || level > sum[0] => *sum = [level, 1.0],
-            Overlap::Brighter => {}
-            Overlap::Middle => {
-                let weight = middle_weight(way);
-                if weight > sum[1] {
-                    *sum = [level * weight, weight];
-                }
-            }
-            Overlap::Blend => {
-                let weight = middle_weight(way);
-                *sum = [sum[0] + level * weight, sum[1] + weight];
-            }
-        }
+    /// What is in each cell.
+    pub fn sums(&self) -> &[CellSum] {
+        &self.sums
     }
 
     /// 0 where nothing was seen, else 1 to 255.
     pub fn finish(self) -> Vec<u8> {
-        let level = |&[sum, weight]: &[f32; 2]| {
-            if weight > 0.0 {
-                (sum / weight).round().clamp(1.0, 255.0) as u8
-            } else {
-                0
-            }
-        };
-        self.sums.iter().map(level).collect()
+        self.sums.iter().map(CellSum::level).collect()
     }
-}
-
-/// What a level counts at a share of the way out: most in the middle of the swath.
-fn middle_weight(way: f64) -> f32 {
-    let way = way.clamp(0.0, 1.0);
-    (4.0 * way * (1.0 - way)).max(EDGE_WEIGHT) as f32
 }
 
 /// The ground between two rays, on which one is turned and moved evenly into the other.

@@ -11,13 +11,37 @@ use crate::progress::{Cancelled, Progress};
 use std::collections::BTreeMap;
 
 /// Cells in which levels are compared: metres, unless that would make more than so many along a side.
-const CELL_M: f64 = 1.0;
+pub const LEVEL_CELL_M: f64 = 1.0;
 const MOST_CELLS: f64 = 2000.0;
 /// Cells of a block give one difference, since neighbours show the same echoes: its side in cells, and the fewest cells.
 const BLOCK_CELLS: usize = 10;
 const LEAST_CELLS: usize = 10;
 /// Bounds of the factor that makes logs alike: beyond them they show different things.
 const FACTORS: [f64; 2] = [0.25, 4.0];
+
+/// The factor on the levels of a log whose logarithm an adjustment of differences gives.
+pub fn level_factor(ln: f64) -> f64 {
+    ln.exp().clamp(FACTORS[0], FACTORS[1])
+}
+
+/// Differences of the logarithms of levels where logs show the same ground. Each has all cells of a grid of about [`LEVEL_CELL_M`], 0 where it shows
+/// nothing; the meetings name logs by their places in the list.
+pub fn level_differences(logs: &[Vec<u8>], grid: &Grid) -> Vec<Meeting> {
+    let band = BLOCK_CELLS * grid.columns;
+    let mut found = Vec::new();
+    // A row of blocks at a time, which is little to hold of many logs.
+    for first in (0..grid.len()).step_by(band.max(1)) {
+        let mut cells: BTreeMap<usize, Vec<(usize, u8)>> = BTreeMap::new();
+        for (index, levels) in logs.iter().enumerate() {
+            let levels = levels.iter().enumerate().skip(first).take(band);
+            for (cell, level) in levels.filter(|(_, level)| **level > 0) {
+                cells.entry(cell).or_default().push((index, *level));
+            }
+        }
+        found.extend(differences(&cells, grid));
+    }
+    found
+}
 
 /// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
 pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
@@ -40,11 +64,11 @@ pub fn match_levels(
     settings: &MosaicSettings,
     progress: &Progress,
 ) -> Result<Vec<MosaicLog>, Cancelled> {
-    let sides = joint_grid(&logs, CELL_M).map(|grid| grid.columns.max(grid.rows) as f64);
+    let sides = joint_grid(&logs, LEVEL_CELL_M).map(|grid| grid.columns.max(grid.rows) as f64);
     let Some(most) = sides.filter(|_| logs.len() > 1 && settings.gain == Gain::Empirical) else {
         return Ok(logs);
     };
-    let cell_m = CELL_M * (most / MOST_CELLS).max(1.0);
+    let cell_m = LEVEL_CELL_M * (most / MOST_CELLS).max(1.0);
     let Some(grid) = joint_grid(&logs, cell_m) else {
         return Ok(logs);
     };
@@ -67,7 +91,7 @@ pub fn match_levels(
     }
     let found = adjust(logs.len(), &differences(&cells, &grid), Datum::Mean);
     for (log, offset) in logs.iter_mut().zip(found.logs) {
-        let factor = offset.offset_m.exp().clamp(FACTORS[0], FACTORS[1]);
+        let factor = level_factor(offset.offset_m);
         log.gain = log.gain.clone().brightened(factor as f32);
     }
     Ok(logs)

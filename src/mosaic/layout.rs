@@ -398,17 +398,21 @@ impl Layout {
     pub fn index(&self, grid: &Grid) -> TileIndex {
         let mut tiles: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         let tile_m = grid.cell_m * TILE_CELLS as f64;
-        for (ping, side, strip) in self.strips() {
+        let last = |cells: usize| (cells.div_ceil(TILE_CELLS) as u32).saturating_sub(1);
+        for (ping, side) in self.strips_in(grid_bounds(grid)) {
+            let Some(strip) = self.strip(ping, side) else {
+                continue;
+            };
             let corners = self.corners(&strip);
-            let span = |axis: usize, from_m: f64, sign: f64| {
+            let span = |axis: usize, from_m: f64, sign: f64, last: u32| {
                 let places =
                     corners.map(|corner| (sign * (corner[axis] - from_m) / tile_m).max(0.0));
                 let low = places.iter().copied().fold(f64::MAX, f64::min);
                 let high = places.iter().copied().fold(0.0, f64::max);
-                low as u32..=high as u32
+                low as u32..=(high as u32).min(last)
             };
-            for row in span(1, grid.north_m, -1.0) {
-                for column in span(0, grid.west_m, 1.0) {
+            for row in span(1, grid.north_m, -1.0, last(grid.rows)) {
+                for column in span(0, grid.west_m, 1.0, last(grid.columns)) {
                     let north_m = grid.north_m - f64::from(row) * tile_m;
                     let west_m = grid.west_m + f64::from(column) * tile_m;
                     let ground = [west_m, north_m - tile_m, west_m + tile_m, north_m];
@@ -422,6 +426,21 @@ impl Layout {
         }
         TileIndex { tiles }
     }
+
+    /// A box around each strip.
+    pub fn strip_bounds(&self) -> impl Iterator<Item = Bounds> {
+        (self.strips()).map(|(_, _, strip)| around(NOWHERE, &self.corners(&strip)))
+    }
+}
+
+/// West, south, east and north edge of a grid, metres.
+pub(super) fn grid_bounds(grid: &Grid) -> Bounds {
+    [
+        grid.west_m,
+        grid.north_m - grid.rows as f64 * grid.cell_m,
+        grid.west_m + grid.columns as f64 * grid.cell_m,
+        grid.north_m,
+    ]
 }
 
 /// `bounds` enlarged to hold some places.

@@ -5,7 +5,8 @@
 //! Navigation --layout--> Layout: rays in the plane of the map, which tiles they cross
 //! Survey --gain--> GainTable: what level the ground has by range and angle
 //! Layout + GainTable --line--> levels of each ping at even steps on the ground
-//! lines --paint, canvas--> Tile of 256 x 256 cells
+//! lines --paint, canvas, overlap--> Tile of 256 x 256 cells
+//!                            '--part--> what one log shows of a tile, to be joined with those of others later
 //! ```
 //!
 //! The ground to the side of the boat is that of the log's own depths ([`crate::survey::Relief`]), held to the first return, which comes from
@@ -21,34 +22,24 @@ mod gain;
 mod joint;
 mod layout;
 mod line;
+mod overlap;
 mod paint;
+mod part;
 mod scan;
 
 pub use altitude::altitudes_m;
 pub use footprint::footprint;
 pub use gain::{GainTable, gain_table};
-pub use joint::{joint_bounds, joint_grid, match_levels};
+pub use joint::{
+    LEVEL_CELL_M, joint_bounds, joint_grid, level_differences, level_factor, match_levels,
+};
 pub use layout::{Bounds, Layout, Ray, TileIndex, joined_way_m};
+pub use overlap::Overlap;
 pub use paint::{MosaicLog, TILE_CELLS, Tile, joint_tile, joint_window, tile, window};
+pub use part::{LogPart, join_parts, part};
 
 use crate::presentation::colours;
 use serde::{Deserialize, Serialize};
-
-/// What a cell shows that was seen more than once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Overlap {
-    /// The later pass over the earlier.
-    #[default]
-    Later,
-    /// The brighter echo: objects stay, shadows are lost.
-    Brighter,
-    /// The echo that lies nearest to the middle of its swath, halfway out, where a side-scan hears the ground best: objects and shadows
-    /// stay, and a swath's weak ends show only where there is nothing else.
-    Middle,
-    /// The mean, weighted towards the middle of each swath: smooth, but objects and shadows fade.
-    Blend,
-}
 
 /// How levels are made even across the track.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! Draws tiles and other windows: each cell takes the mean of the samples that it covers on the ray through its middle.
 
 use super::canvas::Canvas;
-use super::layout::{Layout, Ray, TileIndex};
+use super::layout::{Layout, Ray, TileIndex, grid_bounds};
 use super::line::{Line, Lines};
 use super::{GainTable, MosaicSettings};
 use crate::bathymetry::Grid;
@@ -47,6 +47,17 @@ struct Part<'a> {
     index: &'a TileIndex,
 }
 
+impl<'a> Part<'a> {
+    fn of(log: &'a MosaicLog, index: &'a TileIndex) -> Self {
+        Self {
+            survey: &log.survey,
+            layout: &log.layout,
+            gain: &log.gain,
+            index,
+        }
+    }
+}
+
 /// Draws the tile of a row and column of tiles. `gain` is used where the settings ask for it.
 pub fn tile(
     survey: &Survey,
@@ -74,12 +85,7 @@ pub fn joint_tile(
     settings: &MosaicSettings,
     place: [usize; 2],
 ) -> Tile {
-    let parts = logs.iter().map(|(log, index)| Part {
-        survey: &log.survey,
-        layout: &log.layout,
-        gain: &log.gain,
-        index,
-    });
+    let parts = logs.iter().map(|(log, index)| Part::of(log, index));
     tile_of(parts, grid, settings, place)
 }
 
@@ -87,8 +93,30 @@ fn tile_of<'a>(
     parts: impl Iterator<Item = Part<'a>>,
     grid: &Grid,
     settings: &MosaicSettings,
-    [row, column]: [usize; 2],
+    place: [usize; 2],
 ) -> Tile {
+    Tile {
+        levels: painted(parts, grid, settings, place).finish(),
+    }
+}
+
+/// A tile of one log before it is finished.
+pub(super) fn painted_log(
+    log: &MosaicLog,
+    index: &TileIndex,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    place: [usize; 2],
+) -> Canvas {
+    painted(std::iter::once(Part::of(log, index)), grid, settings, place)
+}
+
+fn painted<'a>(
+    parts: impl Iterator<Item = Part<'a>>,
+    grid: &Grid,
+    settings: &MosaicSettings,
+    [row, column]: [usize; 2],
+) -> Canvas {
     let (first_row, first_column) = (row * TILE_CELLS, column * TILE_CELLS);
     let window = Grid {
         west_m: grid.west_m + first_column as f64 * grid.cell_m,
@@ -105,9 +133,7 @@ fn tile_of<'a>(
         let lines = Lines::new(part.survey, part.layout, part.gain, settings, grid.cell_m);
         let Ok(()) = draw(&mut canvas, part.layout, &lines, strips, go_on);
     }
-    Tile {
-        levels: canvas.finish(),
-    }
+    canvas
 }
 
 /// Draws all cells of a grid, row by row: 0 where nothing was seen, else 1 to 255. With a thinned layout a coarse grid costs
@@ -142,12 +168,7 @@ pub fn joint_window<'a>(
     progress: &Progress,
 ) -> Result<Vec<u8>, Cancelled> {
     let mut canvas = Canvas::new(*grid, [grid.columns, grid.rows], settings);
-    let ground = [
-        grid.west_m,
-        grid.north_m - grid.rows as f64 * grid.cell_m,
-        grid.west_m + grid.columns as f64 * grid.cell_m,
-        grid.north_m,
-    ];
+    let ground = grid_bounds(grid);
     for (survey, layout, gain) in logs {
         let strips = layout.strips_in(ground);
         let lines = Lines::new(survey, layout, gain, settings, grid.cell_m);

@@ -50,12 +50,12 @@ pub fn write(results: &Results<'_>, path: &Path) -> Result<FileContent, OutputEr
         .collect();
     let draw = |place: [usize; 2]| {
         let levels = joint_tile(&parts, &grid, settings, place).levels;
-        match settings.colours {
+        Ok(match settings.colours {
             Colours::Grey => levels,
             Colours::Copper => (levels.iter())
                 .flat_map(|&level| settings.colours.rgba(level))
                 .collect(),
-        }
+        })
     };
     let spec = spec(&grid, map, &results.name(), settings.colours);
     geotiff(path, &spec, &places, draw, results.progress)?;
@@ -79,19 +79,12 @@ fn summary(grid: &Grid, map: &MapPlane) -> Summary {
     summary
 }
 
-/// What a cell of a grey mosaic holds.
-const LEVEL: Band = Band {
-    name: "echo level",
-    unit: "",
-    positive_down: false,
-};
-
 const _: () = assert!(TILE_CELLS == RASTER_TILE, "a tile is drawn as it is stored");
 
 fn spec(grid: &Grid, map: &MapPlane, name: &str, colours: Colours) -> RasterSpec {
     // Levels are one band, which a map program can stretch; colours are a picture.
     let (cells, band) = match colours {
-        Colours::Grey => (Cells::Level, Some(LEVEL)),
+        Colours::Grey => (Cells::Level, Some(Band::ECHO_LEVEL)),
         Colours::Copper => (Cells::Rgba, None),
     };
     RasterSpec {

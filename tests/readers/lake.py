@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Opens a lake of many logs with readers that are not ours: DuckDB, Arrow and GeoPandas for its rows, GDAL for its maps and their VRT, pystac
+"""Opens a lake of many logs with readers that are not ours: DuckDB, Arrow and GeoPandas for its rows, GDAL for its maps and mosaics and their VRTs, pystac
 for its index; fails on the first that disagrees."""
 
+import csv
 import json
 import sys
 from pathlib import Path
@@ -32,10 +33,17 @@ def check_rows(folder, logs):
     """Every file of rows against the records of the logs; how many there are."""
     halo_m = json.loads((folder / "lake.json").read_text())["halo_m"]
     named = {file["file"]: (log, rows) for log in logs for rows in log["tiles"] for file in rows["files"]}
-    there = {str(path.relative_to(folder)) for kind in ("points", "pings") for path in folder.glob(f"{kind}/*/*.parquet")}
+    kinds = {"points": "parquet", "pings": "parquet", "mosaic": "tif", "mosaic_weights": "tif"}
+    there = {str(path.relative_to(folder)) for kind, ending in kinds.items() for path in folder.glob(f"{kind}/*/*.{ending}")}
     assert there == set(named), f"records and folder differ in {there ^ set(named)}"
+    for log, rows in named.values():
+        has_part = any(file["file"].startswith("mosaic/") for file in rows["files"])
+        assert has_part == (rows["mosaic_cells"] > 0), f"{rows['tile']}: {rows['mosaic_cells']} cells of a mosaic"
     for name, (log, rows) in named.items():
         kind = name.split("/")[0]
+        if kinds[kind] == "tif":
+            check_part(folder / name, rows)
+            continue
         metadata = pyarrow.parquet.read_metadata(folder / name)
         assert metadata.num_rows == rows[kind], f"{name}: {metadata.num_rows} rows, not {rows[kind]}"
         assert metadata.created_by == "bathyscope"
@@ -60,6 +68,49 @@ def check_rows(folder, logs):
     return len(named)
 
 
+def check_part(path, rows):
+    """A log's part of the mosaic of a tile, on the cells of the tile."""
+    epsg, west, south = system(rows["tile"])
+    check_cloud_optimized(path.name, path)
+    with rasterio.open(path) as raster:
+        assert raster.crs.to_epsg() == epsg
+        assert numpy.allclose(raster.bounds, (west, south, west + TILE_M, south + TILE_M), atol=1e-6), raster.bounds
+        count = raster.read(1, masked=True).count()
+    assert count == rows["mosaic_cells"], f"{path}: {count} cells, not {rows['mosaic_cells']}"
+
+
+def check_mosaic(folder, tile, logs, record):
+    """The mosaic of a tile: what any log shows there, in the levels of one of them, and the VRT shows the same."""
+    epsg, west, south = system(tile)
+    path = folder / f"tiles/{tile}/mosaic.tif"
+    assert path.is_file() == (record["mosaic_cells"] > 0), path
+    if not path.is_file():
+        return
+    check_cloud_optimized("mosaic.tif", path)
+    with rasterio.open(path) as raster:
+        assert raster.crs.to_epsg() == epsg and raster.dtypes == ("uint8",) and raster.descriptions == ("echo level",)
+        assert numpy.allclose(raster.bounds, (west, south, west + TILE_M, south + TILE_M), atol=1e-6), raster.bounds
+        levels, mask = raster.read(1), raster.dataset_mask()
+    assert ((mask > 0) == (levels > 0)).all() and (mask > 0).sum() == record["mosaic_cells"]
+    # By the rule of the usual setting: the later log over the earlier.
+    parts = [log for log in logs if any(rows["tile"] == tile and rows["mosaic_cells"] for rows in log["tiles"])]
+    parts.sort(key=lambda log: (float("-inf") if log["start_unix_s"] is None else log["start_unix_s"], log["log"]))
+    with open(folder / "offsets.csv") as table:
+        factors = {row["log"]: numpy.float32(row["level_factor"]) for row in csv.DictReader(table)}
+    expected = numpy.zeros_like(levels)
+    for log in parts:
+        with rasterio.open(folder / f"mosaic/tile={tile}/{log['log']}.tif") as part:
+            of_log = part.read(1)
+        brightened = numpy.floor(of_log * factors[log["log"]] + numpy.float32(0.5)).clip(1, 255)
+        of_log = numpy.where(of_log > 0, brightened, 0).astype("uint8")
+        expected = numpy.where(of_log > 0, of_log, expected)
+    assert (levels == expected).all(), f"{tile}: the mosaic is not that of its logs"
+    with rasterio.open(folder / f"index/mosaic_{tile.split('_')[0]}.vrt") as whole:
+        window = rasterio.windows.from_bounds(west, south, west + TILE_M, south + TILE_M, whole.transform)
+        window = window.round_offsets().round_lengths()
+        assert numpy.array_equal(whole.read(1, window=window), levels), f"{tile}: the VRT shows another mosaic"
+
+
 def check_partitions(folder, logs):
     """The partitions as DuckDB reads them."""
     rows = f"read_parquet('{folder}/points/*/*.parquet', hive_partitioning = true)"
@@ -75,14 +126,17 @@ def check_partitions(folder, logs):
     assert cores == sum(log["points"] for log in logs), "points outside of halos"
 
 
-def check_maps(folder):
-    """Maps against their records and the VRT; which tiles they are of."""
+def check_maps(folder, logs):
+    """Maps and mosaics against their records and the VRTs; which tiles have any."""
     mapped = set()
     for path in sorted(folder.glob("tiles/*/tile.json")):
         record, tile = json.loads(path.read_text()), path.parent.name
         if not record["files"]:
             continue
         mapped.add(tile)
+        check_mosaic(folder, tile, logs, record)
+        if not record["cells"]:
+            continue
         epsg, west, south = system(tile)
         for name in ("depth.tif", "uncertainty.tif"):
             check_cloud_optimized(name, path.parent / name)
@@ -128,7 +182,7 @@ def check(folder):
     logs = [json.loads(path.read_text()) for path in sorted(folder.glob("logs/*.json"))]
     files = check_rows(folder, logs)
     check_partitions(folder, logs)
-    maps = check_maps(folder)
+    maps = check_maps(folder, logs)
     items = check_index(folder)
     # An item must have a time, which some recorders do not know.
     timed = {rows["tile"] for log in logs for rows in log["tiles"] if rows["unix_s"]}

@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 import lake
+import numpy
 import rasterio
 import tiles
 from check import check
@@ -210,6 +211,15 @@ def move_in_vrt(folder):
     path.write_text(path.read_text().replace('<DstRect xOff="', '<DstRect xOff="1'))
 
 
+def spoil_mosaic(folder):
+    """Changes a level of the mosaic of a tile."""
+    with rasterio.Env(IGNORE_COG_LAYOUT_BREAK="YES"), rasterio.open(first(folder, "tiles/*/mosaic.tif"), "r+") as raster:
+        levels = raster.read(1)
+        row, column = numpy.argwhere(levels > 0)[0]
+        levels[row, column] = 255 - levels[row, column] // 2
+        raster.write(levels, 1)
+
+
 LAKE_SPOILERS = {
     "a point too many": edit_first("logs/*.json", lambda log: log["tiles"][0].update(points=log["tiles"][0]["points"] + 1)),
     "a tile of another zone": edit_first("logs/*.json", lambda log: log["tiles"][0].update(tile="18N_392192_3253760")),
@@ -217,6 +227,10 @@ LAKE_SPOILERS = {
     "rows that no record names": lambda folder: first(folder, "points/*/*.parquet").with_name("0.parquet").write_bytes(b""),
     "a map moved by a cell": move_map,
     "a map of other depths": edit_first("tiles/*/tile.json", lambda tile: tile.update(depth_m=[0.0, 99.0])),
+    "a mosaic of other echoes": spoil_mosaic,
+    "a part of the mosaic with a cell too many": edit_first(
+        "logs/*.json", lambda log: log["tiles"][0].update(mosaic_cells=log["tiles"][0]["mosaic_cells"] + 1)
+    ),
     "a VRT with a tile at another place": move_in_vrt,
     "an isobath too few": edit_first("tiles/*/isobaths.geojson", lambda lines: lines["features"].pop()),
     "map tiles of a map that is not there": edit(

@@ -185,5 +185,5 @@ def check_lake(folder):
     _, tiles, count = check_set(folder / "map_tiles", depth_at)
     made = json.loads((folder / "map_tiles/map_tiles.json").read_text())["made"]["tiles"]
     maps = [json.loads(path.read_text()) for path in folder.glob("tiles/*/tile.json")]
-    assert len(made) == sum(bool(one["files"]) for one in maps), f"made of {len(made)} maps"
+    assert len(made) == sum(bool(one["cells"]) for one in maps), f"made of {len(made)} maps"
     return tiles, count

@@ -39,6 +39,8 @@ struct Printed<'a> {
     shift_error_m: Option<f64>,
     latency_s: f64,
     latency_error_s: Option<f64>,
+    level_factor: f64,
+    level_ties: usize,
 }
 
 /// Finds the offsets, writes the table and prints it.
@@ -66,6 +68,8 @@ pub fn run(args: &AdjustArgs) -> Result<(), String> {
             shift_error_m: known(row.shift_error_m),
             latency_s: row.shift.latency_s,
             latency_error_s: known(row.latency_error_s),
+            level_factor: row.level_factor(),
+            level_ties: row.level_ties(),
         });
         return output::json(&printed.collect::<Vec<_>>());
     }
@@ -141,6 +145,9 @@ fn of_log(row: &OffsetRow) -> String {
             "; {:+.2} s late, standard error {:.2} s",
             shift.latency_s, row.latency_error_s
         );
+    }
+    if row.level_ties() > 0 {
+        text += &format!("; levels times {:.3}", row.level_factor());
     }
     text
 }

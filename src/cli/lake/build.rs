@@ -50,7 +50,7 @@ pub fn run(args: &LakeArgs) -> Result<(), String> {
         )?;
     }
     output::results(format_args!(
-        "{} of {} made, the others are up to date; the index is index/depth_*.vrt and index/collection.json",
+        "{} of {} made, the others are up to date; the index is index/depth_*.vrt, index/mosaic_*.vrt and index/collection.json",
         due.len(),
         text::plural(all.len(), "map", "maps")
     ))

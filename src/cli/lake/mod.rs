@@ -60,12 +60,17 @@ fn make_maps(
 
 /// What became of a tile.
 fn of_tile(tile: TileId, record: &TileRecord) -> String {
-    match record.depth_m.as_slice() {
+    let depths = match record.depth_m.as_slice() {
         [least_m, most_m] => format!(
-            "{tile}: {}, {least_m:.2} to {most_m:.2} m deep, {}",
+            "{}, {least_m:.2} to {most_m:.2} m deep, {}",
             text::plural(record.cells, "cell", "cells"),
             text::plural(record.isobaths, "isobath", "isobaths")
         ),
-        _ => format!("{tile}: no depth in the tile itself"),
-    }
+        _ => "no depth in the tile itself".to_owned(),
+    };
+    let mosaic = match record.mosaic_cells {
+        0 => "no mosaic".to_owned(),
+        cells => format!("mosaic of {}", text::plural(cells, "cell", "cells")),
+    };
+    format!("{tile}: {depths}, {mosaic}")
 }

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! `directory` lays out the tags, `metadata` what GDAL adds to a band, `statistics` its figures. `cells` reads a raster of any program
-//! back, as points or cell by cell; `placing` is where its cells lie, also for the pixels of a base map.
+//! back, as points or cell by cell, `tiles` one of our own tile by tile; `placing` is where its cells lie, also for the pixels of a base map.
 
 mod cells;
 mod directory;
@@ -20,10 +20,12 @@ mod pack;
 mod placing;
 mod scratch;
 mod statistics;
+mod tiles;
 mod writer;
 
 pub use cells::{CellsError, RasterPoints, RasterValues, read_cells, read_values};
 pub use placing::{GeoKeys, Placing};
+pub use tiles::RasterTiles;
 
 use crate::geo::Crs;
 use crate::progress::Progress;
@@ -83,6 +85,15 @@ pub struct Band {
     pub positive_down: bool,
 }
 
+impl Band {
+    /// Of a grey mosaic.
+    pub const ECHO_LEVEL: Self = Self {
+        name: "echo level",
+        unit: "",
+        positive_down: false,
+    };
+}
+
 /// A raster and its place.
 #[derive(Clone, Debug)]
 pub struct RasterSpec {
@@ -111,13 +122,13 @@ pub struct RasterSpec {
 /// must be empty. On the way the tiles lie in `scratch`, an empty file that is open for reading and writing.
 ///
 /// # Errors
-/// What the system says; that the raster passes 4 GB, which is as far as the format reaches; or that the work was cancelled.
+/// What the system or `draw` says; that the raster passes 4 GB, which is as far as the format reaches; or that the work was cancelled.
 pub fn write(
     file: File,
     scratch: File,
     spec: &RasterSpec,
     tiles: &[[usize; 2]],
-    draw: impl Fn([usize; 2]) -> Vec<u8> + Sync,
+    draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
     progress: &Progress,
 ) -> io::Result<()> {
     // Each overview has a quarter of the tiles of the level before it.

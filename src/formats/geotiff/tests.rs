@@ -10,6 +10,7 @@ fn geotiff(
 ) {
     let file = File::create(path).unwrap();
     let scratch = tempfile::tempfile().unwrap();
+    let draw = |tile| Ok(draw(tile));
     write(file, scratch, spec, tiles, draw, &Progress::new()).unwrap();
 }
 
@@ -249,4 +250,49 @@ fn halves_are_means_of_what_is_known() {
         [at(128, 0), at(129, 1), at(128, 1), at(0, 0)],
         [1.5, 7.0, NODATA, NODATA]
     );
+}
+
+#[test]
+fn tiles_come_back_as_they_were_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let level = |tile: [usize; 2], cell: usize| (1 + tile[0] + 3 * tile[1] + cell % 200) as u8;
+    let inside = |tile: [usize; 2], cell: usize| {
+        let [row, column] = [cell / RASTER_TILE, cell % RASTER_TILE];
+        tile[0] * RASTER_TILE + row < 300 && tile[1] * RASTER_TILE + column < 700
+    };
+    let draw = |tile: [usize; 2]| -> Vec<u8> {
+        let cells = 0..RASTER_TILE * RASTER_TILE;
+        cells
+            .map(|cell| u8::from(inside(tile, cell)) * level(tile, cell))
+            .collect()
+    };
+    let drawn = [[0, 1], [1, 2]];
+    geotiff(&path, &spec(700, 300, Cells::Level), &drawn, draw);
+    let raster = RasterTiles::open(&path).unwrap();
+    assert_eq!(raster.size(), [700, 300]);
+    assert_eq!(raster.tiles().collect::<Vec<_>>(), drawn);
+    for tile in drawn {
+        assert!(raster.may_hold(tile));
+        assert!(raster.levels(tile).unwrap() == draw(tile), "{tile:?}");
+    }
+    assert!(!raster.may_hold([0, 0]) && !raster.may_hold([0, 3]));
+    assert!(
+        raster
+            .levels([0, 0])
+            .unwrap()
+            .iter()
+            .all(|level| *level == 0)
+    );
+    assert!(raster.values([0, 1]).is_err(), "levels are no numbers");
+    let coarse = raster.overview(1).unwrap();
+    assert_eq!(coarse.len(), 350 * 150);
+    let four = [0, 1, 256, 257].map(|cell| u16::from(draw([0, 1])[cell]));
+    let mean = (four.iter().sum::<u16>() + 2) / 4;
+    assert_eq!(u16::from(coarse[128]), mean);
+    assert_eq!(coarse[127], 0);
+    assert!(raster.overview(3).is_err(), "the coarsest has one tile");
+    std::fs::write(&path, b"II\x2a\0\x08\0\0\0").unwrap();
+    assert!(RasterTiles::open(&path).is_err());
+    assert!(raster.levels([0, 1]).is_err());
 }

@@ -53,7 +53,7 @@ impl<'a> Writer<'a> {
     pub fn base(
         &mut self,
         tiles: &[[usize; 2]],
-        draw: impl Fn([usize; 2]) -> Vec<u8> + Sync,
+        draw: impl Fn([usize; 2]) -> io::Result<Vec<u8>> + Sync,
         progress: &Progress,
     ) -> io::Result<()> {
         let cells = self.spec.cells;
@@ -65,7 +65,7 @@ impl<'a> Writer<'a> {
         for batch in tiles.chunks(BATCH) {
             progress.check().map_err(io::Error::other)?;
             let drawn = batch.par_iter().map(|&tile| {
-                let bytes = draw(tile);
+                let bytes = draw(tile)?;
                 let statistics = Statistics::of(cells, &bytes);
                 Ok((statistics, pack(cells, bytes)?))
             });

@@ -3,6 +3,7 @@
 mod killed;
 mod map_tiles;
 mod maps;
+mod mosaic;
 mod offsets;
 mod positions;
 mod rows;

@@ -119,12 +119,22 @@ fn a_pinned_log_stays_and_a_damaged_table_is_refused() {
             "{log}: {moved_m} {expected_m}"
         );
     }
-    fs::write(&path, table.replace(",0,0.000,", ",maybe,0.000,")).expect("a table");
-    let refused = refusal(folder, &["adjust", "lake"], 1);
-    assert!(
-        refused.contains("line 2 of the table of offsets"),
-        "{refused}"
-    );
+    let column = |name: &str| {
+        let head = table.lines().next().expect("a head");
+        let found = head.split(',').position(|column| column == name);
+        found.expect("a column")
+    };
+    for (name, text) in [("pinned", "maybe"), ("level_factor", "-1")] {
+        let first = table.lines().nth(1).expect("a row");
+        let mut fields: Vec<&str> = first.split(',').collect();
+        fields[column(name)] = text;
+        fs::write(&path, table.replace(first, &fields.join(","))).expect("a table");
+        let refused = refusal(folder, &["adjust", "lake"], 1);
+        assert!(
+            refused.contains("line 2 of the table of offsets"),
+            "{refused}"
+        );
+    }
     fs::write(&path, "name,offset_m\n").expect("a table");
     assert!(refusal(folder, &["lake", "lake"], 1).contains("no column log"));
 }
