@@ -67,7 +67,7 @@ pub use options::{
     CloudColour, CloudOptions, ColourMap, EchogramChannel, LayoutPreset, MapOptions, Orientation,
     PanelOptions, PanelShown, SideColours, ThemeChoice, View, ViewOptions, WaterfallOptions,
 };
-pub use passes::mark_of;
+pub use passes::{LogPass, PassesFound, mark_of};
 pub use planning::{PlanRequest, PlannedLines, Planning};
 pub use print::{Paper, PrintOptions, Sheet};
 pub use print_text::PrintText;

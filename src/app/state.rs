@@ -12,6 +12,7 @@ use super::measuring::Measuring;
 use super::mounting::Mountings;
 use super::notices::{Notice, Said};
 use super::objects::Objects;
+use super::passes::Passes;
 use super::planning::Planning;
 use super::preview::Previewer;
 use super::project::Keeping;
@@ -147,6 +148,7 @@ pub struct App {
     pub(super) tabulating: Tabulating,
     pub(super) heights: Heights,
     pub(super) deriving: Deriving,
+    pub(super) passes: Passes,
     pub(super) objects: Objects,
     pub(super) search: Search,
     pub(super) following: Following,
@@ -194,6 +196,7 @@ impl App {
             tabulating: Tabulating::default(),
             heights: Heights::default(),
             deriving: Deriving::default(),
+            passes: Passes::default(),
             objects: Objects::default(),
             search: Search::default(),
             following: Following::default(),
@@ -255,6 +258,7 @@ impl App {
             && !self.heights.is_busy()
             && !self.planning.is_busy()
             && !self.deriving.is_busy()
+            && !self.passes.is_busy()
             && !self.objects.is_busy()
             && !self.search.is_busy()
             && !self.following.is_busy()

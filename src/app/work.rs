@@ -34,6 +34,7 @@ impl App {
         self.poll_tables();
         self.poll_heights();
         self.poll_planning();
+        self.poll_passes();
         self.poll_project();
         self.poll_export();
         self.poll_detecting();
@@ -225,6 +226,7 @@ impl App {
         self.opening_base_map = None;
         self.comparing.stop();
         self.planning.stop();
+        self.passes.stop();
         self.tabulating.stop();
         self.each_log(|app| app.log.external.stop_reading());
     }

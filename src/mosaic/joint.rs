@@ -21,7 +21,7 @@ const FACTORS: [f64; 2] = [0.25, 4.0];
 
 /// What all logs cover: west, south, east and north, metres; `None` when nothing is shown.
 pub fn joint_bounds(logs: &[MosaicLog]) -> Option<Bounds> {
-    bounds_of(logs.iter().map(|log| &log.layout))
+    bounds_of(logs.iter().map(|log| &*log.layout))
 }
 
 /// The grid that holds what all logs show, its edges at whole cells; `None` when nothing is shown.
