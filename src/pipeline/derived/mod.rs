@@ -26,7 +26,7 @@ pub use isobaths::{IsobathKey, Isobaths};
 pub use mosaic::{FINEST, Mosaic, MosaicKey, MosaicPlane};
 pub use picture::PictureKey;
 
-use crate::bathymetry::isobaths::{IsobathSettings, TooManyLevels};
+use crate::bathymetry::isobaths::{IsobathSettings, NoIsobaths};
 use crate::mosaic::{GainTable, Layout};
 use crate::picture::LogPicture;
 use crate::pipeline::ProcessedLog;
@@ -44,7 +44,7 @@ const LAID_OUT_PINGS: usize = 1_000_000;
 /// Depth map, isobaths, mosaic and what logs are shown with, each made when it is first asked for.
 pub struct Derived {
     depth_map: Node<DepthMapKey, Option<Arc<DepthMap>>>,
-    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, TooManyLevels>>,
+    isobaths: Node<IsobathKey, Result<Arc<Isobaths>, NoIsobaths>>,
     gain: Node<GainKey, Option<Arc<GainTable>>>,
     layout: Node<LayoutKey, Arc<Layout>>,
     mosaic: Node<MosaicKey, Option<Arc<Mosaic>>>,
@@ -82,7 +82,7 @@ impl Derived {
         })
     }
 
-    /// The isobaths of a depth map; the inner error says why the settings give no depths to draw them at.
+    /// The isobaths of a depth map; the inner error says why the settings give none.
     ///
     /// # Errors
     /// When the work was cancelled.
@@ -91,15 +91,10 @@ impl Derived {
         depth_map: &Arc<DepthMap>,
         settings: &IsobathSettings,
         progress: &Progress,
-    ) -> Result<Result<Arc<Isobaths>, TooManyLevels>, Cancelled> {
+    ) -> Result<Result<Arc<Isobaths>, NoIsobaths>, Cancelled> {
         let key = IsobathKey::of(depth_map, settings);
         self.isobaths.get(key, progress, || {
-            let levels_m = match settings.levels_m(depth_map.surface.range_m()) {
-                Ok(levels_m) => levels_m,
-                Err(error) => return Ok(Err(error)),
-            };
-            let made = Isobaths::new(depth_map, levels_m, settings.shoal_safe, progress)?;
-            Ok(Ok(Arc::new(made)))
+            Ok(Isobaths::new(depth_map, settings, progress)?.map(Arc::new))
         })
     }
 
