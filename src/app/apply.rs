@@ -70,6 +70,7 @@ impl App {
             Command::Plan(request) => self.change_plan(request),
             Command::SavePlan(path) => self.save_plan(path),
             Command::OpenBaseMap(path) => self.open_base_map(path),
+            Command::OpenIsobathArea(path) => self.open_isobath_area(path),
             Command::OpenWaterLevels(path) => self.read_external(path, Some(Instrument::Gauge)),
             Command::OpenTrack(path) => self.read_external(path, Some(Instrument::Receiver)),
             Command::OpenTable(path) => self.read_external(path, None),
@@ -304,6 +305,7 @@ impl App {
             }
             Action::BaseMapLayer => self.options.map.layers.toggle(MapLayer::BaseMap),
             Action::CloseReference => self.leave_reference(),
+            Action::RemoveIsobathArea => self.remove_isobath_area(),
             Action::RemoveWaterLevels => self.remove_water_levels(),
             Action::RemoveTrack => self.remove_track(),
             Action::CloseBaseMap => self.close_base_map(),

@@ -155,6 +155,8 @@ pub enum Command {
     Measure(Measure),
     /// Show a picture of the analyst's own under the map.
     OpenBaseMap(PathBuf),
+    /// End isobaths at the polygons of this file.
+    OpenIsobathArea(PathBuf),
     /// Take the readings of the water's height in this file off the depths.
     OpenWaterLevels(PathBuf),
     /// Lay the track in this file over the recorder's.

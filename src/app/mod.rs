@@ -18,6 +18,7 @@ mod figures;
 mod following;
 mod heights;
 mod history;
+mod isobath_area;
 mod leaving_out;
 mod loader;
 mod logs;

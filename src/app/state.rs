@@ -6,6 +6,7 @@ use super::deriving::Deriving;
 use super::exporting::{Exported, Exporting};
 use super::following::Following;
 use super::heights::Heights;
+use super::isobath_area::ReadingArea;
 use super::loader::{Loading, Request};
 use super::logs::Logs;
 use super::measuring::Measuring;
@@ -158,6 +159,7 @@ pub struct App {
     pub(super) exporting: Option<Exporting>,
     pub(super) exported: Option<Exported>,
     pub(super) opening_base_map: Option<OpeningBaseMap>,
+    pub(super) reading_area: ReadingArea,
     pub(super) jobs: Jobs,
 }
 
@@ -205,6 +207,7 @@ impl App {
             exporting: None,
             exported: None,
             opening_base_map: None,
+            reading_area: ReadingArea::default(),
             jobs,
         }
     }
@@ -267,6 +270,7 @@ impl App {
             && !self.comparing.is_opening()
             && self.exporting.is_none()
             && self.opening_base_map.is_none()
+            && !self.reading_area.is_busy()
             && !self.logs().any(OpenLog::is_busy)
     }
 }

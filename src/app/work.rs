@@ -41,6 +41,7 @@ impl App {
         self.each_log(App::poll_log);
         self.poll_objects();
         self.poll_base_map();
+        self.poll_isobath_area();
         self.derive();
         self.derive_picture();
         self.follow_profile();
@@ -224,6 +225,7 @@ impl App {
         self.keeping.stop();
         self.exporting = None;
         self.opening_base_map = None;
+        self.reading_area.stop();
         self.comparing.stop();
         self.planning.stop();
         self.passes.stop();
